@@ -6,7 +6,9 @@ from math import isinf
 from pkgutil import resolve_name
 from typing import Any, Protocol, Self
 
-from gfmd_numba import scene
+import numpy as np
+
+from gfmd_numba import kernels, scene
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -94,6 +96,11 @@ class Interactions:
         """What the laws ask of a solver."""
         more = {"hardness": self.hardness is not None, "sticking": self.friction is not None and isinf(self.friction)}
         return tuple(LAWS[name].ability for name in self.laws) + tuple(name for name, is_so in more.items() if is_so)
+
+    @property
+    def conditions(self) -> kernels.Conditions:
+        """What holds at a node that touches."""
+        return kernels.Conditions(np.inf if self.hardness is None else self.hardness, self.friction or 0.0)
 
     @property
     def softening(self) -> float:

@@ -1,29 +1,25 @@
 """Every compiled function, and the records that they take."""
 
-from gfmd_numba.kernels.active_sets import (
-    Iterate,
-    closing_displacement,
-    contact_nodes,
-    newton_direction,
-    newton_error,
-    newton_update,
-    open_gap,
-    revise_contact,
-)
-from gfmd_numba.kernels.boundary_value_problem import Boundary, free_mean, prescribed_step, prescribed_violation
-from gfmd_numba.kernels.conditions import CoupledState, State, friction_violation, kkt_violation, wall_pressure
-from gfmd_numba.kernels.decay_contacts import (
+from gfmd_numba.kernels.conditions import Conditions, State, wall_pressure, wall_violation
+from gfmd_numba.kernels.decays import (
+    Decays,
     DecaySum,
+    Factors,
     Level,
     Lists,
     Task,
     Values,
     decay_contact,
+    decay_product,
+    exponential_sum_factor,
+    exponential_sum_solve,
+    least_squares,
+    parallel_solve,
     refined_pressure,
     touching_displacement,
 )
-from gfmd_numba.kernels.decay_sums import decay_product
 from gfmd_numba.kernels.energy_descent import (
+    Unknowns,
     descent_curvature,
     descent_direction,
     descent_norm,
@@ -32,40 +28,47 @@ from gfmd_numba.kernels.energy_descent import (
     descent_update,
     descent_work,
 )
-from gfmd_numba.kernels.exponential_sum import Decays, Factors, exponential_sum_factor, exponential_sum_solve
-from gfmd_numba.kernels.gradients import cg_direction, cg_free, cg_gap, cg_update, close_gap
-from gfmd_numba.kernels.hardness import bound, damp, level, revise_bounds, stop_at_first_bound, wrong_gaps
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
-from gfmd_numba.kernels.least_squares import least_squares
-from gfmd_numba.kernels.maps import (
+from gfmd_numba.kernels.pressures import (
+    Iterate,
+    bound,
+    cg_direction,
+    cg_free,
+    cg_gap,
+    cg_update,
+    close_gap,
+    closing_displacement,
+    contact_nodes,
+    damp,
+    level,
+    newton_direction,
+    newton_error,
+    newton_update,
+    open_gap,
+    revise_bounds,
+    revise_contact,
+    stop_at_first_bound,
+    wrong_gaps,
+)
+from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
+from gfmd_numba.kernels.steps import fire_step, friction_step, verlet_step
+from gfmd_numba.kernels.tiles import (
     close_map,
+    gather_back,
     level_of_contact,
+    list_tiles,
     mark_contact,
     mark_loaded,
     move_tiles,
+    near_field_pressure,
     open_map,
     pack_rows,
     put_tiles,
     refine_pressure,
-    take_tiles,
-)
-from gfmd_numba.kernels.near_field import near_field_pressure
-from gfmd_numba.kernels.parallel_stiffness import parallel_solve
-from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
-from gfmd_numba.kernels.steps import coupled_step, fire_step, verlet_step
-from gfmd_numba.kernels.tile_newton import (
-    closing_residual,
-    revise_tiles,
-    tile_direction,
-    tile_error,
-    tile_update,
-)
-from gfmd_numba.kernels.tiles import (
-    gather_back,
-    list_tiles,
     soften_tiles,
     spread,
     sum_tiles,
     surround,
+    take_tiles,
     tile_stencil,
 )

@@ -1,6 +1,6 @@
-"""Compiled contact conditions: how far they are violated, and the pressure they leave."""
+"""Compiled contact conditions: the traction nearest to one that the contact allows, and how far it is from that."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -8,105 +8,116 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
 
-class State(NamedTuple):
-    """Displacement `u` of a batch `[realisation, x]`, the traction `ku` that restores it, and what acts on it.
+class Conditions(NamedTuple):
+    """What holds at a node that touches: its pressure is at most `hardness`, its `friction` holds that times pressure.
 
-    It may not pass the `wall`; the `load` `[realisation]` is the mean pressure.
+    Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction.
+    """
+
+    hardness: float = np.inf
+    friction: float = 0.0
+
+
+class State(NamedTuple):
+    """Displacements `u` of a batch `[realisation, component, x]`, the tractions `ku` that restore them, and what acts.
+
+    The normal component comes last, after tangential ones along x and on maps along y. Normal displacements may not
+    pass the `wall` `[realisation, x]`; the `load` `[realisation]` is the mean pressure. A node slips from its `anchor`,
+    which has tangential components alone.
     """
 
     u: Reals
     ku: Reals
     wall: Reals
     load: Reals
+    anchor: Reals
+
+    @classmethod
+    def of_normal(cls, u: Reals, ku: Reals, wall: Reals, load: Reals) -> Self:
+        """State of the normal displacement alone `[realisation, x]`."""
+        return cls(u[:, np.newaxis], ku[:, np.newaxis], wall, load, u[:, np.newaxis][:, :0])
 
 
 @jit
-def kkt_violation(
-    state: State, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals, hardness: float = np.inf
-) -> None:
-    """Largest traction that no pressure the contact allows balances, largest pressure, and mean unbalanced traction.
+def allowed_pressure(traction: float, u: float, wall: float, hardness: float) -> float:
+    """Pressure nearest to a traction: none on a free node, from 0 to the hardness on a touching one.
 
-    A free node allows none, a touching one from 0 to the hardness, one that penetrates exactly the hardness.
+    A node that penetrates bears exactly the hardness.
+    """
+    if u > wall:
+        return hardness
+    return min(max(traction, 0.0), hardness) if u >= wall else 0.0
+
+
+@jit
+def wall_violation(
+    state: State, conditions: Conditions, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
+) -> None:
+    """Largest traction that none the contact allows balances, largest pressure, and mean unbalanced normal traction.
+
     Not-a-number if any traction is not finite.
     """
-    u, ku, wall, load = state
+    u, ku, wall, load, _ = state
+    normal = u.shape[1] - 1
     for i in active:
         largest = 0.0
         highest = 0.0
         total = 0.0  # a NaN or infinity anywhere survives in a sum, not in a comparison
         carried = 0.0
         for j in range(n):
-            traction = load[i] - ku[i, j]
+            traction = load[i] - ku[i, normal, j]
             total += traction
-            pressure = min(max(traction, 0.0), hardness) if u[i, j] >= wall[i, j] else 0.0
-            if u[i, j] > wall[i, j]:
-                pressure = hardness
+            pressure = allowed_pressure(traction, u[i, normal, j], wall[i, j], conditions.hardness)
             carried += pressure
             highest = max(highest, pressure)
             largest = max(largest, abs(traction - pressure))
+        imbalance[i] = abs(total - carried) / n
+        if normal > 0:
+            sideways, total_sideways = tangential_violation(state, conditions.friction, i, n)
+            largest, total = max(largest, sideways), total + total_sideways
         worst[i] = largest if np.isfinite(total) else np.nan
         peak[i] = highest
-        imbalance[i] = abs(total - carried) / n
-
-
-class CoupledState(NamedTuple):
-    """Displacements of a batch and their restoring tractions, where tangential ones are followed too.
-
-    Rows of `u1`, `anchor` and `k1` `[component * realisation, x]` are tangential: of one component, or of two on maps,
-    where those along x come first. A node slips from its anchor. Rows of `u3`, `k3` and the `wall` `[realisation, x]`
-    are normal; `load` `[realisation]` is the mean pressure.
-    """
-
-    u1: Reals
-    anchor: Reals
-    k1: Reals
-    u3: Reals
-    k3: Reals
-    wall: Reals
-    load: Reals
 
 
 @jit
-def friction_violation(state: CoupledState, friction: float, active: Indices, n: int, worst: Reals) -> None:
-    """Raise `worst` to the largest tangential force that friction does not balance.
+def tangential_violation(state: State, friction: float, i: int, n: int) -> tuple[float, float]:
+    """Largest tangential traction of a row that friction does not balance, and the sum of all.
 
-    Free nodes have none, sticking nodes less than friction times pressure, sliding ones exactly that against the way
+    Free nodes bear none, sticking nodes less than friction times pressure, sliding ones exactly that against the way
     they have slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
     """
-    u1, anchor, k1, u3, k3, wall, load = state
-    for i in active:
-        largest = 0.0
-        total = 0.0
-        for j in range(n):
-            traction, way = 0.0, 0.0  # squares
-            for row in range(i, u1.shape[0], load.size):
-                total += k1[row, j]
-                traction += k1[row, j] ** 2
-                way += (u1[row, j] - anchor[row, j]) ** 2
-            violation, slid = np.sqrt(traction), np.sqrt(way)
-            pressure = load[i] - k3[i, j]
-            if friction > 0.0 and u3[i, j] >= wall[i, j] and pressure > 0.0:
-                if slid > 0.0 and np.isinf(friction):
-                    violation = max(violation, pressure)
-                elif slid > 0.0:
-                    traction = 0.0
-                    for row in range(i, u1.shape[0], load.size):
-                        against = friction * pressure * ((u1[row, j] - anchor[row, j]) / slid)
-                        traction += (k1[row, j] + against) ** 2
-                    violation = np.sqrt(traction)
-                else:
-                    violation = max(violation - friction * pressure, 0.0)
-            largest = max(largest, violation)
-        worst[i] = max(worst[i], largest) if np.isfinite(total) and not np.isnan(worst[i]) else np.nan
+    u, ku, wall, load, anchor = state
+    normal = u.shape[1] - 1
+    largest = 0.0
+    total = 0.0
+    for j in range(n):
+        traction, way = 0.0, 0.0  # squares
+        for c in range(normal):
+            total += ku[i, c, j]
+            traction += ku[i, c, j] ** 2
+            way += (u[i, c, j] - anchor[i, c, j]) ** 2
+        violation, slid = np.sqrt(traction), np.sqrt(way)
+        pressure = load[i] - ku[i, normal, j]
+        if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
+            if slid > 0.0 and np.isinf(friction):
+                violation = max(violation, pressure)
+            elif slid > 0.0:
+                traction = 0.0
+                for c in range(normal):
+                    against = friction * pressure * ((u[i, c, j] - anchor[i, c, j]) / slid)
+                    traction += (ku[i, c, j] + against) ** 2
+                violation = np.sqrt(traction)
+            else:
+                violation = max(violation - friction * pressure, 0.0)
+        largest = max(largest, violation)
+    return largest, total
 
 
 @jit
-def wall_pressure(state: State, active: Indices, n: int, p: Reals, hardness: float = np.inf) -> None:
-    """Pressure of the hard wall: on touching nodes under compression, the hardness where they penetrate, else zero."""
-    u, ku, wall, load = state
+def wall_pressure(state: State, hardness: float, active: Indices, n: int) -> None:
+    """Replace the normal restoring traction by the pressure of the wall: the nearest one that the contact allows."""
+    u, ku, wall, load, _ = state
+    normal = u.shape[1] - 1
     for i in active:
         for j in range(n):
-            if u[i, j] > wall[i, j]:
-                p[i, j] = hardness
-            else:
-                p[i, j] = min(max(load[i] - ku[i, j], 0.0), hardness) if u[i, j] >= wall[i, j] else 0.0
+            ku[i, normal, j] = allowed_pressure(load[i] - ku[i, normal, j], u[i, normal, j], wall[i, j], hardness)

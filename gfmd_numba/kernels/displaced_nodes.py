@@ -22,21 +22,28 @@ def weigh(t: float, weights: Reals) -> None:
 
 
 @jit
+def weigh_around(ways: Reals, j: int, i: int, along_y: Reals, along_x: Reals) -> tuple[int, int]:
+    """Fill the weights `[6]` along both directions around a displaced node; the first node of each."""
+    x, y = np.floor(ways[0, j, i]), np.floor(ways[1, j, i])
+    weigh(ways[0, j, i] - x, along_x)
+    weigh(ways[1, j, i] - y, along_y)
+    return j + int(y) - 2, i + int(x) - 2
+
+
+@jit
 def read(splines: Reals, ways: Reals, found: Reals) -> None:
     """Values `[y, x]` of splines, known by their coefficients, at the displaced nodes."""
     ny, nx = found.shape
     along_x, along_y = np.empty(6), np.empty(6)
     for j in range(ny):
         for i in range(nx):
-            x, y = np.floor(ways[0, j, i]), np.floor(ways[1, j, i])
-            weigh(ways[0, j, i] - x, along_x)
-            weigh(ways[1, j, i] - y, along_y)
+            y, x = weigh_around(ways, j, i, along_y, along_x)
             value = 0.0
             for b in range(6):
-                row = (j + int(y) + b - 2) % ny
+                row = (y + b) % ny
                 of_row = 0.0
                 for a in range(6):
-                    of_row += along_x[a] * splines[row, (i + int(x) + a - 2) % nx]
+                    of_row += along_x[a] * splines[row, (x + a) % nx]
                 value += along_y[b] * of_row
             found[j, i] = value
 
@@ -48,11 +55,9 @@ def hand_back(forces: Reals, ways: Reals, found: Reals) -> None:
     along_x, along_y = np.empty(6), np.empty(6)
     for j in range(ny):
         for i in range(nx):
-            x, y = np.floor(ways[0, j, i]), np.floor(ways[1, j, i])
-            weigh(ways[0, j, i] - x, along_x)
-            weigh(ways[1, j, i] - y, along_y)
+            y, x = weigh_around(ways, j, i, along_y, along_x)
             for b in range(6):
-                row = (j + int(y) + b - 2) % ny
+                row = (y + b) % ny
                 share = along_y[b] * forces[j, i]
                 for a in range(6):
-                    found[row, (i + int(x) + a - 2) % nx] += along_x[a] * share
+                    found[row, (x + a) % nx] += along_x[a] * share

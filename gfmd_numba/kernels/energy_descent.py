@@ -4,22 +4,32 @@ All work on the unknowns of one row, each of which has a load of its own. Held o
 from moving on; their `weight` is 0.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import State
+
+
+class Unknowns(NamedTuple):
+    """Displacements `u` of one row, the tractions `ku` that restore them, what they may not pass, and their loads."""
+
+    u: Reals
+    ku: Reals
+    wall: Reals
+    load: Reals
 
 
 @jit
 def descent_start(
-    state: State, curvature: Reals, compliance: float, weight: Reals, r: Reals, d: Reals, source: Reals
+    unknowns: Unknowns, curvature: Reals, compliance: float, weight: Reals, r: Reals, d: Reals, source: Reals
 ) -> None:
     """Unbalanced traction r of the nodes that may move, their weights, and the first product to precondition.
 
     Where the law stiffens a node, its weight makes its compliance that of law and body in parallel.
     """
-    u, ku, wall, load = state
+    u, ku, wall, load = unknowns
     for j in range(u.size):
         force = load[j] - ku[j]
         d[j] = 0.0

@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import CoupledState
+from gfmd_numba.kernels.conditions import State
 
 
 @jit
@@ -19,9 +19,9 @@ def exponential_pull(
 
 @jit
 def xu_needleman_pull(
-    state: CoupledState,
+    state: State,
     punch: Reals,
-    sliding: tuple[Reals, ...],
+    sliding: Reals,
     active: Indices,
     n: int,
     work: float,
@@ -30,21 +30,20 @@ def xu_needleman_pull(
 ) -> None:
     """Take the tractions of Xu and Needleman's law off the restoring tractions of a state.
 
-    `sliding` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
+    `sliding` `[component, x]` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
     """
-    u1, k1, u3, k3 = state.u1, state.k1, state.u3, state.k3
+    u, ku, along = state.u, state.ku, sliding.shape[0]
     for i in active:
         for j in range(n):
-            gap = (punch[i, j] - u3[i, j]) / normal
+            gap = (punch[i, j] - u[i, along, j]) / normal
             overlap = min(gap, 0.0)  # repels as without slip
             gap = max(gap, 0.0)
             exponent = -gap
-            for component in range(len(sliding)):
-                slip = (sliding[component][j] - u1[component * len(punch) + i, j]) / tangential
+            for c in range(along):
+                slip = (sliding[c, j] - u[i, c, j]) / tangential
                 exponent -= slip * slip
             decay = work * np.exp(exponent)
             drag = 2.0 / tangential * (1.0 + gap) * decay
-            for component in range(len(sliding)):
-                row = component * len(punch) + i
-                k1[row, j] -= (sliding[component][j] - u1[row, j]) / tangential * drag
-            k3[i, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)
+            for c in range(along):
+                ku[i, c, j] -= (sliding[c, j] - u[i, c, j]) / tangential * drag
+            ku[i, along, j] -= gap / normal * decay + overlap / normal * work * np.exp(-overlap)

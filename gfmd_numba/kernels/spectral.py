@@ -32,25 +32,24 @@ def power(spectrum: Complexes, symbol: Reals) -> float:
 
 
 @jit
-def couple(spectrum: Complexes, elements: Reals, active: Indices, rows: int) -> None:
-    """Restoring tractions of all displacements in place (6.57): tangential ones (row i), then normal ones (rows + i).
+def couple(spectrum: Complexes, elements: Reals, active: Indices) -> None:
+    """Restoring tractions of all displacements `[realisation, component, wave]` in place (6.57), the normal one last.
 
-    On maps rows are those along x, along y, then normal ones. `elements` `[element, wave]` are k11, k13 and k33, or
-    xx, xy, yy, xz, yz and zz. The phase is that of coefficients of exp(+i q x) with the normal displacement out of the
-    body: a compressed stretch draws the surface together.
+    `elements` `[element, wave]` are k11, k13 and k33, or on maps, with components along x and y, xx, xy, yy, xz, yz and
+    zz. The phase is that of coefficients of exp(+i q x) with the normal displacement out of the body: a compressed
+    stretch draws the surface together.
     """
-    normal = rows if elements.shape[0] == 3 else 2 * rows
     for i in active:
         for k in range(elements.shape[1]):
-            x, z = spectrum[i, k], spectrum[normal + i, k]
+            x, z = spectrum[i, 0, k], spectrum[i, -1, k]
             if elements.shape[0] == 3:
-                spectrum[i, k] = elements[0, k] * x + 1j * elements[1, k] * z
-                spectrum[normal + i, k] = elements[2, k] * z - 1j * elements[1, k] * x
+                spectrum[i, 0, k] = elements[0, k] * x + 1j * elements[1, k] * z
+                spectrum[i, 1, k] = elements[2, k] * z - 1j * elements[1, k] * x
             else:
-                y, xz, yz = spectrum[rows + i, k], elements[3, k], elements[4, k]
-                spectrum[i, k] = elements[0, k] * x + elements[1, k] * y + 1j * xz * z
-                spectrum[rows + i, k] = elements[1, k] * x + elements[2, k] * y + 1j * yz * z
-                spectrum[normal + i, k] = elements[5, k] * z - 1j * (xz * x + yz * y)
+                y, xz, yz = spectrum[i, 1, k], elements[3, k], elements[4, k]
+                spectrum[i, 0, k] = elements[0, k] * x + elements[1, k] * y + 1j * xz * z
+                spectrum[i, 1, k] = elements[1, k] * x + elements[2, k] * y + 1j * yz * z
+                spectrum[i, 2, k] = elements[5, k] * z - 1j * (xz * x + yz * y)
 
 
 @jit

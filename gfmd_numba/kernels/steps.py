@@ -1,22 +1,58 @@
-"""Compiled time steps of a displacement that is clipped at the hard wall."""
+"""Compiled time steps of displacements of which the normal one is clipped at the hard wall."""
 
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import CoupledState, State
+from gfmd_numba.kernels.conditions import State
 
 
 @jit
 def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: float, push: float) -> None:
-    """One Verlet step (6.55) with the displacement clipped at the hard wall (2.16)."""
-    u, ku, wall, load = state
+    """One Verlet step (6.55) of all components, as if none held tangential ones; the wall clips the normal (2.16)."""
+    u, ku, wall, load, _ = state
+    normal = u.shape[1] - 1
+    for i in active:
+        for c in range(normal):
+            for j in range(n):
+                now = u[i, c, j]
+                u[i, c, j] = now + memory * (now - u_old[i, c, j]) - push * ku[i, c, j]
+                u_old[i, c, j] = now
+        for j in range(n):
+            now = u[i, normal, j]
+            new = now + memory * (now - u_old[i, normal, j]) + push * (load[i] - ku[i, normal, j])
+            u_old[i, normal, j] = now
+            u[i, normal, j] = min(new, wall[i, j])
+
+
+@jit
+def friction_step(state: State, u_old: Reals, friction: float, active: Indices, n: int, push: float) -> None:
+    """Hold touching nodes by Coulomb friction after a Verlet step from `u_old` (an infinite one sticks).
+
+    Friction acts against the way slid from the `anchor`: where the punch held the node before this load, or where it
+    last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by half the
+    push of a free node, which is stable for every mode: within what friction can hold of the anchor the node sticks to
+    it, beyond it is drawn back by as much.
+    """
+    u, ku, wall, load, anchor = state
+    normal = u.shape[1] - 1
     for i in active:
         for j in range(n):
-            now = u[i, j]
-            new = now + memory * (now - u_old[i, j]) + push * (load[i] - ku[i, j])
-            u_old[i, j] = now
-            u[i, j] = min(new, wall[i, j])
+            pressure = load[i] - ku[i, normal, j]
+            if not (u_old[i, normal, j] >= wall[i, j] and pressure > 0.0):
+                for c in range(normal):
+                    anchor[i, c, j] = np.nan
+                continue
+            square = 0.0
+            for c in range(normal):
+                if np.isnan(anchor[i, c, j]):
+                    anchor[i, c, j] = u_old[i, c, j]
+                square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
+            slid, held = np.sqrt(square), 0.5 * push * friction * pressure
+            left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
+            for c in range(normal):
+                pulled = u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]
+                u[i, c, j] = anchor[i, c, j] + left * pulled
 
 
 @jit
@@ -27,14 +63,14 @@ def fire_step(
 
     A node that the force holds against the wall has neither force nor velocity.
     """
-    u, ku, wall, load = state
+    u, ku, wall, load, _ = state
     for i in active:
         power = 0.0
         speed2 = 0.0
         force2 = 0.0
         for j in range(n):
-            force = load[i] - ku[i, j]
-            if u[i, j] >= wall[i, j] and force >= 0.0:
+            force = load[i] - ku[i, 0, j]
+            if u[i, 0, j] >= wall[i, j] and force >= 0.0:
                 v[i, j] = 0.0
             else:
                 power += force * v[i, j]
@@ -54,53 +90,8 @@ def fire_step(
             dt[i] *= 0.5
             mixing[i] = 0.1
         for j in range(n):
-            force = load[i] - ku[i, j]
-            if u[i, j] >= wall[i, j] and force >= 0.0:
+            force = load[i] - ku[i, 0, j]
+            if u[i, 0, j] >= wall[i, j] and force >= 0.0:
                 continue
             v[i, j] = keep * v[i, j] + (steer + dt[i]) * force
-            u[i, j] = min(u[i, j] + dt[i] * v[i, j], wall[i, j])
-
-
-@jit
-def coupled_step(
-    state: CoupledState,
-    last_tangential: Reals,
-    last_normal: Reals,
-    friction: float,
-    active: Indices,
-    n: int,
-    memory: float,
-    push: float,
-) -> None:
-    """One Verlet step of all components with the hard wall and Coulomb friction (an infinite one sticks).
-
-    Friction acts against the way slid from the `anchor`: where the punch held the node before this load, or where it
-    last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by half the
-    push of a free node, which is stable for every mode: within what friction can hold of the anchor the node sticks to
-    it, beyond it is drawn back by as much.
-    """
-    u1, anchor, k1, u3, k3, wall, load = state
-    for i in active:
-        for row in range(i, u1.shape[0], load.size):
-            for j in range(n):  # as if nothing touched: quickly, and right for most nodes
-                now = u1[row, j]
-                u1[row, j] = now + memory * (now - last_tangential[row, j]) - push * k1[row, j]
-                last_tangential[row, j] = now
-                touches = friction > 0.0 and u3[i, j] >= wall[i, j] and load[i] - k3[i, j] > 0.0
-                anchor[row, j] = anchor[row, j] if touches else np.nan
-        for j in range(n):
-            now = u3[i, j]
-            pressure = load[i] - k3[i, j]
-            u3[i, j] = min(now + memory * (now - last_normal[i, j]) + push * pressure, wall[i, j])
-            last_normal[i, j] = now
-            if friction > 0.0 and now >= wall[i, j] and pressure > 0.0:
-                square = 0.0
-                for row in range(i, u1.shape[0], load.size):
-                    if np.isnan(anchor[row, j]):
-                        anchor[row, j] = last_tangential[row, j]
-                    square += (last_tangential[row, j] - 0.5 * push * k1[row, j] - anchor[row, j]) ** 2
-                slid, held = np.sqrt(square), 0.5 * push * friction * pressure
-                left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
-                for row in range(i, u1.shape[0], load.size):
-                    pulled = last_tangential[row, j] - 0.5 * push * k1[row, j] - anchor[row, j]
-                    u1[row, j] = anchor[row, j] + left * pulled
+            u[i, 0, j] = min(u[i, 0, j] + dt[i] * v[i, j], wall[i, j])

@@ -1,9 +1,7 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
-from typing import NamedTuple
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -11,44 +9,24 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
-from gfmd_numba.solvers.preconditioners.far_field import FarField
-from gfmd_numba.solvers.preconditioners.restricted_stiffness import RestrictedStiffness
-from gfmd_numba.solvers.pressure_iterate import PressureIterate
+from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
+from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
 _COARSEST = 256  # nodes up to which the first guess is full contact
 _COARSE_STEPS = 6  # on the coarser grid, at most
 _SETTLED = 0.02  # share of the contact that may still change when the coarser grid is left
 _TIGHTEN = 0.1  # factor on the error allowed in the pressure after a step that left the contact as it was
-_INNER_ITERATIONS, _SPARE_ITERATIONS = 40, 200  # the latter with the preconditioner that is farther off
 
 
-class _Tuned(NamedTuple):
-    """What is best in one dimension, and in two.
-
-    The contact is guessed on a grid with fewer nodes along x by the factor `coarsening`. `loose` is the relative error
-    allowed in the first pressure on a new contact. After a step that changed the contact the error allowed is smaller
-    by the factor `tighten`, and at most `ahead` times the share of nodes that changed sides: inner iterations of maps
-    converge slower, and need not know more than the contact. `inverse` makes the preconditioner on a grid from the
-    stiffness `[(ny,) nx // 2 + 1]` and the symbol of the compliance.
-    """
-
-    coarsening: int
-    loose: float
-    tighten: float
-    ahead: float
-    inverse: Callable[[Reals, Reals, tuple[int, ...]], ExponentialSum | FarField]
-
-
-_TUNED = {
-    1: _Tuned(
-        4, 0.03, _TIGHTEN, np.inf, lambda _, soft, shape: ExponentialSum(soft.astype(np.float64) * shape[0], *shape)
-    ),
-    2: _Tuned(2, 0.2, 0.5, 0.1, lambda stiffness, _, shape: FarField(stiffness, shape)),
-}
+def _inverse(stiffness: Reals, compliance: Reals, shape: tuple[int, ...]) -> ProfileInverse | FarField:
+    """Preconditioner on a grid: of a profile from the symbol of the compliance, of a map from the stiffness."""
+    if len(shape) == 1:
+        return ProfileInverse(stiffness, compliance.astype(np.float64) * shape[0], *shape)
+    return FarField(stiffness, shape)
 
 
 class ActiveSetNewton(PressureIterate):
@@ -61,6 +39,12 @@ class ActiveSetNewton(PressureIterate):
     few more for each doubling of nx. The first guess comes from the waves that a coarser grid holds. The run ends when
     the residual is at most `options.residual`, not when the contact stops changing: `certificate.py` measures it, the
     largest violation of a contact condition over the largest pressure.
+
+    Under a hardness nodes are guessed to be at neither bound, and two bounds may send them to and fro. So a solution of
+    the linear problem is followed by a step of all nodes along what is violated, to the nearest pressure between the
+    bounds that carries the load (a projected gradient). A step that increases the energy is cut short where the energy
+    is least. Where few nodes change sides, one that does so from its start is replaced by one towards the solution of
+    the linear problem, as far as the first node reaches a bound.
     """
 
     check_every = 1
@@ -71,27 +55,22 @@ class ActiveSetNewton(PressureIterate):
         self.changed = np.full(rows, n)  # nodes that changed sides in the last step
         self.touching = np.full(rows, n)  # nodes in contact before it
         self._coarse_transforms = np.zeros(rows)
-        self._tuned = _TUNED[len(self.field.shape)]
+        self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
+        self._careful = np.zeros(rows, dtype=np.bool_)
+        self._inverse = _inverse(batch.response.normal, self.compliance, self.field.shape)
+        self._tuning = self._inverse.tuning
         if n > _COARSEST:
             self._guess(batch, options)
         self._contact = (self.pressure > 0.0) & (self.pressure < self.hardness)
-        self._spare: RestrictedStiffness | None = None  # where the other cannot be used
-        self._response = batch.response
-        self._inverse = self._tuned.inverse(batch.response.normal, self.compliance, self.field.shape)
         self._target = 0.2 * options.residual  # the certificate's measure is a slightly different one
-        self._tolerance = np.full(rows, self._tuned.loose)
+        self._tolerance = np.full(rows, self._tuning.loose)
         self._nodes = np.empty(n, dtype=np.int64)
-        self._closing, self._pressure_change, self._uniform = np.empty((3, n))
+        self._room, self._uniform = np.empty((2, n)), np.empty(n)
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
         return self.field.n_transforms + np.ceil(self._coarse_transforms).astype(np.int64)
-
-    @property
-    def _spent(self) -> float:
-        """Transforms made so far by preconditioners."""
-        return self._inverse.transforms + (0.0 if self._spare is None else self._spare.transforms)
 
     def advance(self, active: Indices) -> None:
         """Solve for the pressure on the contact of each active row, and revise its contact."""
@@ -101,13 +80,13 @@ class ActiveSetNewton(PressureIterate):
             if self.changed[i]:
                 self._open_gap(row)
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
-            spent = self._spent
+            spent = self._inverse.transforms
             self._close_gap(row, count)
-            self._coarse_transforms[i] += self._spent - spent
+            self._coarse_transforms[i] += self._inverse.transforms - spent
             changed = self._revise(row, count) or self._opened(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
             if changed:
-                tighter = min(self._tuned.tighten * self._tolerance[i], self._tuned.ahead * changed / max(count, 1))
+                tighter = min(self._tuning.tighten * self._tolerance[i], self._tuning.ahead * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
 
@@ -117,18 +96,37 @@ class ActiveSetNewton(PressureIterate):
 
     def _open_gap(self, row: Indices) -> None:
         """Gap under the pressure, up to the approach."""
-        i = row[0]
+        i, n = row[0], self.field.n
+        p, gap = self.pressure[i], self.gap[i]
         self.field.apply(self.compliance, row, source=0)
-        kernels.open_gap(self.field.result[i], self.wall[i], self.field.n, self.gap[i])
+        kernels.open_gap(self.field.result[i], self.wall[i], n, gap)
+        uphill = 0 if self._last is None else self._last.damp(i, p, gap, n)
+        if self._last is None or not uphill:
+            return
+        if uphill == UPHILL_FROM_THE_START and self.changed[i] <= _FEW:
+            p[:], gap[:] = self._last.pressure[i], self._last.gap[i]
+            self._careful[i] = True
+        elif uphill == UPHILL_FROM_THE_START:
+            self._last.remember(i, p, gap)
+        self._contact[i] = (p > 0.0) & (p < self.hardness)
 
     def _revise(self, row: Indices, count: int) -> int:
         """Revise the contact of a row; returns how many nodes changed sides."""
-        i = row[0]
-        changed = kernels.revise_contact(
-            self.rows[i], self._contact[i], self._nodes, count, self.field.n, self.load[i], self.rounding[i],
-            self.free_mean,
-        )  # fmt: skip
-        return int(changed)
+        i, n, iterate, contact = row[0], self.field.n, self.rows[row[0]], self._contact[row[0]]
+        if self._last is None:
+            changed = kernels.revise_contact(
+                iterate, contact, self._nodes, count, n, self.load[i] * n, self.rounding[i], self.free_mean
+            )
+            return int(changed)
+        if self._careful[i]:
+            self._careful[i] = False
+            stopped = kernels.stop_at_first_bound(iterate.p, self._last.pressure[i], contact, self.hardness, n)
+            if stopped:
+                return int(stopped)
+        square = kernels.wrong_gaps(iterate, self._nodes, count, n, self.rounding[i], self.free_mean)
+        if square > 0.0:
+            self.field.apply(self.compliance, row, source=1)
+        return int(kernels.revise_bounds(iterate, square, contact, n, self.load[i], self.hardness, self.free_mean))
 
     def _opened(self, row: Indices, count: int) -> int:
         """Open the node that full contact presses least, where a body that keeps its volume has room; how many.
@@ -146,55 +144,23 @@ class ActiveSetNewton(PressureIterate):
         return int(n - np.count_nonzero(self._contact[i]))
 
     def _close_gap(self, row: Indices, count: int) -> None:
-        """Conjugate gradients for the pressure that closes the gap of a row on the nodes in contact."""
-        field, n, i, nodes = self.field, self.field.n, row[0], self._nodes
-        iterate = self.rows[i]
-        r, z, uniform = self._closing, self._pressure_change, self._uniform
+        """Find the pressure that closes the gap of a row on the nodes in contact."""
+        i, n, nodes, inverse, room = row[0], self.field.n, self._nodes[:count], self._inverse, self._room
         if count == 0:
             return
-        kernels.closing_displacement(iterate.gap, nodes, count, r, self.free_mean)
-        inverse = self._factored(nodes, count)
+        inverse.factor(nodes, count)
         if self.free_mean:
-            z[:count] = 1.0
-            inverse.solve(z, uniform)
-        last = 0.0
-        for _ in range(_SPARE_ITERATIONS if inverse is self._spare else _INNER_ITERATIONS):
-            inverse.solve(r, z)
-            energy, error = kernels.newton_error(
-                r, z, uniform, iterate.p, nodes, count, self.rounding[i], self.free_mean
-            )
-            if not error > self._tolerance[i]:
-                break
-            kernels.newton_direction(z, last, energy, nodes, count, n, iterate.t)
-            last = energy
-            field.apply(self.compliance, row, source=1)
-            kernels.newton_update(iterate, energy, nodes, count, n, r, self.free_mean)
-
-    def _factored(self, nodes: Indices, count: int) -> ExponentialSum | RestrictedStiffness | FarField:
-        """Preconditioner that can be used on the first `count` of the nodes, prepared for them."""
-        decays = self._inverse
-        decays.factor(nodes, count)
-        if decays.is_positive or not self._needs_spare:
-            return decays
-        if self._spare is None:
-            self._spare = RestrictedStiffness(self._response.normal, self.field.n)
-        self._spare.factor(nodes, count)
-        return self._spare
-
-    @cached_property
-    def _needs_spare(self) -> bool:
-        """Whether no sum of decays is close to the compliance, whatever that of the mean, which is one wave of many."""
-        if self.free_mean:
-            return True
-        n, compliance = self.field.n, self.compliance.astype(np.float64)
-        decays = ExponentialSum(np.concatenate(([0.0], compliance[1:])) * n, n)
-        decays.factor(np.arange(n), n)
-        return not decays.is_positive
+            room[0, :count] = 1.0
+            inverse.solve(room[0], self._uniform)
+        iterate = kernels.Iterate(*(each[:n] for each in self.rows[i]))
+        soften = partial(self.field.apply, self.compliance, row, source=1)
+        closing = Closing(iterate, nodes, inverse, soften, self._uniform, self.rounding[i], self.free_mean, room)
+        closing.solve(self._tolerance[i], inverse.iterations)
 
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""
         n, fine_shape = self.field.n, self.field.shape
-        shape = tuple(-(-nodes // self._tuned.coarsening) for nodes in fine_shape)
+        shape = tuple(-(-nodes // self._tuning.coarsening) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
         fewer = replace(batch, punch=smooth.astype(batch.punch.dtype), response=batch.response.coarsened(shape))
         coarse = type(self)(fewer, replace(options, residual=_SETTLED))
@@ -213,10 +179,13 @@ class ActiveSetNewton(PressureIterate):
         self._coarse_transforms = coarse.n_transforms * cost
 
     def _balance(self) -> None:
-        """Scale the pressure of each realisation to its load."""
-        if self.free_mean:
-            mean = self.pressure[:, : self.field.n].mean(axis=1)
-            self.pressure[:, : self.field.n] *= (self.load / mean)[:, np.newaxis]
+        """Scale the pressure of each realisation to its load, or move it there between its bounds."""
+        n = self.field.n
+        if self.free_mean and self._last is None:
+            self.pressure[:, :n] *= (self.load / self.pressure[:, :n].mean(axis=1))[:, np.newaxis]
+        elif self.free_mean:
+            for p, load in zip(self.pressure, self.load, strict=True):
+                kernels.bound(p, np.ones(n, dtype=np.bool_), load * n, self.hardness, n)
 
 
 def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
@@ -229,3 +198,6 @@ def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
 
 def _interpolated_along(p: Reals, x: Reals) -> Reals:
     return np.asarray(np.interp(x, np.arange(p.size + 1), np.append(p, p[0])))
+
+
+_FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on

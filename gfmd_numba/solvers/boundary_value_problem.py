@@ -11,13 +11,13 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.fourier.transform import Transform
+from gfmd_numba.solvers.dynamics import Verlet, position_verlet
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.stagnation import Stagnation
-from gfmd_numba.solvers.status import Status
-from gfmd_numba.theory.damping import critical_damping, stability_limit
+from gfmd_numba.solvers.products import Products
+from gfmd_numba.solvers.status import Stagnation, Status
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
+_ROW = np.zeros(1, dtype=np.int64)
 _SMALL = 1e-2  # residual in single precision below which rounding may keep it where it is
 
 
@@ -58,14 +58,13 @@ def deform(response: SpectralResponse, traction: Reals, displacement: Reals, opt
         stands = is_single and bool(stagnation.look(np.array([residual]), np.zeros(1, dtype=np.int64))[0])
     status = Status.stagnated if stands else Status.steps_used_up
     status = Status.ok if residual <= options.residual else status
-    field, n = problem.field, problem.field.n
     return Deformed(
-        displacement=problem.displacement[:, :n].reshape(displacement.shape).copy(),
-        traction=(field.result[:, :n] + problem.excess[:, np.newaxis]).reshape(displacement.shape),
+        displacement=problem.displacement.reshape(displacement.shape).copy(),
+        traction=problem.traction.reshape(displacement.shape).copy(),
         status=status if np.isfinite(residual) else Status.nonfinite,
         residual=residual,
         n_iterations=iterations,
-        n_transforms=int(field.n_transforms.sum()),
+        n_transforms=int(problem.field.n_transforms.sum()),
         wall_time=time.perf_counter() - started,
     )
 
@@ -73,47 +72,43 @@ def deform(response: SpectralResponse, traction: Reals, displacement: Reals, opt
 class _BoundaryValueProblem:
     """All displacements and the tractions that restore them; a transform pair of each a step.
 
-    `excess` is the uniform pressure of an incompressible slab: the multiplier of its mean normal displacement, 0.
+    Tractions count the uniform pressure of an incompressible slab, the multiplier of its mean normal displacement, 0.
     """
 
     def __init__(self, response: SpectralResponse, traction: Reals, displacement: Reals, options: Options) -> None:
         components, *shape = displacement.shape
-        start = np.where(np.isnan(displacement), traction, 0.0)
+        self._free, self._rigid = np.isnan(displacement).reshape(components, -1), response.is_rigid
+        prescribed = np.where(np.isnan(displacement), traction, 0.0)
         displacement = displacement.reshape(components, -1)
-        n = displacement.shape[1]
-        self.excess = np.zeros(components)
-        self._free = np.isnan(displacement)
-        self._boundary = kernels.Boundary(start.reshape(components, n), self._free, self.excess)
-        self._rigid = response.is_rigid
         elastic = response.with_mean(0.0) if self._rigid else response
         softest, stiffest = elastic.extremes()
         self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
-        damping = options.number("damping")
-        dt = options.number("time_step") * stability_limit(softest, stiffest, damping)
-        self._push = dt * dt
-        self._memory = 1.0 - damping * critical_damping(softest, dt) * dt * dt
-        self.field = Transform(components, *shape, dtype=np.float32 if options.precision == "single" else np.float64)
-        self._symbols = np.array([self.field.symbol(k) for k in elastic.elements])
-        (self.displacement,) = self.field.sources
-        self.displacement[:, :n] = self._start(elastic, start, displacement)
-        self._last = self.displacement.copy()
-        self._rows = np.arange(components)
+        dtype = np.float32 if options.precision == "single" else np.float64
+        self._products = products = Products(elastic, 1, tuple(shape), dtype)
+        self.field, n = products.field, products.field.n
+        u, ku = products.displacement, products.restoring
+        self.displacement, self.traction = u[0, :, :n], ku[0, :, :n]
+        self._prescribed: Reals = prescribed.reshape(components, n).astype(dtype, copy=False)
+        self.displacement[:] = self._held = self._start(elastic, prescribed, displacement).astype(dtype, copy=False)
+        self._state = kernels.State(u, ku, np.full_like(u[:, -1], np.inf), np.zeros(1), u[:, :0])
+        settings = options.number("time_step"), options.number("damping")
+        self._step = Verlet(u, *position_verlet(softest, stiffest, *settings))
         self._restore()
 
     def advance(self) -> None:
-        """Make one time step."""
-        kernels.prescribed_step(
-            self.displacement, self._last, self.field.result, self._boundary, self.field.n, self._memory, self._push
-        )
+        """Make one time step of the free nodes."""
+        self.traction -= self._prescribed
+        self._step.step(self._state, 0.0, _ROW, self.field.n)
+        np.copyto(self.displacement, self._held, where=~self._free)
         self._restore()
 
     def residual(self) -> float:
         """Largest unbalanced traction over the largest traction; costs no transform."""
-        worst, peak = kernels.prescribed_violation(self.field.result, self._boundary, self.field.n)
+        worst = np.abs(self._prescribed - self.traction)[self._free].max(initial=0.0)
         if worst == 0.0:
             return 0.0
-        peak = max(peak, self._least_peak)
-        return float(worst / peak) if peak > 0.0 else np.inf
+        peak = max(float(np.abs(self.traction).max()), self._least_peak)
+        return np.inf if peak == 0.0 else float(worst / peak)
 
     def _start(self, elastic: SpectralResponse, traction: Reals, displacement: Reals) -> Reals:
         """The response to the tractions alone `[component, node]`, moved to where the displacement is prescribed."""
@@ -127,10 +122,6 @@ class _BoundaryValueProblem:
         return start
 
     def _restore(self) -> None:
-        rows = self._rows
-        self.field.forward(rows)
-        kernels.couple(self.field.spectrum, self._symbols, rows[:1], 1)
-        self.field.inverse(rows)
+        self._products.restore(_ROW)
         if self._rigid:
-            normal = rows.size - 1
-            self.excess[normal] = kernels.free_mean(self.field.result, self._boundary, normal, self.field.n)
+            self.traction[-1] += (self._prescribed - self.traction)[-1, self._free[-1]].mean()

@@ -46,28 +46,26 @@ class RigidMean:
 class Certificate:
     """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
 
-    `worst`: traction on a free node or tension on a touching one. `peak`: the largest pressure of the wall.
-    `imbalance`: the mean traction that nothing carries. With a `hardness` no more than that is a pressure: a touching
-    node violates it by what is above, a penetrating one by any difference from it, and none other may penetrate. With a
-    `rigid_mean` a mean displacement is a violation too; `drift` is that over the largest displacement. (A uniform
-    pressure deforms nothing there: were it huge, it would make any other violation look small.)
+    `worst`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
+    balance. `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a
+    hardness no more than that is a pressure: a touching node violates it by what is above, a penetrating one by any
+    difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
+    `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
+    make any other violation look small.)
     """
 
-    def __init__(self, rows: int, hardness: float = np.inf, rigid_mean: RigidMean | None = None) -> None:
-        self.hardness, self.rigid_mean = hardness, rigid_mean
+    def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
+        self.conditions, self.rigid_mean = conditions, rigid_mean
         self.worst, self.peak, self.imbalance, self.drift = np.zeros((4, rows))
 
     def look(self, state: kernels.State, active: Indices, n: int) -> None:
         """Measure displacements that penetrate nowhere but under the hardness."""
-        kernels.kkt_violation(state, active, n, self.worst, self.peak, self.imbalance, self.hardness)
+        kernels.wall_violation(state, self.conditions, active, n, self.worst, self.peak, self.imbalance)
         if self.rigid_mean is not None:
-            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(state.u, active, n))
+            u = state.u[:, -1]
+            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
-            self.drift[active] = self.rigid_mean.drift(state.u, active, n)
-
-    def pressure(self, state: kernels.State, active: Indices, n: int, p: Reals) -> None:
-        """Fill the pressure nearest to the traction that the contact allows; p may be the restoring traction itself."""
-        kernels.wall_pressure(state, active, n, p, self.hardness)
+            self.drift[active] = self.rigid_mean.drift(u, active, n)
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.

@@ -5,19 +5,16 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.last_pressure import UPHILL_FROM_THE_START, LastPressure
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.pressure_iterate import PressureIterate
-
-
-def conjugate_gradients(batch: Batch, options: Options) -> "ConjugateGradients":
-    """Begin the method for as many bounds as the pressure has."""
-    bounded = batch.interface.hardness is not None
-    return BoundedConjugateGradients(batch, options) if bounded else ConjugateGradients(batch, options)
+from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, LastPressure, PressureIterate
 
 
 class ConjugateGradients(PressureIterate):
-    """Pressure of a batch; two forward and two inverse transforms an iteration."""
+    """Pressure of a batch; two forward and two inverse transforms an iteration.
+
+    Under a hardness each step goes to the nearest pressure between the bounds that carries the load, and is cut short
+    where it would increase the energy.
+    """
 
     check_every = 10
 
@@ -27,6 +24,7 @@ class ConjugateGradients(PressureIterate):
         self._search = np.zeros((3, rows))
         self._free = np.zeros((rows, self.field.n), dtype=np.uint32), np.zeros(rows, dtype=np.int64)
         self._is_open = False  # whether the gap is that of the pressure
+        self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
         kernels.cg_free(self.pressure, self.direction, *self._free, np.arange(rows), self.field.n, self.hardness)
 
     def advance(self, active: Indices) -> None:
@@ -45,25 +43,11 @@ class ConjugateGradients(PressureIterate):
         return self.violation(active)
 
     def _open_gap(self, active: Indices) -> None:
-        field = self.field
-        field.apply(self.compliance, active, source=0)
-        kernels.cg_gap(field.result, self.wall, self.gap, *self._free, active, field.n, self.free_mean)
-
-
-class BoundedConjugateGradients(ConjugateGradients):
-    """Pressure of a batch between 0 and the hardness.
-
-    Each step goes to the nearest pressure between the bounds that carries the load, and is cut short where it would
-    increase the energy.
-    """
-
-    def __init__(self, batch: Batch, options: Options) -> None:
-        super().__init__(batch, options)
-        self._last = LastPressure(self.pressure)
-
-    def _open_gap(self, active: Indices) -> None:
         field, n = self.field, self.field.n
         field.apply(self.compliance, active, source=0)
+        if self._last is None:
+            kernels.cg_gap(field.result, self.wall, self.gap, *self._free, active, n, self.free_mean)
+            return
         for i in active:
             p, gap = self.pressure[i], self.gap[i]
             kernels.open_gap(field.result[i], self.wall[i], n, gap)

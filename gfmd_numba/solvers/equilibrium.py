@@ -4,8 +4,6 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cache
-from pkgutil import resolve_name
 
 import numpy as np
 import numpy.typing as npt
@@ -13,14 +11,13 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.growing_wave import growing_wave
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, tangential_shape
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, tangential_shape
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.stagnation import Stagnation
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Stagnation, Status
 from gfmd_numba.solvers.table import SOLVERS
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
@@ -110,24 +107,6 @@ def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Star
     return Start(displacement, before.tangential.displacement, anchor, dragged)
 
 
-def begin(batch: Batch, options: Options) -> Iteration:
-    """Begin a solver on a batch; raises ValueError for one that cannot do what its displacements and laws ask for."""
-    solver = SOLVERS[options.solver]
-    lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
-    if lacks:
-        raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
-    implementation = solver.condensed if batch.response.components == 1 else solver.coupled
-    if implementation is None:
-        raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
-    return _implementation(implementation)(batch, options)
-
-
-@cache
-def _implementation(path: str) -> Callable[[Batch, Options], Iteration]:
-    found: Callable[[Batch, Options], Iteration] = resolve_name(path)
-    return found
-
-
 def equilibrate(
     punch: Reals,
     response: SpectralResponse,
@@ -186,7 +165,7 @@ def equilibrate(
         return result
     sideways = None if result.tangential is None else result.tangential.displacement[unstable]
     growing = np.full(realisations, -1, dtype=np.int64)
-    growing[unstable] = growing_wave(result.displacement[unstable], sideways, elastic)
+    growing[unstable] = _growing_wave(result.displacement[unstable], sideways, elastic)
     return replace(result, growing_wave=growing)
 
 
@@ -235,21 +214,14 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
-def _store(
-    found: Tangential,
-    solved: tuple[Reals, Reals, Reals],
-    done: Indices,
-    where: Indices,
-    touching: Flags,
-) -> None:
+def _store(found: Tangential, state: kernels.State, done: Indices, where: Indices, touching: Flags) -> None:
     """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
-    components = found.traction.shape[1]
-    of_each, n = len(solved[0]) // components, math.prod(touching.shape[1:])
-    for component in range(components):
-        at, rows = (where, component), done + component * of_each
-        displacement, traction, anchor = (values[rows, :n].reshape(touching.shape) for values in solved)
-        found.displacement[at], found.traction[at] = displacement, traction
-        found.slip[at] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)
+    shape, n = found.slip[where].shape, math.prod(touching.shape[1:])
+    displacement, traction, anchor = (
+        each[done, : shape[1], :n].reshape(shape) for each in (state.u, state.ku, state.anchor)
+    )
+    found.displacement[where], found.traction[where] = displacement, traction
+    found.slip[where] = np.where(touching[:, np.newaxis] & ~np.isnan(anchor), displacement - anchor, 0.0)
 
 
 def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
@@ -281,20 +253,33 @@ def _iterate(
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
-        pressure = solver.restoring  # of rows that have ended, which need it no more
-        state = kernels.State(solver.displacement, pressure, solver.wall, solver.load)
-        solver.certificate.pressure(state, done, n, pressure)
-        where = rows[done]
+        state, where = solver.state, rows[done]
+        kernels.wall_pressure(state, solver.certificate.conditions.hardness, done, n)  # rows that have ended
         for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
-            result.displacement[row] = solver.displacement[i, :n].reshape(solver.field.shape)
-            result.pressure[row] = pressure[i, :n].reshape(solver.field.shape)
+            result.displacement[row] = state.u[i, -1, :n].reshape(solver.field.shape)
+            result.pressure[row] = state.ku[i, -1, :n].reshape(solver.field.shape)
             np.greater(result.pressure[row], 0.0, out=result.touching[row])
             if result.plastic is not None:
-                np.greater_equal(result.pressure[row], solver.certificate.hardness, out=result.plastic[row])
-        if done.size and result.tangential is not None and solver.tangential is not None:
-            _store(result.tangential, solver.tangential, done, where, result.touching[where])
+                np.greater_equal(result.pressure[row], solver.certificate.conditions.hardness, out=result.plastic[row])
+        if done.size and result.tangential is not None and state.anchor.size:
+            _store(result.tangential, state, done, where, result.touching[where])
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations
         active = active[~ended]
     result.n_transforms[rows] += solver.n_transforms
+
+
+def _growing_wave(displacement: Reals, sideways: Reals | None, response: SpectralResponse) -> Indices:
+    """Return the index `[realisation]` of the wave with the largest restoring traction: the run blew up from nothing.
+
+    `displacement` is normal, `[realisation, (y,) x]`; `sideways` the tangential one `[realisation, (component, y,) x]`,
+    None without any (L_x). The `response` is the one that the run has had.
+    """
+    rows, shape = len(displacement), displacement.shape[1:]
+    moved = displacement[:, np.newaxis]
+    if sideways is not None:
+        moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
+    tractions = (np.abs(grid.coefficients(moved, len(shape))) * response.diagonal[-moved.shape[1] :]).max(axis=1)
+    index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
+    return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)

@@ -1,15 +1,20 @@
-"""What a solver is given, and what is asked of it: the same of every solver."""
+"""What a solver is given, what is asked of it, and how it begins: the same of every solver."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
+from pkgutil import resolve_name
 from typing import Protocol, Self
 
 import numpy as np
-import numpy.typing as npt
 
+from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import SOLVERS
 
 HARD_WALL = Interactions(hard_wall=True)
 
@@ -17,11 +22,6 @@ HARD_WALL = Interactions(hard_wall=True)
 def tangential_shape(punch: Reals) -> tuple[int, ...]:
     """Shape `[realisation, component, (y,) x]` of tangential quantities under punches, along x and on maps along y."""
     return len(punch), len(punch.shape) - 1, *punch.shape[1:]
-
-
-def by_component(tangential: Reals, n: int) -> Reals:
-    """Tangential quantity of that shape as flat rows of n nodes, on maps the x components and then the y components."""
-    return np.asarray(tangential.swapaxes(0, 1).reshape(-1, n))
 
 
 @dataclass(frozen=True)
@@ -85,13 +85,10 @@ class Samples(Protocol):
 
 
 class Iteration(Protocol):
-    """A solver at work on a batch: after `residual`, `restoring` is the traction of `displacement`, flat rows both."""
+    """A solver at work on a batch: after `residual`, the state has displacements and what restores them."""
 
     check_every: int  # iterations between two looks at the certificate
-    displacement: Reals
-    restoring: Reals
-    wall: Reals
-    load: Reals
+    state: kernels.State
     certificate: Certificate
 
     @property
@@ -100,16 +97,8 @@ class Iteration(Protocol):
         ...
 
     @property
-    def n_transforms(self) -> npt.NDArray[np.int64]:
+    def n_transforms(self) -> Indices:
         """Transforms made so far for each realisation."""
-        ...
-
-    @property
-    def tangential(self) -> tuple[Reals, Reals, Reals] | None:
-        """Tangential displacement, the traction that restores it, and from where it slips, all flat rows.
-
-        On maps rows are the x components, then the y components. None where only the normal one is followed.
-        """
         ...
 
     def advance(self, active: Indices) -> None:
@@ -119,3 +108,22 @@ class Iteration(Protocol):
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`."""
         ...
+
+
+def begin(batch: Batch, options: Options) -> Iteration:
+    """Begin a solver on a batch; raises ValueError for one that cannot do what its displacements and laws ask for."""
+    solver = SOLVERS[options.solver]
+    lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
+    if lacks:
+        raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
+    for path in solver.condensed if batch.response.components == 1 else solver.coupled:
+        iteration = _implementation(path)(batch, options)
+        if iteration is not None:
+            return iteration
+    raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
+
+
+@cache
+def _implementation(path: str) -> Callable[[Batch, Options], Iteration | None]:
+    found: Callable[[Batch, Options], Iteration | None] = resolve_name(path)
+    return found

@@ -29,16 +29,17 @@ ABILITIES = {
 class Solver:
     """A solver; what can be done is named as in `ABILITIES`.
 
-    `condensed` begins it where the normal displacement alone is followed, `coupled` where both are: "module:callable"
-    of a problem and options. `options` are those that not every solver has, with their defaults. A block of rows holds
-    at most `block_samples` samples: up to 2^15 its arrays stay in the second-level cache; a solver that finishes one
-    row before the next has no use for that. After `gives_up_after` iterations the solver named `successor` begins anew.
+    `condensed` begins it where the normal displacement alone is followed, `coupled` where all are: "module:callable" of
+    a problem and options. The first of them that takes the problem runs, as the others return None. `options` are
+    those that not every solver has, with their defaults. A block of rows holds at most `block_samples` samples: up to
+    2^15 its arrays stay in the second-level cache; a solver that finishes one row before the next has no use for that.
+    After `gives_up_after` iterations the solver named `successor` begins anew.
     """
 
     sentence: str
     can: frozenset[str]
-    condensed: str
-    coupled: str | None = None
+    condensed: tuple[str, ...]
+    coupled: tuple[str, ...] = ()
     options: Mapping[str, float] = field(default_factory=dict)
     block_samples: int = 2**15
     gives_up_after: int | None = None
@@ -47,13 +48,18 @@ class Solver:
 
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
+_ACTIVE_SETS = (
+    "gfmd_numba.solvers.decays.newton:decay_newton",
+    "gfmd_numba.solvers.tiles.newton:tile_newton",
+    "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
+)
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
 SOLVERS = {
     "active_set_newton": Solver(
         "guesses which nodes touch and solves the linear problem that is left, preconditioned",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.bounded_newton:newton",
+        condensed=_ACTIVE_SETS,
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",
@@ -61,14 +67,14 @@ SOLVERS = {
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",
         can=_PRESSURE,
-        condensed="gfmd_numba.solvers.conjugate_gradients:conjugate_gradients",
+        condensed=("gfmd_numba.solvers.conjugate_gradients:ConjugateGradients",),
     ),
     "truncated_newton": Solver(
         "descends the energy by Newton steps from preconditioned conjugate gradients, with a law of the gap or of gap "
         "and slip; under a hardness without a law the same as active_set_newton",
         can=_PRESSURE | {"normal law", "cohesive law"},
-        condensed="gfmd_numba.solvers.yielding_newton:truncated_newton",
-        coupled="gfmd_numba.solvers.cohesive_newton:CohesiveNewton",
+        condensed=("gfmd_numba.solvers.truncated_newton:unless_hardness_alone", *_ACTIVE_SETS),
+        coupled=("gfmd_numba.solvers.truncated_newton:TruncatedNewton",),
         block_samples=2**18,
     ),
     "frictional_newton": Solver(
@@ -77,8 +83,8 @@ SOLVERS = {
         can=frozenset(
             {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
         ),
-        condensed="gfmd_numba.solvers.frictional_newton:frictionless_newton",
-        coupled="gfmd_numba.solvers.frictional_newton:FrictionalNewton",
+        condensed=("gfmd_numba.solvers.truncated_newton:under_a_law", *_ACTIVE_SETS),
+        coupled=("gfmd_numba.solvers.friction.newton:FrictionalNewton",),
         block_samples=2**18,
         gives_up_after=100,  # usually below 12
         successor="verlet",
@@ -86,20 +92,20 @@ SOLVERS = {
     "verlet": Solver(
         "damped dynamics by the position Stormer-Verlet scheme, of one displacement or of all",
         can=_DISPLACEMENT | {"dimension 2", "cohesive law", "friction", "sticking", "prescribed"},
-        condensed="gfmd_numba.solvers.damped_dynamics:verlet_dynamics",
-        coupled="gfmd_numba.solvers.coupled_dynamics:CoupledDynamics",
+        condensed=("gfmd_numba.solvers.dynamics:verlet",),
+        coupled=("gfmd_numba.solvers.dynamics:verlet",),
         options=_TIME_STEP | _DAMPING,
     ),
     "gronbech_jensen": Solver(
         "damped dynamics by the scheme of Gronbech-Jensen and Farago",
         can=_DISPLACEMENT,
-        condensed="gfmd_numba.solvers.damped_dynamics:gronbech_jensen_dynamics",
+        condensed=("gfmd_numba.solvers.dynamics:gronbech_jensen",),
         options=_TIME_STEP | _DAMPING,
     ),
     "fire": Solver(
         "fast inertial relaxation engine, which finds its own damping",
         can=_DISPLACEMENT,
-        condensed="gfmd_numba.solvers.damped_dynamics:fire_dynamics",
+        condensed=("gfmd_numba.solvers.dynamics:fire",),
         options=_TIME_STEP,
     ),
 }

@@ -1,4 +1,4 @@
-"""Truncated Newton method on the energy of a contact under a law of the gap, with or without the hard wall."""
+"""Truncated Newton method on the energy of a contact under a law, with or without the hard wall."""
 
 import math
 from collections.abc import Callable
@@ -6,15 +6,16 @@ from collections.abc import Callable
 import numpy as np
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.spectral_response import SpectralResponse, diagonal
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.transform import Transform, aligned_rows
-from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.law_energies import law_energy
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.products import Products
 
 _LOOSE = 0.1  # largest part of the unbalanced traction that a Newton step may leave unbalanced
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
@@ -24,49 +25,83 @@ _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises 
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double precision
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
+
+
+def unless_hardness_alone(batch: Batch, options: Options) -> "TruncatedNewton | None":
+    """Begin but under a hardness without a law: an energy that is made of kinks may hardly curve."""
+    alone = batch.interface.hardness is not None and batch.interface.normal_law is None
+    return None if alone else TruncatedNewton(batch, options)
+
+
+def under_a_law(batch: Batch, options: Options) -> "TruncatedNewton | None":
+    """Begin where a law of the gap acts."""
+    return None if batch.interface.normal_law is None else TruncatedNewton(batch, options)
 
 
 class TruncatedNewton:
-    """Displacement of a batch that descends its energy, elastic, of the law and of the load.
+    """Displacements of a batch that descend its energy, elastic, of the law and of the load.
 
+    The unknowns of a realisation are the normal displacement, under a law of gap and slip after the tangential ones.
     Each Newton step holds the nodes that press against the wall and frees the others, solves the linear problem that is
     left by preconditioned conjugate gradients (Steihaug, SIAM J. Numer. Anal. 20:626, 1983) up to a direction in which
     the energy curves down, stops nodes at the wall, and is cut short until the energy has decreased. So the energy
     never rises, and a contact on a stable branch stays on it. The preconditioner is the compliance of the bodies,
-    restricted to the free nodes. The first transforms of a step are those of its gradient.
+    restricted to the free nodes, or, where that is a sum of decays, body and law of each component in parallel, which
+    takes no transforms. The first transforms of a step are those of its gradient.
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
+
+    Under a hardness penetration adds the hardness times its depth to the energy, which has a kink where a node touches
+    the wall. So each Newton step leaves every node on its side: nodes that yield, as they penetrate or press on the
+    wall by more than the hardness, are pushed back by the hardness and stop at the wall from behind; the others stop at
+    it from before. A node at the wall that presses by less is held. A node that yields has no gap, so that its law
+    pulls as it does at gap 0.
     """
 
     check_every = 1
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        rows, shape = len(batch.punch), batch.punch.shape[1:]
-        self.field = Transform(rows, *shape, dtype=batch.punch.dtype)
-        n = self.field.n
-        self._law = law = batch.interface.normal_law or _NOTHING
-        response = self._with_held_mean(batch)
-        stiffness = response.normal
-        (compliance,) = response.restored().inverse()
-        self._stiffness, self._compliance = self.field.symbol(stiffness), self.field.symbol(compliance)
-        self._node_compliance = float((compliance * grid.multiplicity(shape[-1])).sum() / n)
-        self._stiffest = float(stiffness.max()) + batch.law_stiffness()
-        (self._source,), self._result = self.field.sources, self.field.result
-        self._u = aligned_rows(rows, n, batch.punch.dtype)
-        self._u[:, :n] = starting_displacement(batch, law.traction)
-        # how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces apart
-        self._begin(batch, options, slice(0, n), law.strength / law.softening if law.softening > 0.0 else 0.0)
-
-    @property
-    def tangential(self) -> tuple[Reals, Reals, Reals] | None:
-        """Nothing: the normal displacement alone is followed."""
-        return None
+        interface, (rows, *shape), dtype = batch.interface, batch.punch.shape, batch.punch.dtype
+        if batch.response.components > 1 and (interface.cohesive is None or interface.friction is not None):
+            raise ValueError("this solver of all displacements knows a cohesive law alone")
+        self._held_mean = held = HeldMean.of(batch)
+        response = batch.response if held is None else batch.response.with_mean(held.stiffness)
+        self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
+        self._law, self._target = law_energy(interface), options.residual
+        self._products = products = Products(response, rows, tuple(shape), dtype)
+        self.field, n = products.field, products.field.n
+        self._source, self._result = products.displacement.reshape(rows, -1), products.restoring.reshape(rows, -1)
+        self._prepare(response, batch.law_stiffness())
+        self._load, self._elastic, self._restoring, self._wall, self._u = np.zeros((5, *self._source.shape), dtype)
+        self._wall[:] = np.inf
+        load = batch.loads.copy()
+        u, wall, restoring = (self._components(each) for each in (self._u, self._wall, self._restoring))
+        self._place(batch, u, wall[:, -1, :n])
+        self._components(self._load)[:, -1, :n] = load[:, np.newaxis]
+        np.minimum(self._u, self._wall, out=self._u)
+        self._yields = None if interface.hardness is None else np.zeros((rows, n), dtype=np.bool_)
+        self._ceiling = self._wall if self._yields is None else self._wall.copy()
+        self._bound = self._ceiling.copy() if self._law.reach > 0.0 else self._ceiling
+        self._rounding = _ROUNDING * float(np.finfo(dtype).eps / np.finfo(np.float64).eps)
+        # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
+        self._floats, self._level = batch.load is not None and not interface.hard_wall, np.zeros(rows)
+        anchor = np.full_like(u[:, :-1], np.nan)
+        found = u.copy() if self._floats else u
+        self.state = kernels.State(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
+        self._strongest, self._residual = np.zeros(rows), np.ones(rows)
+        self._drifts = np.zeros(rows, dtype=np.bool_)
+        self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
+            (6, self._u.shape[1]), dtype
+        )
+        for row in np.arange(rows).reshape(-1, 1):
+            self._source[row[0]] = self._u[row[0]]
+            products.restore(row)
+            self._accept(row[0])
 
     @property
     def n_transforms(self) -> Indices:
         """Transforms made so far for each realisation."""
-        return self.field.n_transforms
+        return self._products.n_transforms
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform.
@@ -74,11 +109,10 @@ class TruncatedNewton:
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
         """
         look, n = self.certificate, self.field.n
-        look.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
-        self._look_at_more(active)
-        found = look.residual(self.load, active, self._strongest[active])
+        look.look(self.state, active, n)
+        found = look.residual(self.state.load, active, self._strongest[active])
         if look.rigid_mean is not None:
-            drift = look.rigid_mean.violation(self.displacement, active, n)
+            drift = look.rigid_mean.violation(self.state.u[:, -1], active, n)
             self._drifts[active] = (drift >= look.worst[active]) | (look.drift[active] >= found)
         self._residual[active] = found
         return found
@@ -91,95 +125,88 @@ class TruncatedNewton:
             bends_down = self._find_direction(row)
             self._descend(row, bends_down)
 
-    def _with_held_mean(self, batch: Batch) -> SpectralResponse:
-        """Response in which a mean that has to vanish is held; begins the certificate, which says so."""
-        self._held_mean = held = HeldMean.of(batch)
-        limits = batch.interface.hardness or np.inf, held.condition if held is not None else None
-        self.certificate = Certificate(len(batch.punch), *limits)
-        return batch.response if held is None else batch.response.with_mean(held.stiffness)
+    def _prepare(self, response: SpectralResponse, of_law: float) -> None:
+        """Prepare the preconditioner, and how stiff a mode may be."""
+        compliance = response.restored().inverse()
+        of_each, n = diagonal(compliance), self.field.n
+        self._compliance = self._products.symbols(compliance)
+        on_node = (of_each.sum(axis=0) * grid.multiplicity(self.field.shape[-1])).sum() / n
+        self._node_compliance = float(on_node / len(of_each))
+        self._stiffest = float(response.diagonal.sum(axis=0).max()) + of_law  # or more: it is the trace of each wave
+        self._parallel = ParallelLaw.of(of_each, n, self._products.displacement.shape[-1])
 
-    def _begin(self, batch: Batch, options: Options, normal: slice, reach: float) -> None:
-        """Find the tractions at the start; the normal displacements are a slice of the unknowns of a row."""
-        rows, n, unknowns = len(batch.punch), self.field.n, self._u.shape[1]
-        self._normal, self._reach, self._target = normal, reach, options.residual
-        self.load = batch.loads.copy()
-        self._load, self._elastic, self._restoring, self._wall = np.zeros((4, rows, unknowns), self._u.dtype)
-        self._load[:, normal] = self.load[:, np.newaxis]
-        self._wall[:] = np.inf
-        self.displacement, self.restoring = self._u, self._restoring
-        self._punch, self.wall = self._wall[:, normal], self._wall
+    def _place(self, batch: Batch, u: Reals, wall: Reals) -> None:
+        """Fill the displacements that a batch begins with and its wall."""
+        (rows, along, _), n, shape = u[:, :-1].shape, self.field.n, batch.punch.shape[1:]
+        dragged = batch.start.tangential[:, :along] + batch.start.dragged  # a slip of the step's own would end bonds
+        u[:, :-1, :n] = dragged.reshape(rows, along, n)
+        sliding = np.broadcast_to(batch.sliding, (along, *shape)) if along else np.empty((0, n))
+        self._sliding = np.ascontiguousarray(sliding.reshape(along, n), dtype=u.dtype)
+        u[:, -1, :n] = starting_displacement(batch, self._law.normal_traction)
         if batch.interface.hard_wall:
-            self._wall[:, normal] = batch.punch.reshape(rows, -1)
-        else:
-            self._punch = batch.punch.reshape(rows, -1).copy()
-        if normal.start > 0:  # not the normal displacement alone is followed
-            self.displacement, self.restoring, self.wall = (aligned_rows(rows, n, self._u.dtype) for _ in range(3))
-            self.wall[:, :n] = self._wall[:, normal]
-        np.minimum(self._u, self._wall, out=self._u)
-        self._ceiling = self._wall if self.certificate.hardness == np.inf else self._wall.copy()
-        self._bound = self._ceiling.copy() if reach > 0.0 else self._ceiling
-        self._rounding = _ROUNDING * float(np.finfo(self._u.dtype).eps / np.finfo(np.float64).eps)
-        # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
-        self._floats = batch.load is not None and not batch.interface.hard_wall
-        self._level = np.zeros((rows, 1))
-        if self._floats:
-            self.displacement = aligned_rows(rows, n, self._u.dtype)
-        self._strongest, self._residual = np.zeros(rows), np.ones(rows)
-        self._drifts = np.zeros(rows, dtype=np.bool_)
-        self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
-            (6, unknowns), self._u.dtype
-        )
-        for row in np.arange(rows).reshape(-1, 1):
-            self._source[row[0]] = self._u[row[0]]
-            self._stiffen(row)
-            self._accept(row[0])
+            wall[:] = batch.punch.reshape(rows, n)
+        self._punch = wall if batch.interface.hard_wall else batch.punch.reshape(rows, n).copy()
 
-    def _stiffen(self, row: Indices) -> None:
-        """Fill the result of a row with the restoring tractions of its source."""
-        self.field.apply(self._stiffness, row)
+    def _components(self, unknowns: Reals) -> Reals:
+        """Return unknowns `[..., component padded]` by component, to be read or written."""
+        return unknowns.reshape(*unknowns.shape[:-1], self._products.components, -1)
 
-    def _comply(self, row: Indices) -> None:
-        """Fill the result of a row with the displacements under its source."""
-        self.field.apply(self._compliance, row)
+    def _nodes(self, unknowns: Reals) -> Reals:
+        """Return the unknowns of one row by `[component, node]`, to be read or written."""
+        return self._components(unknowns)[:, : self.field.n]
+
+    def _gap(self, i: int) -> Reals:
+        gap = np.asarray(self._punch[i] - self._nodes(self._u[i])[-1])
+        return gap if self._yields is None else np.maximum(gap, 0.0)
+
+    def _slip(self, i: int) -> Reals:
+        return np.asarray(self._sliding - self._nodes(self._u[i])[:-1])
 
     def _pull(self, i: int) -> Reals:
         """Traction of the law on each unknown of a row, in an array that is free between trials."""
-        self._closing[self._normal] = self._law.traction(self._gap(i))
+        self._law.fill_traction(self._gap(i), self._slip(i), self._nodes(self._closing))
         return self._closing
 
     def _fill_curvature(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
-        self._curvature[self._normal] = self._law.stiffness(self._gap(i))
-
-    def _add_coupling(self, i: int) -> float:
-        """Add how the law couples the unknowns of a node to the result; return twice the energy of the coupling."""
-        return 0.0
+        curvature = self._nodes(self._curvature)
+        self._law.fill_curvature(self._gap(i), self._slip(i), curvature)
+        if self._yields is not None:
+            curvature[-1, self._yields[i]] = 0.0
 
     def _change(self, i: int) -> float:
-        """Change of the law's energy as the gaps of a row close."""
-        return float(self._law.energy_change(self._gap(i), self._closing[self._normal]).sum(dtype=np.float64))
-
-    def _split(self, i: int) -> None:
-        """Prepare the preconditioner for the curvature of a row."""
-
-    def _project(self, i: int) -> None:
-        """Project the trial of a row onto the displacements where the energy is smooth."""
-
-    def _longest(self, i: int) -> float:
-        """Step along the direction that is tried first."""
-        return 1.0
-
-    def _look_at_more(self, active: Indices) -> None:
-        """Measure violations of other than normal conditions."""
-
-    def _gap(self, i: int) -> Reals:
-        return np.asarray(self._punch[i] - self._u[i, self._normal])
+        """Change of the law's energy as a row moves; it goes on as its tangent at gap 0 where nodes penetrate."""
+        closing, gap, along_tangent = self._nodes(self._closing), self._gap(i), 0.0
+        if self._yields is not None:
+            yields = self._yields[i]
+            along_tangent = float(self._law.normal_traction(np.zeros(1))[0] * closing[-1, yields].sum())
+            closing = np.where(yields, 0.0, closing)
+        return self._law.change(gap, self._slip(i), closing) - along_tangent
 
     def _shift_load(self, i: int) -> None:
         """Let the mean pressure of a row take over what held its mean displacement."""
         if self._held_mean is not None:
-            self.load[i] += self._held_mean.pressure(self.displacement[i, : self.field.n])
-            self._load[i, self._normal] = self.load[i]
+            load = self.state.load
+            load[i] += self._held_mean.pressure(self.state.u[i, -1, : self.field.n])
+            self._nodes(self._load[i])[-1] = load[i] - self._borne(i)
+
+    def _borne(self, i: int) -> Reals | float:
+        """Pressure with which the hardness pushes back nodes that yield."""
+        return 0.0 if self._yields is None else self.certificate.conditions.hardness * self._yields[i]
+
+    def _split(self, i: int) -> None:
+        """Prepare the preconditioner for the curvature of a row."""
+        if self._parallel is not None:
+            np.greater(self._weight, 0.0, out=self._weight)
+            self._source[i] = self._unbalanced
+            self._parallel.factor(self._curvature, self._weight)
+
+    def _comply(self, row: Indices) -> None:
+        """Fill the result of a row with the displacements under its source."""
+        if self._parallel is None:
+            self._products.apply(self._compliance, row)
+        else:
+            self._parallel.solve(self._source[row[0]], self._result[row[0]])
 
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
@@ -187,8 +214,8 @@ class TruncatedNewton:
         curvature, weight, r = self._curvature, self._weight, self._unbalanced
         d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
         self._fill_curvature(i)
-        state = kernels.State(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
-        kernels.descent_start(state, curvature, self._node_compliance, weight, r, d, source)
+        unknowns = kernels.Unknowns(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
+        kernels.descent_start(unknowns, curvature, self._node_compliance, weight, r, d, source)
         self._split(i)
         self._comply(row)
         first = last = kernels.descent_norm(r, weight, result)
@@ -198,9 +225,9 @@ class TruncatedNewton:
         kernels.descent_direction(weight, result, 0.0, p, source)
         tolerance = self._tolerance(i)
         for _ in range(_INNER_ITERATIONS):
-            self._stiffen(row)
+            self._products.restore(row)
             curve, elastic = kernels.descent_curvature(p, result, curvature)
-            curve += self._add_coupling(i)
+            curve += self._law.add_coupling(self._nodes(p), self._nodes(result))
             if not curve > _FLAT * elastic:
                 d += last / max(elastic, _FLAT * last) * p
                 return True
@@ -220,7 +247,8 @@ class TruncatedNewton:
 
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
-        i, step = row[0], self._longest(row[0])
+        i, direction = row[0], self._nodes(self._direction)
+        step = self._law.longest(self._gap(i), self._slip(i), direction)
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
@@ -241,8 +269,10 @@ class TruncatedNewton:
         i = row[0]
         u, trial = self._u[i], self._source[i]
         kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
-        self._project(i)
-        self._stiffen(row)
+        if self._yields is not None:  # which stop at the wall from behind
+            stopped = self._nodes(trial)[-1]
+            np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])
+        self._products.restore(row)
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], self._closing
         )
@@ -253,26 +283,37 @@ class TruncatedNewton:
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""
         self._u[i] = self._source[i]
+        u = self._nodes(self._u[i])[-1]
         if self._floats:
-            mean = float(self._u[i, self._normal].mean())
-            self._u[i, self._normal] -= mean
+            mean = float(u.mean())
+            u -= mean
             self._punch[i] -= mean
             self._level[i] += mean
         self._elastic[i] = self._result[i]
-        if self._reach > 0.0:
-            bound = self._gap(i)
-            bound -= _FAR * self._reach
-            np.maximum(bound, self._reach, out=bound)
-            bound += self._u[i, self._normal]
-            np.minimum(self._ceiling[i, self._normal], bound, out=self._bound[i, self._normal])
+        bound, ceiling = self._nodes(self._bound[i])[-1], self._nodes(self._ceiling[i])[-1]
+        if self._law.reach > 0.0:
+            near = np.asarray(self._punch[i] - u)
+            near -= _FAR * self._law.reach
+            np.maximum(near, self._law.reach, out=near)
+            near += u
+            np.minimum(ceiling, near, out=bound)
         pull = self._pull(i)
         np.subtract(self._elastic[i], pull, out=self._restoring[i])
         self._strongest[i] = max(pull.max(), -pull.min())
-        n = self.field.n
-        if self.displacement is not self._u:
-            self.displacement[i, :n] = self._u[i, self._normal] + self._level[i]
-        if self.restoring is not self._restoring:
-            self.restoring[i, :n] = self._restoring[i, self._normal]
+        if self._floats:
+            self.state.u[i] = self._components(self._u[i])
+            self.state.u[i, -1] += self._level[i]
+        if self._yields is not None:
+            self._let_yield(i, u, (ceiling, bound), self._yields[i])
+
+    def _let_yield(self, i: int, u: Reals, bounds: tuple[Reals, Reals], yields: Flags) -> None:
+        """Tell which nodes of a row yield, and stop none of these at the wall."""
+        punch, load = self._punch[i], self.state.load[i]
+        presses = load - self._nodes(self._restoring[i])[-1] > self.certificate.conditions.hardness
+        yields[:] = (u > punch) | ((u == punch) & presses)
+        self._nodes(self._load[i])[-1] = load - self._borne(i)
+        for bound in bounds:
+            bound[:] = np.where(yields, np.inf, np.minimum(bound, punch))
 
 
 def starting_displacement(batch: Batch, traction: Callable[[Reals], Reals]) -> Reals:

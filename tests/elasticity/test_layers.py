@@ -11,7 +11,7 @@ from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.damped_dynamics import verlet_dynamics
+from gfmd_numba.solvers.dynamics import verlet
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
@@ -141,9 +141,9 @@ def test_step_and_damping_are_those_of_the_softest_and_the_stiffest_of_all_waves
     assert softest < 0.5 * k[1]
     options = Options("verlet")
     dt = options.number("time_step") * stability_limit(softest, stiffest, options.number("damping"))
-    verlet = verlet_dynamics(batch, options)._integrator
-    assert verlet.push == pytest.approx(dt**2)
-    assert verlet.memory == pytest.approx(1 - options.number("damping") * critical_damping(softest, dt) * dt**2)
+    integrator = verlet(batch, options)._integrator
+    assert integrator._push == pytest.approx(dt**2)
+    assert integrator._memory == pytest.approx(1 - options.number("damping") * critical_damping(softest, dt) * dt**2)
 
 
 def test_equal_neighbours_are_merged():

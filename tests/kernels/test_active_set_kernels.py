@@ -58,16 +58,22 @@ def test_newton_error_is_its_plain_twin(kernel, free_mean, rng):
         np.testing.assert_allclose(new[:6], change, rtol=1e-13)
 
 
-@pytest.mark.parametrize("last", [0.0, 2.0])
 @pytest.mark.parametrize("kernel", both(kernels.newton_direction))
-def test_newton_direction_is_its_plain_twin(kernel, last, rng):
-    z = rng.normal(size=6)
-    t = rng.normal(size=PADDED)
-    t[:N][~CONTACT[:N]] = 0.0 if last else 7.0
-    expected = np.zeros(N)
-    expected[NODES] = z + (0.5 / last * t[NODES] if last else 0.0)
-    kernel(z, last, 0.5, NODES, 6, N, t)
-    np.testing.assert_allclose(t[:N], expected, rtol=1e-14)
+def test_a_newton_direction_is_conjugate_to_the_last(kernel, rng):
+    """With the step of its own line search, that direction does no work on the last displacement."""
+    root = rng.normal(size=(6, 6))
+    stiff, z, r, last = root @ root.T, *rng.normal(size=(3, 6))
+    t, st = np.zeros((2, N))
+    t[NODES], st[NODES] = last, stiff @ last
+    energy = abs(r @ last)  # what z r was when the last direction was made of it
+    iterate = kernels.Iterate(t, t, t, st)
+    kernel(z, energy / (t @ st), energy, NODES, 6, iterate)
+    assert t @ st == pytest.approx(0.0, abs=1e-9)
+    assert not t[~CONTACT[:N]].any()
+    t[~CONTACT[:N]] = 7.0
+    kernel(z, 0.0, 0.0, NODES, 6, iterate)
+    np.testing.assert_array_equal(t[NODES], z)
+    assert not t[~CONTACT[:N]].any()
 
 
 @pytest.mark.parametrize("free_mean", [True, False])
@@ -78,7 +84,7 @@ def test_newton_update_is_its_plain_twin(kernel, free_mean, rng):
     step = 0.5 / (t[:N] @ st[:N])
     expected_p, expected_gap = p[:N] + step * t[:N], gap[:N] + step * st[:N]
     expected_r = r[:6] - step * st[NODES]
-    kernel(kernels.Iterate(p, gap, t, st), 0.5, NODES, 6, N, r, free_mean)
+    assert kernel(kernels.Iterate(p, gap, t, st), 0.5, NODES, 6, N, r, free_mean) == pytest.approx(step)
     np.testing.assert_allclose(p[:N], expected_p, rtol=1e-13)
     np.testing.assert_allclose(gap[:N], expected_gap, rtol=1e-12)
     np.testing.assert_allclose(r[:6], expected_r - expected_r.mean() if free_mean else expected_r, atol=1e-13)
@@ -91,7 +97,7 @@ def test_revise_contact_is_its_plain_twin(kernel, free_mean, rng):
     p[8] = -0.1
     gap = np.where(CONTACT, 0.3, 1.0)
     gap[[3, 4]] = 0.3 - 1e-9, -0.2
-    changed = kernel(kernels.Iterate(p, gap, gap, gap), contact, NODES, 6, N, 2.0, 1e-6, free_mean)
+    changed = kernel(kernels.Iterate(p, gap, gap, gap), contact, NODES, 6, N, 2.0 * N, 1e-6, free_mean)
     leaves, joins = [8], [4]
     assert changed == 2
     assert contact[:N].tolist() == [(CONTACT[j] or j in joins) and j not in leaves for j in range(N)]

@@ -4,8 +4,14 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.candidates import begin_behind_widest_gap, candidates, distances_around, join_deepest
-from gfmd_numba.kernels.decay_sums import POWERS, far_powers
+from gfmd_numba.kernels.decays import (
+    POWERS,
+    begin_behind_widest_gap,
+    candidates,
+    distances_around,
+    far_powers,
+    join_deepest,
+)
 from support.kernel_twins import both
 
 

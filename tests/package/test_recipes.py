@@ -86,12 +86,12 @@ SOLVER = Recipe(
     '''\
 """Heavy-ball descent, which is Verlet's scheme under another name."""
 
-from gfmd_numba.solvers.damped_dynamics import verlet_dynamics
+from gfmd_numba.solvers.dynamics import verlet
 
 
 def heavy_ball_descent(batch, options):
     """Begin with the displacement at rest."""
-    return verlet_dynamics(batch, options)
+    return verlet(batch, options)
 ''',
     "solvers/table.py",
     (
@@ -100,7 +100,7 @@ def heavy_ball_descent(batch, options):
     "heavy_ball": Solver(
         "descends with momentum",
         can=_DISPLACEMENT,
-        condensed="gfmd_numba.solvers.heavy_ball:heavy_ball_descent",
+        condensed=("gfmd_numba.solvers.heavy_ball:heavy_ball_descent",),
         options=_TIME_STEP | _DAMPING,
     ),
 """,

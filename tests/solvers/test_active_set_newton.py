@@ -11,9 +11,9 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
+from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.status import Status
 
 HALF_SPACE = (None, None)

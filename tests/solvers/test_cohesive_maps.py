@@ -103,7 +103,7 @@ def test_the_energy_never_rises_and_its_slopes_balance(hard_wall, load):
     row, energies, n = np.zeros(1, dtype=np.int64), [], 32 * 48
     for _ in range(60):
         residual = solver.residual(row)
-        u = np.concatenate((solver.tangential[0][:, :n], solver.displacement[:1, :n])).reshape(3, 32, 48)
+        u = solver.state.u[0, :, :n].reshape(3, 32, 48)
         force, gap, slip = restored(u, body), punch[0] - u[2], drag - u[:2]
         g, overlap = np.maximum(gap, 0.0) / 2e-2, np.minimum(gap, 0.0) / 2e-2
         decay = np.exp(-g - (slip**2).sum(axis=0) / 16e-4)

@@ -57,7 +57,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(hard_wall, load):
     row = np.zeros(1, dtype=np.int64)
     for _ in range(60):
         residual = solver.residual(row)
-        u1, u3 = solver.tangential[0][0, :256], solver.displacement[0, :256]
+        u1, u3 = solver.state.u[0, :, :256]
         energies.append(energy(u1, u3, punch[0], body, load or 0.0, LAW, 0.01))
         if residual[0] <= 1e-8:
             break

@@ -12,8 +12,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.decay_model import decay_model
-from gfmd_numba.solvers.decay_newton import DecayNewton
+from gfmd_numba.solvers.decays.newton import DecayNewton, decay_model
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.options import Options
@@ -159,7 +158,7 @@ def test_dense_and_sparse_contacts_of_a_batch_do_not_know_of_each_other(monkeypa
     punch *= np.array([[1.0], [0.02], [0.5], [0.04]])
     solved = []
     monkeypatch.setattr(
-        "gfmd_numba.solvers.decay_newton.ActiveSetNewton.advance",
+        "gfmd_numba.solvers.decays.newton.ActiveSetNewton.advance",
         lambda self, active, advance=ActiveSetNewton.advance: (solved.append(active.size), advance(self, active)),
     )
     together = equilibrate(punch, SpectralResponse.of_normal(body), load, NEWTON)

@@ -7,10 +7,10 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.status import Status
 from support.contact_conditions import largest_violation, sticking
 
@@ -75,18 +75,19 @@ def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, fr
     while dynamics.residual(row)[0] > 1e-10:
         for _ in range(20):
             dynamics.advance(row)
-    tangential, anchor = dynamics.tangential[0][:, :nx], dynamics._anchor[:, :nx]
-    held = np.where(np.isnan(anchor), tangential, anchor)[:, np.newaxis]
-    start = Start(dynamics.displacement[:, :nx].copy(), held, at_rest.anchor)
+    (tangential, normal), (shear, restoring) = (each[0, :, :nx] for each in dynamics.state[:2])
+    anchor = dynamics.state.anchor[0, 0, :nx]
+    held = np.where(np.isnan(anchor), tangential, anchor)[np.newaxis, np.newaxis]
+    start = Start(normal[np.newaxis].copy(), held, at_rest.anchor)
     options = Options("frictional_newton", residual=1e-10, max_iterations=100)
     found = press(punch, stiffness, load, friction, law, start, options=options)
     assert found.status[0] == Status.ok
-    touching = (dynamics.displacement[0, :nx] >= punch[0]) & (dynamics.restoring[0, :nx] < load)
+    touching = (normal >= punch[0]) & (restoring < load)
     np.testing.assert_array_equal(found.touching[0], touching)
-    np.testing.assert_array_equal(sticking(found, start), touching & (tangential[0] == anchor[0]))
+    np.testing.assert_array_equal(sticking(found, start), touching & (tangential == anchor))
     peak = found.pressure.max()
-    np.testing.assert_allclose(found.tangential.traction[0, 0], dynamics.tangential[1][0, :nx], atol=1e-8 * peak)
-    np.testing.assert_allclose(found.displacement[0], dynamics.displacement[0, :nx], atol=1e-8 * np.ptp(punch))
+    np.testing.assert_allclose(found.tangential.traction[0, 0], shear, atol=1e-8 * peak)
+    np.testing.assert_allclose(found.displacement[0], normal, atol=1e-8 * np.ptp(punch))
 
 
 @pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])

@@ -86,18 +86,18 @@ def test_the_dynamics_has_the_same_nodes_sticking_and_slipping(nu, friction, loa
     while dynamics.residual(row)[0] > 1e-10:
         for _ in range(20):
             dynamics.advance(row)
-    tangential, anchor = dynamics.tangential[0][:, :nx], dynamics._anchor[:, :nx]
-    held = np.where(np.isnan(anchor), tangential, anchor)[:, np.newaxis]
+    (tangential, normal), (shear, restoring) = (each[0, :, :nx] for each in dynamics.state[:2])
+    anchor = dynamics.state.anchor[0, 0, :nx]
+    held = np.where(np.isnan(anchor), tangential, anchor)[np.newaxis, np.newaxis]
     start = Start(at_rest.displacement, held, at_rest.anchor)
     found = press(punch, stiffness, load, friction, start, options=Options("frictional_newton", residual=1e-10))
     assert found.status[0] == Status.ok
-    touching = (dynamics.displacement[0, :nx] >= punch[0]) & (dynamics.restoring[0, :nx] < load)
+    touching = (normal >= punch[0]) & (restoring < load)
     np.testing.assert_array_equal(found.touching[0], touching)
-    np.testing.assert_array_equal(sticking(found, start), touching & (tangential[0] == anchor[0]))
+    np.testing.assert_array_equal(sticking(found, start), touching & (tangential == anchor))
     peak = found.pressure.max()
-    np.testing.assert_allclose(found.tangential.traction[0, 0], dynamics.tangential[1][0, :nx], atol=3e-9 * peak)
-    pressure = load - dynamics.restoring[0, :nx]
-    np.testing.assert_allclose(found.pressure[0][touching], pressure[touching], atol=3e-9 * peak)
+    np.testing.assert_allclose(found.tangential.traction[0, 0], shear, atol=3e-9 * peak)
+    np.testing.assert_allclose(found.pressure[0][touching], (load - restoring)[touching], atol=3e-9 * peak)
 
 
 @pytest.mark.parametrize("aspect_ratio", [0.1, 1.0])

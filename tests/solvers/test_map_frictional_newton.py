@@ -115,12 +115,14 @@ def test_the_dynamics_has_the_same_nodes_sticking_and_slipping(nu, friction, asp
     while dynamics.residual(row)[0] > 1e-10:
         for _ in range(20):
             dynamics.advance(row)
-    u1, t1, anchor = (each[:, : punch.size].reshape(1, 2, *shape) for each in dynamics.tangential)
+    u, ku, anchor = (
+        each[..., : punch.size].reshape(1, -1, *shape) for each in (*dynamics.state[:2], dynamics.state.anchor)
+    )
+    u1, t1, restoring = u[:, :2], ku[:, :2], ku[0, 2]
     held = Start(at_rest.displacement, np.where(np.isnan(anchor), u1, anchor), at_rest.anchor)
     found = press(punch, stiffness, load, friction, held, options=Options("frictional_newton", residual=1e-10))
     assert found.status[0] == Status.ok
-    restoring = dynamics.restoring[0, : punch.size].reshape(shape)
-    touching = (dynamics.displacement[0, : punch.size].reshape(shape) >= punch[0]) & (restoring < load)
+    touching = (u[0, 2] >= punch[0]) & (restoring < load)
     np.testing.assert_array_equal(found.touching[0], touching)
     np.testing.assert_array_equal(sticking(found), touching & (u1 == anchor)[0].all(axis=0))
     peak = found.pressure.max()

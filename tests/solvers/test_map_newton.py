@@ -8,13 +8,12 @@ import pytest
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.solvers import map_contact
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.map_newton import MapNewton
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.split_compliance import SplitCompliance
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.tiles import newton
+from gfmd_numba.solvers.tiles.compliance import SplitCompliance
 from support.maps import body, press, rough
 
 NEWTON, GRADIENTS = Options("active_set_newton"), Options("conjugate_gradients")
@@ -102,7 +101,7 @@ def test_a_punch_that_does_not_touch_has_no_pressure():
 def test_near_and_exact_compliance_lead_to_the_same_contact(monkeypatch, dense):
     punch = rough(128, hurst=0.3)
     usual = press(punch, 0.05)
-    monkeypatch.setattr(map_contact, "_DENSE", dense)
+    monkeypatch.setattr(newton, "_DENSE", dense)
     other = press(punch, 0.05)
     np.testing.assert_array_equal(usual.touching, other.touching)
     np.testing.assert_allclose(usual.pressure, other.pressure, atol=1e-7 * usual.pressure.max())
@@ -139,7 +138,7 @@ def test_the_residual_is_no_certificate_before_it_is_small():
     solver = begin(
         Batch(punch, SpectralResponse.of_normal(stiff), np.array([0.01]), HARD_WALL, Start.at_rest(punch)), NEWTON
     )
-    assert isinstance(solver, MapNewton)
+    assert isinstance(solver, newton.TileNewton)
     one, made = np.arange(1), []
     for _ in range(8):
         solver.advance(one)

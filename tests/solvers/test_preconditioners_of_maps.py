@@ -2,11 +2,10 @@
 
 import numpy as np
 import pytest
+from gfmd_numba.solvers.preconditioners import near_field
 
 from gfmd_numba.contact import solution
-from gfmd_numba.solvers.preconditioners import blocks
-from gfmd_numba.solvers.preconditioners.far_field import FarField
-from gfmd_numba.solvers.preconditioners.near_field import NearField
+from gfmd_numba.solvers.tiles.near_field import FarField, NearField
 from support.maps import body, problem
 
 
@@ -46,8 +45,8 @@ def columns(inverse, nodes):
 @pytest.mark.parametrize("slab", [None, (0.3, 0.1)])
 def test_far_away_contacts_are_taken_into_account_by_blocks(monkeypatch, slab):
     """Against dense algebra."""
-    monkeypatch.setattr(blocks, "_TOLERANCE", 1e-12)
-    monkeypatch.setattr(blocks, "_FEWEST", 32)
+    monkeypatch.setattr(near_field, "_TOLERANCE", 1e-12)
+    monkeypatch.setattr(near_field, "_FEWEST", 32)
     shape, rng = (96, 64), np.random.default_rng(0)
     nodes = np.flatnonzero(np.kron(rng.random((48, 32)) < 0.05, np.ones((2, 2))))
     stiff = body(shape, slab)

@@ -16,8 +16,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import equilibrium
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.stagnation import Stagnation
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Stagnation, Status
 from support.command_line import gfmd, unfolded
 from support.laws import surface
 

@@ -4,11 +4,9 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.solvers.coupled_products import CoupledProducts
-from gfmd_numba.solvers.friction_guess import Found, FrictionGuess, middle_slip
-from gfmd_numba.solvers.minimal_residual import minimal_residual
-from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
-from gfmd_numba.solvers.stick_slip import Body, StickSlip
+from gfmd_numba.solvers.friction.guess import Found, FrictionGuess, middle_slip
+from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.products import Products
 
 N, FRICTION = 64, 0.3
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]
@@ -36,17 +34,17 @@ def compliance_matrix(stiffness):
 def test_products_are_those_of_the_dense_compliance_and_of_its_inverse(body, free):
     stiffness = body.response((N,))
     stiffness = stiffness.with_mean(0.0) if free else stiffness
-    products, rng = CoupledProducts(stiffness, 2, (N,)), np.random.default_rng(0)
+    held = stiffness.with_mean(0.0) if stiffness.is_rigid else stiffness
+    products, rng = Products(held, 2, (N,), sources=2), np.random.default_rng(0)
     shear, pressure = rng.normal(size=(2, N))
     shear -= shear.mean() if stiffness.elements[0][0] == 0.0 else 0.0
     pressure -= pressure.mean()
     u = products.deflect(1, np.array([shear, pressure]))
     exact = compliance_matrix(stiffness) @ np.concatenate((shear, pressure))
     np.testing.assert_allclose(u.ravel(), exact, atol=1e-13 * abs(exact).max())
-    products.tangential[1, :N], products.displacement[1, :N] = u
+    products.displacement[1, :, :N] = u
     products.restore(np.array([1]))
-    np.testing.assert_allclose(products.tangential_restoring[1, :N], shear, atol=1e-12)
-    np.testing.assert_allclose(products.restoring[1, :N], -pressure, atol=1e-12)
+    np.testing.assert_allclose(products.restoring[1, :, :N], [shear, -pressure], atol=1e-12)
     np.testing.assert_array_equal(products.n_transforms, [0, 8])
 
 
@@ -62,7 +60,7 @@ def test_a_guess_is_solved_like_its_dense_problem(body, loaded):
     contact[[3, 4, 5, 6, 20, 21, 22, 40, 60, 61]] = True
     slip[[3, 6, 20, 60]] = [-1, 1, 1, -1]
     wall, anchor = rng.normal(size=(2, N)) * 1e-2
-    products = CoupledProducts(stiffness, 1, (N,))
+    products = Products(stiffness, 1, (N,), sources=2)
     body = Body(
         lambda f: products.deflect(0, f), NearTractions(stiffness, (N,)), FRICTION, load if loaded else None, drifts
     )

@@ -59,7 +59,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
     energies = []
     rows = np.arange(3)
     for _ in range(60):
-        u = solver.displacement[:, :256]
+        u = solver.state.u[:, 0, :256]
         energies.append([energy(u[i], punch[i], body, loads[i], interface.normal_law) for i in rows])
         if (solver.residual(rows) <= 1e-8).all():
             break
@@ -170,7 +170,7 @@ def test_nodes_that_press_against_the_wall_are_held(kernel):
     u, wall = np.array([0.0, 0.0, -1.0, -1.0]), np.zeros(4)
     restoring, curvature = np.array([1.0, 3.0, 1.0, 3.0]), np.array([-1.0, 0.0, 4.0, 0.0])
     weight, r, d, source = np.full((4, 4), np.nan)
-    kernel(kernels.State(u, restoring, wall, np.full(4, 2.0)), curvature, 2.0, weight, r, d, source)
+    kernel(kernels.Unknowns(u, restoring, wall, np.full(4, 2.0)), curvature, 2.0, weight, r, d, source)
     np.testing.assert_allclose(weight, [0.0, 1.0, 1.0 / 3.0, 1.0])
     np.testing.assert_allclose(r, [0.0, -1.0, 1.0, -1.0])
     np.testing.assert_allclose(source, weight * r)

@@ -4,8 +4,12 @@ Unknown are the pressure p of the wall on touching nodes and, with a law of the 
 tangential tractions of sticking nodes; and on maps the traction t of a slipping node across the direction e in which it
 slips. Along e it bears -mu p. The traction of a slip s turns by as much as the slip does, t / (mu p) = -ds / s across
 e, so that the node gives way by t s / (mu p) (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991).
+
+It is solved by generalised minimal residuals, preconditioned by an approximate inverse of the compliance of each
+component on the nodes in contact.
 """
 
+import math
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -13,8 +17,118 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.solvers.friction_guess import FrictionGuess, Tangent
-from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
+from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
+from gfmd_numba.solvers.friction.guess import FrictionGuess, Tangent
+from gfmd_numba.solvers.tiles.near_field import NearField
+
+
+class NearTractions:
+    """Tractions on some nodes that about cause displacements there, each component as if the others were free of them.
+
+    Of profiles these are the inverses of both compliances, of maps the stiffness between near neighbours, where both
+    tangential components have the mean of their stiffnesses. What couples the components is left out.
+    `normal_of_a_node` and `tangential_of_a_node` are stiffnesses of a node among others that are held. `takes_law`
+    says whether nodes may have a compliance of their own in addition, of either sign.
+    """
+
+    _tangential: ProfileInverse | NearField
+    _normal: ProfileInverse | NearField
+
+    def __init__(self, response: SpectralResponse, shape: tuple[int, ...]) -> None:
+        elements = response.inverse()
+        normal, tangential = elements[-1], elements[0]
+        if len(shape) == 1:
+            self._tangential, self._normal = (
+                ProfileInverse(_reciprocal(each), each, *shape) for each in (tangential, normal)
+            )
+        else:
+            xx, xy, yy = elements[:3]
+            trace = 0.5 * (xx + yy)
+            tangential = np.divide(xx * yy - xy**2, trace, out=np.zeros_like(trace), where=trace > 0.0)
+            self._tangential, self._normal = (NearField(_inverse(each), shape) for each in (tangential, normal))
+        share = grid.multiplicity(shape[-1]) / np.prod(shape)
+        self.tangential_of_a_node = float((_inverse(tangential) * share).sum())
+        self.normal_of_a_node = float((_inverse(normal) * share).sum())
+        # a rigid mean is not one of the sum, in which an attraction would move it
+        self.takes_law = self._normal.takes_own and not response.is_rigid
+
+    @property
+    def transforms(self) -> float:
+        """Transforms made so far."""
+        return self._tangential.transforms + self._normal.transforms
+
+    def factor(self, nodes: Indices, dragged: Indices, own: Reals | None = None) -> None:
+        """Prepare `solve` for some nodes, and for those of them with tangential tractions of their own.
+
+        `own` `[node]` are compliances that each node has in addition, which count where a law is taken.
+        """
+        if nodes.size:
+            self._normal.factor(nodes, nodes.size, own if self.takes_law else None)
+        if dragged.size:
+            self._tangential.factor(nodes[dragged], dragged.size)
+
+    def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
+        """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
+        pressure, traction = np.empty_like(normal), np.empty_like(tangential)
+        if normal.size:
+            self._normal.solve(normal, pressure)
+        if tangential.size:
+            for u, t in zip(tangential, traction, strict=True):
+                self._tangential.solve(u, t)
+        return pressure, traction
+
+
+def _inverse(compliance: Reals) -> Reals:
+    """Stiffness; a mean displacement that is rigid has none, and one nearly so would reach over the whole map."""
+    stiffness = _reciprocal(compliance)
+    stiffness.flat[0] = min(stiffness.flat[0], stiffness.flat[1])
+    return stiffness
+
+
+def _reciprocal(compliance: Reals) -> Reals:
+    return np.divide(1.0, compliance, out=np.zeros_like(compliance), where=compliance > 0.0)
+
+
+def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: float, most: int) -> tuple[Reals, Reals]:
+    """Return directions `[k, unknown]` and how far to go along each `[k]`, so that |residual - product| is at most aim.
+
+    `product` is called once for each direction, in their order: whoever keeps what it found along the way need not
+    compute it again for the solution. At most `most` directions are tried.
+    """
+    size = float(np.linalg.norm(residual))
+    basis = np.empty((most + 1, residual.size))
+    hessenberg = np.zeros((most + 1, most))
+    shares: Reals = np.zeros(0)
+    if not size > aim:
+        return basis[:0], shares
+    basis[0] = residual / size
+    rotations: list[tuple[float, float]] = []  # that make the matrix triangular
+    left = size
+    for k in range(most):
+        new = product(basis[k])
+        for _ in range(2):  # once leaves rounding errors in the angles
+            along = basis[: k + 1] @ new
+            hessenberg[: k + 1, k] += along
+            new -= along @ basis[: k + 1]
+        hessenberg[k + 1, k] = norm = math.sqrt(new @ new)
+        if not math.isfinite(norm):
+            return basis[: k + 1], np.full(k + 1, np.nan)
+        above, *below = hessenberg[: k + 1, k].tolist()
+        for (cosine, sine), each in zip(rotations, below, strict=True):
+            above = cosine * each - sine * above
+        length = math.hypot(above, norm)
+        rotations.append((above / length, norm / length) if length > 0.0 else (1.0, 0.0))
+        left *= rotations[-1][1]
+        if left <= aim or norm == 0.0:
+            break
+        basis[k + 1] = new / norm
+    target = np.zeros(k + 2)
+    target[0] = size
+    shares = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)[0].astype(np.float64)
+    return basis[: k + 1], shares
+
 
 # slope of a repulsion times the compliance of a node from which on it is told by its inverse, where not every law is
 _STIFF = 0.3

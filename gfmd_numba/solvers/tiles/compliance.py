@@ -1,12 +1,15 @@
-"""The compliance between tiles of a map, nearly: a stencil for what is near, a coarser grid for what is far."""
+"""The compliance between tiles of a map, nearly, and a preconditioner of it on the nodes in contact."""
+
+import math
 
 import numpy as np
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
+from gfmd_numba.solvers.tiles.near_field import Blocks, near_stencil
 
 _COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
 _REACH = 5  # nodes in each direction that the stencil sees
@@ -113,3 +116,56 @@ def _fitted(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
     return np.ascontiguousarray(
         quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
     )
+
+
+_SIDE = (
+    16  # nodes along each side of a block, two tiles: larger blocks cost iterations, smaller ones more than they save
+)
+
+
+class TileField:
+    """Preconditioner of the compliance on the nodes in contact of some tiles: near neighbours and blocks.
+
+    Values on m tiles are `[m + 1, TILE, TILE]`. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it
+    does not count.
+    """
+
+    def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
+        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
+        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
+        self._across = shape[1] // TILE
+        self._tiles = self._around = np.empty(0, dtype=np.int64)
+        self._nodes, self._isolated, self._stiff = self._tiles, np.empty(0), np.empty(0)
+
+    @property
+    def transforms(self) -> int:
+        """Transforms of blocks made so far."""
+        return self._blocks.made
+
+    @property
+    def nodes(self) -> int:
+        """Number of blocks."""
+        return math.prod(self._blocks.shape)
+
+    def place(self, tiles: Indices, around: Indices) -> None:
+        """Prepare `factor` for some tiles and the places of those around them."""
+        self._tiles, self._around = tiles, around
+
+    def factor(self, nodes: Indices, contact: Flags) -> None:
+        """Prepare `solve` for the nodes in contact, which are listed and marked."""
+        self._nodes, (self._values, self._near) = nodes, np.zeros((2, *contact.shape))
+        if self._blocks.useful:
+            self._sums, self._stiff = np.zeros((2, *self._blocks.shape))
+            self._isolated = np.zeros(contact.shape)
+            kernels.tile_stencil(contact.astype(np.float64), self._around, self._stencil, self._isolated)
+            kernels.sum_tiles(self._isolated, contact, self._tiles, self._across, self._stiff)
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes in contact that about causes the displacement there."""
+        self._values.reshape(-1)[self._nodes] = displacement
+        kernels.tile_stencil(self._values, self._around, self._stencil, self._near)
+        if self._blocks.useful:
+            kernels.sum_tiles(self._isolated, self._values, self._tiles, self._across, self._sums)
+            shared = self._blocks.shared(self._sums, self._stiff)
+            kernels.soften_tiles(self._near, self._isolated, shared, self._tiles, self._across)
+        np.take(self._near.reshape(-1), self._nodes, out=pressure)

@@ -7,28 +7,20 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.transform import aligned_rows
-from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.bounded_newton import newton
+from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.coupled_products import CoupledProducts
-from gfmd_numba.solvers.decay_newton import DecayNewton
-from gfmd_numba.solvers.friction_guess import (
+from gfmd_numba.solvers.friction.guess import (
     Found,
     FrictionGuess,
     Tangent,
     bound,
-    length,
     middle_slip,
     on_coarser_grid,
 )
-from gfmd_numba.solvers.iteration import Batch, Start, by_component
-from gfmd_numba.solvers.map_newton import MapNewton
-from gfmd_numba.solvers.minimal_residual import minimal_residual
+from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.iteration import Batch, Start, begin
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.preconditioners.near_tractions import NearTractions
-from gfmd_numba.solvers.stick_slip import Body, StickSlip
-from gfmd_numba.solvers.truncated_newton import TruncatedNewton
+from gfmd_numba.solvers.products import Products
 
 _SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first guess of the normal contact is left, later ones
 _NORMAL_STEPS = 60  # of that, at most
@@ -42,11 +34,6 @@ _PATIENCE = 4  # steps that may come no closer; then one node alone changes, or 
 _CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
 _DIRECTIONS = {1: 100, 2: 40}  # of the linear solution, at most; of maps fewer, as these are large
-
-
-def frictionless_newton(batch: Batch, options: Options) -> TruncatedNewton | ActiveSetNewton | DecayNewton | MapNewton:
-    """Begin Newton's method where friction has no effect, with or without a law of the gap."""
-    return TruncatedNewton(batch, options) if batch.interface.normal_law is not None else newton(batch, options)
 
 
 @dataclass
@@ -111,35 +98,27 @@ class FrictionalNewton:
         if laws.friction is None or not laws.hard_wall:
             raise ValueError("this solver knows friction on a hard wall only")
         self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
-        self._products = CoupledProducts(response, rows, shape, punch.dtype)
+        held = response.with_mean(0.0) if response.is_rigid else response
+        self._products = products = Products(held, rows, shape, punch.dtype, sources=2)
         self._near = NearTractions(response, shape)
-        self.field, self._components = self._products.field, response.components - 1
+        self.field, self._components = products.field, response.components - 1
         n = self.field.n
-        self.displacement, self.restoring = self._products.displacement, self._products.restoring
-        self.load = batch.loads.copy()
-        self.wall, self._anchor = (aligned_rows(each, n, punch.dtype) for each in (rows, self._components * rows))
-        self.wall[:, :n] = punch.reshape(rows, n)
-        self._anchor[:, :n] = by_component(start.tangential + start.dragged, n)
-        self._state = kernels.CoupledState(
-            self._products.tangential, self._anchor, self._products.tangential_restoring, self.displacement,
-            self.restoring, self.wall, self.load,
-        )  # fmt: skip
-        self.certificate = Certificate(rows, rigid_mean=RigidMean.of(punch, response))
+        u, ku = products.displacement, products.restoring
+        anchor, wall = np.zeros_like(u[:, :-1]), np.zeros_like(u[:, -1])
+        wall[:, :n] = punch.reshape(rows, n)
+        anchor[..., :n] = (start.tangential + start.dragged).reshape(rows, -1, n)
+        self.state = kernels.State(u, ku, wall, batch.loads.copy(), anchor)
+        self.certificate = Certificate(rows, laws.conditions, RigidMean.of(punch, response))
         self._condensed = response.condensed()
         self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
         self._drifts = response.drifts
-        self._rounding = np.finfo(punch.dtype).eps * np.ptp(self.wall[:, :n], axis=1)
+        self._rounding = np.finfo(punch.dtype).eps * np.ptp(wall[:, :n], axis=1)
         self._asked = options.residual
         self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners
         self._guesses = self._first_guesses(batch, options)
         inner = _INNER if self._law is None else _INNER_OF_LAW
         self._progress = [_Progress(options.residual, inner, n, n) for _ in range(rows)]
-
-    @property
-    def tangential(self) -> tuple[Reals, Reals, Reals]:
-        """Tangential displacement of the body, the traction that restores it, and from where it slips."""
-        return self._products.tangential, self._products.tangential_restoring, self._anchor
 
     @property
     def n_transforms(self) -> Indices:
@@ -159,22 +138,21 @@ class FrictionalNewton:
         Costs four transforms, six on maps, for each row whose tractions hardly change any more; others are measured
         by that change.
         """
-        n, products, certificate = self.field.n, self._products, self.certificate
+        n, certificate, (u, ku, wall, load, _) = self.field.n, self.certificate, self.state
         progress = [self._progress[i] for i in active]
         stands = np.array([each.is_solved or self._is_close(each) for each in progress], dtype=np.bool_)
         sure, strongest = active[stands], np.zeros(active.size)
-        products.restore(sure)
+        self._products.restore(sure)
         if self._law is not None:
-            self._law.pull(self.displacement, self.restoring, self.wall, sure, n)
-            gap = self.wall[active, :n] - self.displacement[active, :n]
+            self._law.pull(u[:, -1], ku[:, -1], wall, sure, n)
+            gap = wall[active, :n] - u[active, -1, :n]
             strongest = np.abs(self._law.traction(gap)).max(axis=1)
         for i in active[~stands]:
             guess = self._guesses[i]
-            products.tangential_restoring[self._own(i), :n] = guess.tractions[:-1]
-            self.restoring[i, :n] = self.load[i] - guess.contact * guess.tractions[-1]
-        certificate.look(kernels.State(self.displacement, self.restoring, self.wall, self.load), active, n)
-        kernels.friction_violation(self._state, self._friction, active, n, certificate.worst)
-        residual = certificate.residual(self.load, active, strongest)
+            ku[i, :-1, :n] = guess.tractions[:-1]
+            ku[i, -1, :n] = load[i] - guess.contact * guess.tractions[-1]
+        certificate.look(self.state, active, n)
+        residual = certificate.residual(load, active, strongest)
         for i in sure[residual[stands] > self._asked]:
             self._progress[i].last *= _TIGHTEN
         unsure = np.maximum([each.moved for each in progress], 10.0 * self._asked)
@@ -182,10 +160,6 @@ class FrictionalNewton:
 
     def _is_close(self, progress: _Progress) -> bool:
         return progress.moved < _CLOSE * self._asked
-
-    def _own(self, i: int) -> list[int]:
-        """Rows of the tangential components of a row."""
-        return [i + component * len(self.load) for component in range(self._components)]
 
     def _first_guesses(self, batch: Batch, options: Options) -> list[FrictionGuess]:
         """Guesses from the waves that a coarser grid holds, of coarse grids and with a law from the normal contact."""
@@ -205,41 +179,39 @@ class FrictionalNewton:
 
     def _first_guess(self, i: int) -> FrictionGuess:
         """Guess of the normal contact under the tangential tractions with which the row begins, all nodes sticking."""
-        n, start, products, own = self.field.n, self._batch.start, self._products, self._own(i)
-        products.tangential[own, :n] = by_component(start.tangential, n)[own]
-        self.displacement[i, :n] = np.minimum(start.displacement.reshape(-1, n)[i], self.wall[i, :n])
-        held = ~np.isnan(by_component(start.anchor, n)[own])
+        n, start, state = self.field.n, self._batch.start, self.state
+        state.u[i, :-1, :n] = start.tangential[i].reshape(-1, n)
+        state.u[i, -1, :n] = np.minimum(start.displacement[i].ravel(), state.wall[i, :n])
+        held = ~np.isnan(start.anchor[i].reshape(-1, n))
         shear = np.zeros((self._components, n))
         if held.any():
-            products.restore(np.array([i]))
-            shear = np.where(held, products.tangential_restoring[own, :n], 0.0)
+            self._products.restore(np.array([i]))
+            shear = np.where(held, state.ku[i, :-1, :n], 0.0)
         return self._normal_contact(i, shear)
 
     def _normal_contact(self, i: int, shear: Reals, settled: float = _SETTLED) -> FrictionGuess:
         """Guess of the normal contact under given tangential tractions, from the displacement stored."""
-        n, batch, lifted = self.field.n, self._batch, np.zeros(self.field.n)
+        n, batch, lifted, wall = self.field.n, self._batch, np.zeros(self.field.n), self.state.wall[i, : self.field.n]
         if shear.any():
             lifted = self._products.deflect(i, np.array([*shear, np.zeros(n)]))[-1]
         shape = (1, *batch.punch.shape[1:])
-        punch, start = self.wall[i, :n] - lifted, self.displacement[i, :n] - lifted
+        punch, start = wall - lifted, self.state.u[i, -1, :n] - lifted
         normal = replace(
             batch,
             punch=punch.reshape(shape),
             response=self._condensed,
-            load=None if batch.load is None else self.load[[i]],
+            load=None if batch.load is None else self.state.load[[i]],
             interface=replace(batch.interface, friction=None),
             start=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
         )
-        solver, row = frictionless_newton(normal, Options("frictional_newton", settled, _NORMAL_STEPS)), np.arange(1)
+        solver, row = begin(normal, Options("frictional_newton", settled, _NORMAL_STEPS)), np.arange(1)
         for _ in range(_NORMAL_STEPS):
             solver.advance(row)
             if solver.residual(row)[0] <= settled:
                 break
         self._spent[i] += int(solver.n_transforms[0])
-        found, wall = solver.displacement[0, :n], self.wall[i, :n]
-        state = kernels.State(found[None], solver.restoring, solver.wall, solver.load)
-        solver.certificate.pressure(state, row, n, solver.restoring)
-        pressure = solver.restoring[0, :n]
+        kernels.wall_pressure(solver.state, np.inf, row, n)
+        found, pressure = solver.state.u[0, -1, :n], solver.state.ku[0, -1, :n]
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(found + lifted, wall))
         if self._law is not None:
@@ -247,13 +219,13 @@ class FrictionalNewton:
         return FrictionGuess.sticking(contact, np.array([*shear, pressure]), u)
 
     def _step(self, i: int) -> None:
-        guess, products, progress = self._guesses[i], self._products, self._progress[i]
-        total = None if self._batch.load is None else self.load[i] * self.field.n
-        body = Body(lambda f: products.deflect(i, f), self._near, self._friction, total, self._drifts)
-        wall = self.wall[i, : self.field.n]
+        guess, progress, n = self._guesses[i], self._progress[i], self.field.n
+        total = None if self._batch.load is None else self.state.load[i] * n
+        body = Body(lambda f: self._products.deflect(i, f), self._near, self._friction, total, self._drifts)
+        wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)
-        asked = problem.prescribed(self._anchor[self._own(i), : self.field.n])
+        asked = problem.prescribed(self.state.anchor[i, :, :n])
         x = problem.unknowns(guess.tractions)
         u = problem.deflected(x, known=True)
         change, _ = problem.correction(asked - problem.restricted(u, x))
@@ -285,8 +257,8 @@ class FrictionalNewton:
 
     def _revise(self, i: int, u: Reals, tractions: Reals) -> None:
         """Revise the guess of a row, and store the displacement that is nearest to the conditions."""
-        n, guess, own, progress = self.field.n, self._guesses[i], self._own(i), self._progress[i]
-        wall, anchor, contact = self.wall[i, :n], self._anchor[own, :n], guess.contact
+        n, guess, progress, state = self.field.n, self._guesses[i], self._progress[i], self.state
+        wall, anchor, contact = state.wall[i, :n], state.anchor[i, :, :n], guess.contact
         pressure = np.where(contact, tractions[-1], 0.0)
         if self._components == 1 and self._drifts and contact.any() and guess.direction[0, contact].all():
             slid = u[0] - anchor[0]
@@ -299,12 +271,12 @@ class FrictionalNewton:
             revision.keep(guess, revision.wrong[:-1])
         if np.isinf(self._friction):
             guess.released |= revision.leaves
-            anchor = self._anchor[own, :n] = np.where(guess.released, u[:-1], anchor)
-        self.displacement[i, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
-        self._products.tangential[own, :n] = self._slid_against(guess, found._replace(anchor=anchor))
+            anchor[:, guess.released] = u[:-1, guess.released]
+        state.u[i, -1, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
+        state.u[i, :-1, :n] = self._slid_against(guess, found)
         pull = guess.revise(revision, found, self._friction, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
-            self.load[i] = (guess.tractions[-1] - pull).mean()
+            state.load[i] = (guess.tractions[-1] - pull).mean()
         if self._law is None:
             return
         if progress.patience < 0:

@@ -8,6 +8,7 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.iteration import Batch, Start
 
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
@@ -127,11 +128,6 @@ class FrictionGuess:
 def bound(friction: float, pressure: Reals) -> Reals:
     """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
     return np.multiply(friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
-
-
-def length(vectors: Reals) -> Reals:
-    """Lengths `[n]` of vectors `[component, n]`."""
-    return np.asarray(np.abs(vectors[0]) if len(vectors) == 1 else np.hypot(*vectors))
 
 
 def middle_slip(slid: Reals, pressure: Reals, contact: Flags) -> int:

@@ -1,17 +1,34 @@
-"""The compliance as a sum of exponential decays, which can be inverted on any set of nodes."""
+"""The compliance of a profile as a sum of exponential decays, which can be inverted on any set of nodes."""
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier.transform import Transform
 
 _SPACING = 1.5  # between the logarithms of two rates: 1/q comes out within 5 %, 13 % for the longest wave
 STEEPEST = 3.0  # rate per node beyond which a decay is no more than the node itself
 _NEAR = 64  # distances below which decays are tabulated
 _FAINT = 1e-9  # decay over a period beyond which only neighbours across the cut would feel it
 _NOTHING = np.empty(0)
+
+
+class Tuning(NamedTuple):
+    """How an active-set Newton method goes on with a preconditioner.
+
+    The contact is guessed on a grid with fewer nodes in each direction by the factor `coarsening`. `loose` is the
+    relative error allowed in the first pressure on a new contact. After a step that changed the contact the error
+    allowed is smaller by the factor `tighten`, and at most `ahead` times the share of nodes that changed sides: inner
+    iterations of maps converge slower, and need not know more than the contact.
+    """
+
+    coarsening: int
+    loose: float
+    tighten: float
+    ahead: float
 
 
 class ExponentialSum:
@@ -24,7 +41,7 @@ class ExponentialSum:
     `compliance` is `[n // 2 + 1]`, zero at q = 0 if the mean pressure is prescribed; nodes are n to a period.
     """
 
-    transforms = 0.0  # it takes none
+    iterations = 40  # of conjugate gradients at most
 
     def __init__(self, compliance: Reals, n: int, spacing: float = _SPACING, faint: float = _FAINT) -> None:
         if compliance[0] == 0.0:  # the mean is prescribed: any value does that keeps the sum positive definite
@@ -98,3 +115,96 @@ def _fit(compliance: Reals, n: int, rates: Reals) -> tuple[Reals, float]:
     # single precision: the last digits may depend on where the arrays lie in memory
     weights = weights.astype(np.float32).astype(np.float64)
     return weights[:-1], float(weights[-1])
+
+
+_ONE = np.zeros(1, dtype=np.int64)
+
+
+class RestrictedStiffness:
+    """Preconditioner of the compliance on some nodes: the stiffness of all, applied to these and read there.
+
+    It is positive definite whatever the stiffness does over q, exact in full contact, and costs two transforms.
+    `stiffness` is `[n // 2 + 1]`; at q = 0 zero or infinite if it does not count.
+    """
+
+    iterations = 200  # of conjugate gradients at most: it is farther off
+
+    def __init__(self, stiffness: Reals, n: int) -> None:
+        symbol = stiffness.astype(np.float64)
+        if not 0.0 < symbol[0] < np.inf:
+            symbol[0] = symbol[1]
+        self._field = Transform(1, n)
+        self._symbol = self._field.symbol(symbol)
+        self._nodes, self._count = np.empty(0, dtype=np.int64), 0
+
+    @property
+    def transforms(self) -> float:
+        """Transforms made so far."""
+        return float(self._field.n_transforms[0])
+
+    def factor(self, nodes: Indices, count: int) -> None:
+        """Prepare `solve` for the first `count` of the nodes."""
+        self._nodes, self._count = nodes, count
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes that about causes the displacement there."""
+        where = self._nodes[: self._count]
+        source = self._field.sources[0][0]
+        source[:] = 0.0
+        source[where] = displacement[: self._count]
+        self._field.apply(self._symbol, _ONE)
+        pressure[: self._count] = self._field.result[0][where]
+
+
+class ProfileInverse:
+    """An exponential sum or, where that is not positive definite on the nodes, the restricted stiffness.
+
+    `compliance` and `stiffness` are `[n // 2 + 1]`, the former zero at q = 0 if it does not count there.
+    """
+
+    tuning = Tuning(coarsening=4, loose=0.03, tighten=0.1, ahead=np.inf)
+
+    def __init__(self, stiffness: Reals, compliance: Reals, n: int) -> None:
+        self._stiffness, self._compliance, self._n = stiffness, compliance, n
+        self._sum = ExponentialSum(compliance, n)
+        self._spare: RestrictedStiffness | None = None
+        self._used: ExponentialSum | RestrictedStiffness = self._sum
+
+    @property
+    def transforms(self) -> float:
+        """Transforms made so far."""
+        return 0.0 if self._spare is None else self._spare.transforms
+
+    @property
+    def iterations(self) -> int:
+        """Conjugate gradients that it may take."""
+        return self._used.iterations
+
+    @property
+    def takes_own(self) -> bool:
+        """Whether nodes may have a compliance of their own in addition."""
+        return self._sum.is_safe
+
+    def factor(self, nodes: Indices, count: int, own: Reals | None = None) -> None:
+        """Prepare `solve` for the first `count` of the nodes, with what `takes_own` allows."""
+        self._used = self._sum
+        self._sum.factor(nodes, count, _NOTHING if own is None else own)
+        if own is not None or self._sum.is_positive or not self._needs_spare:
+            return
+        if self._spare is None:
+            self._spare = RestrictedStiffness(self._stiffness, self._n)
+        self._spare.factor(nodes, count)
+        self._used = self._spare
+
+    def solve(self, displacement: Reals, traction: Reals) -> None:
+        """Fill the traction on the nodes that about causes the displacement there."""
+        self._used.solve(displacement, traction)
+
+    @cached_property
+    def _needs_spare(self) -> bool:
+        """Whether no sum of decays is close to the compliance, whatever that of the mean, which is one wave of many."""
+        if self._compliance[0] == 0.0:
+            return True
+        decays = ExponentialSum(np.concatenate(([0.0], self._compliance[1:])), self._n)
+        decays.factor(np.arange(self._n), self._n)
+        return not decays.is_positive

@@ -1,0 +1,1 @@
+"""Coulomb friction on a hard wall by Newton's method; the door is `newton.FrictionalNewton`."""

@@ -1,1 +1,0 @@
-"""Approximate inverses of the compliance on the nodes in contact."""

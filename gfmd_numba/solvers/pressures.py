@@ -1,0 +1,148 @@
+"""What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
+
+from collections.abc import Callable
+from typing import NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier.transform import Transform, aligned_rows
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.iteration import Batch
+
+
+class PressureIterate:
+    """Pressure of a batch, the gap it leaves and the certificate of both; the pressure begins uniform.
+
+    Where the displacement of the punch is prescribed, the stiffness at q = 0 may be infinite (an incompressible slab).
+    """
+
+    def __init__(self, batch: Batch) -> None:
+        rows, shape = len(batch.punch), batch.punch.shape[1:]
+        punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
+        self.free_mean = batch.load is not None
+        rigid_mean = RigidMean.of(punch, batch.response)
+        self.field = Transform(rows, *shape, sources=3, dtype=punch.dtype)
+        n = self.field.n
+        self.pressure, self.direction, self.displacement = self.field.sources
+        self.wall = aligned_rows(rows, n, punch.dtype)
+        self.wall[:, :n] = punch
+        softest = stiffness[1] if self.free_mean or rigid_mean else stiffness[0]
+        start = softest * np.maximum(-punch.min(axis=1), 0.0) if batch.load is None else batch.load
+        self.load = batch.loads
+        hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
+        self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
+        # between its bounds, where every node is free to move
+        if batch.load is None:
+            start = np.minimum(start, 0.5 * self.hardness)
+        self.pressure[:, :n] = start[:, np.newaxis]
+        with np.errstate(divide="ignore"):
+            compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
+        self.compliance = self.field.symbol(compliance)
+        self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
+        self.gap = aligned_rows(rows, n, punch.dtype)
+        self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.field.result)
+        self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
+        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
+        self.certificate = Certificate(rows, kernels.Conditions(self.hardness), rigid_mean)
+        self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation."""
+        return self.field.n_transforms
+
+    def violation(self, active: Indices) -> Reals:
+        """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.
+
+        Leaves it and its restoring traction in the state; costs two transforms a row.
+        """
+        field, n = self.field, self.field.n
+        kernels.close_gap(self.pressure, self.gap, self.wall, active, n, self.displacement, self.hardness)
+        field.apply(self._stiffness, active, source=2)
+        if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
+            self.load[active] = self.pressure[active, :n].mean(axis=1)
+        self.certificate.look(self.state, active, n)
+        return self.certificate.residual(self.load, active)
+
+
+UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
+
+
+class LastPressure:
+    """Pressures between two bounds and their gaps `[realisation, x]`, up to the approach, as they last were."""
+
+    def __init__(self, pressure: Reals) -> None:
+        self.pressure, self.gap = np.zeros((2, *pressure.shape), dtype=pressure.dtype)
+        self._known = np.zeros(len(pressure), dtype=np.bool_)
+
+    def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:
+        """What `kernels.damp` does and returns for row i; 0 for its first pressure."""
+        if self._known[i]:
+            return int(kernels.damp(pressure, gap, self.pressure[i], self.gap[i], n))
+        self.remember(i, pressure, gap)
+        return 0
+
+    def remember(self, i: int, pressure: Reals, gap: Reals) -> None:
+        """Make a pressure the last one of row i."""
+        self.pressure[i], self.gap[i], self._known[i] = pressure, gap, True
+
+
+class Inverse(Protocol):
+    """What is close to the inverse of the compliance on some nodes."""
+
+    def solve(self, displacement: Reals, pressure: Reals) -> None:
+        """Fill the pressure on the nodes that about causes the displacement there."""
+        ...
+
+
+class Closing(NamedTuple):
+    """The linear problem of the pressure that closes the gap of a row on its `nodes` in contact.
+
+    `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
+    of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
+    `rounding` are closed. The `room` `[2, node]` is free.
+    """
+
+    iterate: kernels.Iterate
+    nodes: Indices
+    inverse: Inverse
+    soften: Callable[[], None]
+    uniform: Reals
+    rounding: float
+    free_mean: bool
+    room: Reals
+
+    def error(self) -> float:
+        """Relative error of the pressure."""
+        self._begin()
+        return self._change()[1]
+
+    def solve(self, tolerance: float, most: int) -> int:
+        """Go on by preconditioned conjugate gradients until the error is that small; how many, at most `most`."""
+        iterate, nodes, count, (r, z) = self.iterate, self.nodes, self.nodes.size, self.room
+        self._begin()
+        last = step = 0.0
+        for iteration in range(most):
+            energy, error = self._change()
+            if not error > tolerance:
+                return iteration
+            kernels.newton_direction(z, step, last, nodes, count, iterate)
+            last = energy
+            self.soften()
+            step = kernels.newton_update(iterate, energy, nodes, count, iterate.gap.size, r, self.free_mean)
+        return most
+
+    def _begin(self) -> None:
+        kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)
+
+    def _change(self) -> tuple[float, float]:
+        """Fill the next change of the pressure; its energy and the relative error that it tells."""
+        r, z = self.room
+        self.inverse.solve(r, z)
+        energy, error = kernels.newton_error(
+            r, z, self.uniform, self.iterate.p, self.nodes, self.nodes.size, self.rounding, self.free_mean
+        )
+        return float(energy), float(error)

@@ -1,0 +1,317 @@
+"""Active-set Newton method for a hard wall that meets maps: exact displacements now and then, near ones in between."""
+
+import math
+from dataclasses import dataclass
+from functools import partial
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.transform import Transform
+from gfmd_numba.kernels.tiles import TILE
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
+from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.pressures import Closing
+from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.tiles.compliance import SplitCompliance, TileField, fits
+
+T = TypeVar("T", bound=np.generic)
+
+_NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
+_EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
+_LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
+_TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
+_DENSE = 0.4  # share of tiles in contact beyond which the exact compliance costs less than that between tiles
+_STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
+
+
+@dataclass
+class Level:
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it."""
+
+    shape: tuple[int, ...]
+    stiffness: Reals
+    compliance: SplitCompliance
+    inverse: TileField
+
+    def transforms_since(self, before: tuple[int, int]) -> float:
+        """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
+        n = math.prod(self.shape)
+        near = (self.compliance.transforms - before[0]) * grid.relative_cost(self.compliance.nodes, n)
+        return near + (self.inverse.transforms - before[1]) * grid.relative_cost(self.inverse.nodes, n)
+
+    def count_transforms(self) -> tuple[int, int]:
+        """Transforms of coarser grids made so far."""
+        return self.compliance.transforms, self.inverse.transforms
+
+    @classmethod
+    def of(cls, stiffness: Reals, shape: tuple[int, ...]) -> "Level":
+        """Prepare a grid."""
+        return cls(shape, stiffness, SplitCompliance(stiffness, shape), TileField(stiffness, shape))
+
+
+class MapContact:
+    """Pressure of one map on the tiles that its contact may reach, and the gap it leaves everywhere.
+
+    `wall` and `gap` are `[y, x]`; the latter is memory to be filled, as is that of the `transform`, which holds the
+    first pressure. `load` is the mean pressure, or None where the position of the punch prescribes the displacement.
+    Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    """
+
+    def __init__(self, level: Level, wall: Reals, gap: Reals, transform: Transform, load: float | None) -> None:
+        self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
+        self.rows = transform.memory[0]
+        self.free_mean = load is not None
+        self._rounding = float(np.finfo(wall.dtype).eps * np.ptp(wall))
+        down, across = (n // TILE for n in wall.shape)
+        self._marks = np.zeros(down * across, dtype=np.bool_)
+        self._places = np.empty(down * across, dtype=np.int64)
+        kernels.mark_loaded(self.rows, wall.shape[1], self._marks)
+        self.tiles = self._listed()
+        self.pressure = self._zeros()
+        kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
+        self.contact: Flags = self.pressure > 0.0
+        self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
+        self._fresh = True  # the transform holds the pressure
+
+    def look(self) -> float:
+        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
+        nx, level = self.wall.shape[1], self._level
+        rows = self.rows
+        if not self._fresh:
+            kernels.put_tiles(self.pressure, self.tiles, rows, nx)
+        self._fresh = False
+        self.transform.soften(level.stiffness)
+        self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
+        if not self.free_mean:
+            approach, spread = 0.0, math.hypot(approach, spread)
+        self._marks[:] = False
+        kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
+        kernels.mark_contact(self.contact, self.tiles, self._marks)
+        self._retile()
+        kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
+        self._exact = self.tiles.size > _DENSE * self._marks.size
+        before = level.count_transforms()
+        level.inverse.place(self.tiles, self._around)
+        error = self._error()
+        self.coarse_transforms += level.transforms_since(before)
+        return error
+
+    def settle(self, error: float, target: float) -> None:
+        """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
+
+        `error` is that of the pressure now; below the relative error `target` nothing is gained.
+        """
+        goal = target if self._exact else max(_EXACT * min(error, 1.0), target)
+        tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
+        level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
+        counted = level.count_transforms()
+        level.compliance.place(self.tiles, self._around)  # other maps share the level
+        level.inverse.place(self.tiles, self._around)
+        total = 0.0 if self._load is None else self._load * self.wall.size
+        for _ in range(_STEPS):
+            closing = self._closing()
+            iterations = closing.solve(tolerance, _ITERATIONS) if closing.nodes.size else 0
+            iterate, contact = closing.iterate, _flat(self.contact)
+            changed = kernels.revise_contact(
+                iterate, contact, closing.nodes, closing.nodes.size, contact.size, total, self._rounding, self.free_mean
+            )
+            self.count = int(np.count_nonzero(contact))
+            if tolerance <= goal and (not changed or not iterations):
+                break
+            if changed:
+                self._soften(self.pressure - before, self._gap)
+                self._gap += gap
+            tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
+            tolerance = max(tighter, goal)
+        self.coarse_transforms += level.transforms_since(counted)
+
+    def _closing(self) -> Closing:
+        """Problem of the pressure that closes the gap on the nodes in contact."""
+        nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
+        inverse.factor(nodes, self.contact)
+        direction, displacement = self._zeros(), self._zeros()
+        iterate = kernels.Iterate(*(_flat(each) for each in (self.pressure, self._gap, direction, displacement)))
+        soften, room = partial(self._soften, direction, displacement), np.empty((2, nodes.size))
+        # uniform pressures take off what changes the load
+        return Closing(iterate, nodes, inverse, soften, np.ones(nodes.size), self._rounding, self.free_mean, room)
+
+    def _soften(self, pressure: Reals, displacement: Reals) -> None:
+        """Fill the displacement that a pressure on the tiles causes there."""
+        if not self._exact:
+            self._level.compliance.apply(pressure, displacement)
+            return
+        rows, nx = self.rows, self.wall.shape[1]
+        kernels.put_tiles(pressure, self.tiles, rows, nx)
+        self.transform.soften(self._level.stiffness)
+        kernels.take_tiles(rows, self.tiles, nx, displacement)
+
+    def _error(self) -> float:
+        """Relative error of the pressure, of nodes that overlap without being in contact too."""
+        overlap = -float(self._gap[:-1][~self.contact[:-1]].min(initial=0.0))
+        if self.count == 0:
+            return np.inf if overlap > self._rounding else 0.0
+        return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
+
+    def _zeros(self) -> Reals:
+        return np.zeros((self.tiles.size + 1, TILE, TILE))
+
+    def _listed(self) -> Indices:
+        """Marked tiles, whose places are then known."""
+        tiles = np.empty(int(self._marks.sum()), dtype=np.int64)
+        kernels.list_tiles(self._marks, tiles, self._places)
+        return tiles
+
+    def _retile(self) -> None:
+        """Take pressure and contact to the tiles now marked."""
+        places, pressure, contact = self._places.copy(), self.pressure, self.contact
+        self.tiles = self._listed()
+        self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
+        kernels.surround(self.tiles, self._places, *(n // TILE for n in self.wall.shape), self._around)
+        self.pressure, self._gap = self._zeros(), self._zeros()
+        self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
+        kernels.move_tiles(pressure, places, self.tiles, self.pressure)
+        kernels.move_tiles(contact, places, self.tiles, self.contact)
+
+
+def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
+    """Values on the listed tiles, without the empty one."""
+    return values[:-1].reshape(-1)
+
+
+_COARSEST = 64  # nodes along the shorter side up to which the first guess is full contact
+_FIRST = np.zeros(1, dtype=np.int64)
+_SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
+
+
+def levels(stiffness: Reals, shape: tuple[int, ...]) -> list[Level]:
+    """Grids from the given one down, each about half as fine as the one before."""
+    made = [Level.of(stiffness, shape)]
+    while min(shape) > _COARSEST:
+        shape = tuple(TILE * -(-n // (2 * TILE)) for n in shape)
+        stiffness = stiffness[grid.wave_indices(shape)]
+        made.append(Level.of(stiffness, shape))
+    return made
+
+
+def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | None, start: float) -> float:
+    """Fill the transform of the first grid with a pressure; transforms of coarser grids, by their cost on this one.
+
+    `start` is the uniform pressure that the coarsest grid begins with.
+    """
+    if len(grids) == 1:
+        transform.samples[0] = start
+        return 0.0
+    coarse = grids[1]
+    own = Transform(1, *coarse.shape, in_place=True)
+    smooth = _without_short_waves(wall, transform, own)
+    spent = guess(grids[1:], smooth, own, load, start)
+    contact = MapContact(coarse, smooth, np.empty(coarse.shape), own, load)
+    contact.settle(contact.look(), _SETTLED)
+    kernels.put_tiles(contact.pressure, contact.tiles, contact.rows, coarse.shape[1])
+    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(wall.shape, coarse.shape, strict=True)]
+    (above, down), (left, right) = [(first, rest / n) for (first, rest), n in zip(places, wall.shape, strict=True)]
+    kernels.refine_pressure(own.samples[0], above, down, left, right, transform.memory[0])
+    if load is not None:
+        samples = transform.samples[0]
+        np.multiply(samples, load / samples.mean(), out=samples)
+    return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, wall.size)
+
+
+def _without_short_waves(wall: Reals, transform: Transform, coarse: Transform) -> Reals:
+    """Heights of the waves that a coarser grid holds, on its nodes; overwrites both transforms."""
+    transform.samples[0] = wall
+    transform.forward(_FIRST)
+    ky, kx = grid.wave_indices(coarse.shape)
+    held = np.abs(ky) < coarse.shape[0] / 2, kx < coarse.shape[1] / 2
+    coarse.waves[0, :, : kx.size] = np.where(held[0] & held[1], transform.waves[0, ky, kx], 0.0) / wall.size
+    coarse.inverse(_FIRST)
+    return np.asarray(coarse.samples[0].copy(), dtype=coarse.samples.dtype)
+
+
+_EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked for
+
+
+def tile_newton(batch: Batch, options: Options) -> "TileNewton | None":
+    """Begin on maps that tiles cover, without a hardness."""
+    takes = batch.interface.hardness is None and fits(batch.punch.shape[1:])
+    return TileNewton(batch, options) if takes else None
+
+
+class TileNewton:
+    """Pressures of a batch of maps, each found by guessing its contact, as in `active_set_newton.py`.
+
+    An iteration closes the gap on the tiles of the map that the contact may reach, by a compliance between them that
+    is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
+    of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
+    from a cascade of coarser grids. The certificate costs two transforms more, and is looked at once the error of the
+    pressure is that small; until then `residual` is that error.
+
+    Of the size of the map are the displacement, which is the gap until the certificate needs it, and the memory of the
+    transform, which is the restoring traction afterwards; pressures live on tiles.
+    """
+
+    check_every = 1
+
+    def __init__(self, batch: Batch, options: Options) -> None:
+        punch, stiffness = batch.punch, batch.response.normal
+        rows, shape = len(punch), punch.shape[1:]
+        self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True)
+        self.wall = punch.reshape(rows, self.field.n)
+        self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
+        self.load = batch.loads
+        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
+        rigid_mean = RigidMean.of(punch, batch.response)
+        self.certificate = Certificate(rows, batch.interface.conditions, rigid_mean)
+        self._stiffness, self._residual = stiffness, options.residual
+        # the certificate of the last iteration is looked at whatever the error
+        self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
+        self._error = np.full(rows, np.nan)
+        self._coarse_transforms = np.zeros(rows)
+        grids = levels(stiffness, shape)
+        self._contacts: list[MapContact] = []
+        for i in range(rows):
+            transform = self.field.row(i)
+            load = None if batch.load is None else float(batch.load[i])
+            softest = stiffness[0, 1] if rigid_mean else stiffness[0, 0]
+            start = max(-float(softest * punch[i].min()), 0.0) if load is None else load
+            self._coarse_transforms[i] = guess(grids, punch[i], transform, load, start)
+            gap = self.displacement[i].reshape(shape)
+            self._contacts.append(MapContact(grids[0], punch[i], gap, transform, load))
+
+    @property
+    def n_transforms(self) -> npt.NDArray[np.int64]:
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        others = self._coarse_transforms + np.array([contact.coarse_transforms for contact in self._contacts])
+        return np.asarray(self.field.n_transforms + np.ceil(others).astype(np.int64))
+
+    def advance(self, active: Indices) -> None:
+        """Close the gap of each active row as it is known, and find the exact one."""
+        for i in active:
+            contact = self._contacts[i]
+            if not np.isnan(self._error[i]):
+                contact.settle(self._error[i], _EXACT_ENOUGH * self._residual)
+            self._error[i] = contact.look()
+            self._left[i] -= 1
+
+    def residual(self, active: Indices) -> Reals:
+        """Relative violation of the contact conditions, or the error of a pressure too far off to look at that."""
+        return np.array([self._violation(i) for i in active])
+
+    def _violation(self, i: int) -> float:
+        error = float(self._error[i])
+        if error > self._residual and self._left[i] > 0:
+            return error
+        contact, row, n = self._contacts[i], np.array([i]), self.field.n
+        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, contact.rows)
+        contact.transform.stiffen(self._stiffness)
+        kernels.pack_rows(contact.rows, self.field.shape[1])
+        if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
+            self.load[i] = contact.pressure.sum() / n
+        self.certificate.look(self.state, row, n)
+        return float(self.certificate.residual(self.load, row)[0])

@@ -5,7 +5,7 @@ from functools import lru_cache
 
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.scene import Body, LoadedBody, Scene
 from gfmd_numba.scene.layer_records import Layer
 from gfmd_numba.scene.layer_records import Material as MaterialRecord

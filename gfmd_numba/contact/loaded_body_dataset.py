@@ -45,9 +45,7 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     if given.rough is not None:
         outwards = cf_attributes("topography of the body, peaks outwards", unit["height"])
         dataset["body_height"] = dims, given.rough.heights * scale["height"], outwards
-        for name, kind, long_name, values in (
-            forming_tractions(given.rough, problem.order) if scene.dimension == 1 else ()
-        ):
+        for name, kind, long_name, values in forming_tractions(given.rough, problem.order):
             dataset[name] = dims, values * scale[kind], cf_attributes(long_name.format("body"), unit[kind])
         error = ROUGH_BODY_OBSERVABLES["next_order"]
         added = loaded.next_order * scale["height"]

@@ -13,8 +13,7 @@ from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.contact.dataset import units
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import plain_scalar
-from gfmd_numba.scene.reduced_units import quantities
-from gfmd_numba.scene.units import WithUnit
+from gfmd_numba.scene.units import WithUnit, quantities
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.si_prefix import si_prefix
 

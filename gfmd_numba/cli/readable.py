@@ -22,7 +22,7 @@ def readable(value: float, unit: str) -> tuple[str, str]:
 
 def dimensions(scene: Scene, varied: Grid | None = None) -> str:
     """What a scene is in metres, pascals and newtons, but for what a grid varies; nothing of one in L_x and E*."""
-    from gfmd_numba.scene.reduced_units import quantities
+    from gfmd_numba.scene.units import quantities
 
     told = []
     for record, names in ((scene, ("length",)), (scene.body, ("youngs_modulus",)), (scene.loading, None)):

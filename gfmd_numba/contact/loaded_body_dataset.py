@@ -19,7 +19,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_bodies_dataset import doubt, forming_tractions
 from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.scene import COMPONENTS
-from gfmd_numba.scene.heights import AXES
+from gfmd_numba.scene.measured_record import AXES
 
 
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:

@@ -9,13 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.map_axes import split_axes
-from gfmd_numba.roughness.map_points import on_a_grid
+from gfmd_numba.roughness.positions import on_a_grid, split_axes
 from gfmd_numba.roughness.surface_text import read_table
-from gfmd_numba.scene.heights import AXES, Heights
-from gfmd_numba.scene.length_units import PERIOD, length_unit
-from gfmd_numba.scene.netcdf_trial import can_be_read
-from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.scene.measured_record import AXES, Heights
+from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
+from gfmd_numba.scene.units import PERIOD, length_unit
 
 if TYPE_CHECKING:
     import xarray as xr

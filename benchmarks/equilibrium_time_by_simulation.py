@@ -13,10 +13,10 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+from equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
+from regimes import update_matrix
 
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.theory.equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
-from gfmd_numba.theory.regimes import update_matrix
 
 BASE = {"nx": 2048, "E": 0.7, "dt": 0.25, "nu": 0.2, "a": 1.0}
 RANGES = {

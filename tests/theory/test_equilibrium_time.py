@@ -1,11 +1,11 @@
 """Equilibrium time against marching modes one step at a time."""
 
+import equilibrium_time as et
 import numpy as np
 import pytest
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.theory import damping
-from gfmd_numba.theory import equilibrium_time as et
 
 
 def march(stiffness, eta, dt, start, tolerance, steps):

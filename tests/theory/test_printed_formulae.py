@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import regimes
 import slowest_mode
+from equilibrium_time import steps_to_equilibrium, time_constant
 
 from gfmd_numba.elasticity import moduli, stiffness
-from gfmd_numba.theory import damping, regimes
-from gfmd_numba.theory.equilibrium_time import steps_to_equilibrium, time_constant
+from gfmd_numba.theory import damping
 
 SINH, COSH, PI = np.sinh, np.cosh, np.pi
 

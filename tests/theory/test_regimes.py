@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import regimes
+from regimes import gronbech_jensen, position_verlet
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.solvers import integrators
-from gfmd_numba.theory import damping, regimes
-from gfmd_numba.theory.regimes import gronbech_jensen, position_verlet
+from gfmd_numba.theory import damping
 
 
 def verlet_matrix(x, y):

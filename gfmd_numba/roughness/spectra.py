@@ -87,8 +87,8 @@ class SelfAffineSpectrum:
 
 
 @dataclass(frozen=True)
-class ExponentialSpectrum:
-    """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9), 0 < H <= 1."""
+class _Correlated:
+    """Isotropic model of a Hurst exponent 0 < H <= 1 and a correlation length; raises ValueError for other values."""
 
     isotropic: ClassVar[Literal[True]] = True
     dimension: int
@@ -97,6 +97,10 @@ class ExponentialSpectrum:
 
     def __post_init__(self) -> None:
         _check_model((self.hurst,), (self.correlation_length,))
+
+
+class ExponentialSpectrum(_Correlated):
+    """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9)."""
 
     def autocorrelation(self, distance: Reals) -> Reals:
         """Autocorrelation R `[...]` at distances r >= 0 (3.10)."""
@@ -117,17 +121,8 @@ class ExponentialSpectrum:
         return float((2.0 / self.correlation_length) ** order * np.exp(gammaln(order / 2.0 + half) - gammaln(half)))
 
 
-@dataclass(frozen=True)
-class KCorrelationSpectrum:
-    """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14), 0 < H <= 1."""
-
-    isotropic: ClassVar[Literal[True]] = True
-    dimension: int
-    hurst: float
-    correlation_length: float
-
-    def __post_init__(self) -> None:
-        _check_model((self.hurst,), (self.correlation_length,))
+class KCorrelationSpectrum(_Correlated):
+    """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14)."""
 
     def autocorrelation(self, distance: Reals) -> Reals:
         """Autocorrelation R `[...]` at distances r >= 0 (3.13)."""

@@ -256,7 +256,6 @@ class _Rough(Protocol):
     @property
     def knows_lowest_order_only(self) -> bool:
         """Whether order 0 in the slope is the one to take unless a higher one is asked for."""
-        ...
 
 
 class Numerics(BaseModel):

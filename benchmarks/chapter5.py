@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from finite_elements import Body, graded
+from inner_fields import inside
 
 from gfmd_numba.contact import problem
 from gfmd_numba.contact import two_step as rough_bodies
@@ -11,7 +12,6 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import Fields
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -81,16 +81,17 @@ class Surface:
 
 
 def two_step(case, order):
-    """Surface `[NX]`, what was solved, and the flat body's surface."""
+    """Surface `[NX]`, what was solved, and the surface from which fields inside follow."""
     profile, gradient = problem.given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     pressed = rough_bodies.solve(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order)
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name
     pressure = equilibrium.pressure[0] * gradient
-    flat = fields.surface_under_tractions(np.zeros(NX), -pressure, case.elastic)
-    u1, u3 = (grid.signal(waves, NX) for waves in (flat.u1, flat.u3))
-    return Surface(u1 + response.u1, u3 + response.u3, pressure), pressed, flat
+    tractions = np.stack((np.zeros(NX), -pressure))
+    u1, u3 = case.elastic.response((NX,)).apply(tractions)
+    surface = topography.rough_surface(tractions, case.topography, case.elastic, order)
+    return Surface(u1 + response.along[0], u3 + response.u3, pressure), pressed, surface
 
 
 def finite_elements(case, columns, touching):
@@ -100,7 +101,7 @@ def finite_elements(case, columns, touching):
 
     def formed(x, z):
         levels, row = np.unique(np.round(z, 12), return_inverse=True)
-        moved = fields.fields_inside(up, NX, np.minimum(levels, 0.0), body)
+        moved = inside(up, np.minimum(levels, 0.0), body)
         column = np.rint(x * NX).astype(int) % NX
         return moved.u1[row, column], moved.u3[row, column]
 
@@ -123,7 +124,7 @@ def block(columns, touching):
     return mesh, solution, Surface(*mesh.along_top(solution), -mesh.traction(solution))
 
 
-def at_points(found: Fields, levels, x, z):
+def at_points(found, levels, x, z):
     """Fields on the points (x, z) of a mesh out of those on [levels, NX]."""
     row = np.searchsorted(levels, np.round(z, 12))
     column = np.rint(x * NX).astype(int) % NX
@@ -137,13 +138,13 @@ def hooke(strain1, strain3, strain5, nu):
     return 2 * shear * strain1 + volume, 2 * shear * strain3 + volume, shear * strain5
 
 
-def superposed(case, pressed, flat, levels):
+def superposed(case, flat, levels):
     """Stresses 1, 3 and 5 by the thesis's ways to superpose strains, name -> arrays `[levels, NX]`."""
     body = case.elastic
-    load = fields.fields_inside(flat, NX, levels, body)
-    form = fields.fields_inside(topography.formed_surface(case.topography, body), NX, levels, body)
+    load = inside(flat, levels, body)
+    form = inside(topography.formed_surface(case.topography, body), levels, body)
     total = (load.strain1 + form.strain1, load.strain3 + form.strain3, load.strain5 + form.strain5)
-    a, w, mean = body.aspect_ratio, case.topography.std(), flat.u3[0].real
+    a, w, mean = body.aspect_ratio, case.topography.std(), flat.uniform[2]
     uniform = mean * w / (a * (a + w))  # (5.16) as its derivation has it: strain of superposition too large by this
     # the same over all waves: gradients of the load with respect to places in the rough body, grad u (1 + grad u'')^-1
     v11, v33, f11, f33 = load.strain1, load.strain3, 1 + form.strain1, 1 + form.strain3
@@ -171,7 +172,7 @@ def flat_punch(displacement):
     wall = np.where(under, -displacement, 1e3)
     k = stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
     found = equilibrate(wall[np.newaxis], SpectralResponse.of_normal(k), None, NUMERICS)
-    flat = fields.surface_under_tractions(np.zeros(NX), -found.pressure[0], body)
+    flat = fields.surface_under_tractions(np.stack((np.zeros(NX), -found.pressure[0])), body)
     meshes = []
     for columns in (COARSE, FINE):
         over = NX // (2 * columns)

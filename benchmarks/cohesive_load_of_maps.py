@@ -11,7 +11,7 @@ import numpy as np
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.options import Options
 

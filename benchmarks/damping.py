@@ -10,7 +10,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000

@@ -9,7 +9,7 @@ import numpy as np
 from gfmd_numba.contact import contact_area
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stiffness import half_space
 from gfmd_numba.fourier import grid

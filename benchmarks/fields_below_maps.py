@@ -10,9 +10,9 @@ import warnings
 import numpy as np
 
 import gfmd_numba
-from gfmd_numba.elasticity import map_fields, map_rough_fields, map_sections
+from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES
 
 LEVELS = -(np.linspace(0.0, 1.0, 101) ** 2)
 
@@ -23,14 +23,11 @@ def time_and_memory():
     for n, order in ((256, 0), (512, 0), (1024, 0), (2048, 0), (256, 1), (256, 2), (256, 3), (512, 2)):
         tractions, heights = rng.standard_normal((3, n, n)), 0.01 / n * rng.standard_normal((n, n))
         tracemalloc.start()
-        if order == 0:
-            surface = map_fields.surface_under_tractions(tractions, body)
-        else:
-            surface = map_rough_fields.rough_surface(tractions, heights - heights.mean(), body, order)
+        surface = topography.rough_surface(tractions, heights - heights.mean(), body, order)
         begun = time.perf_counter()
-        map_sections.section(surface, LEVELS, body, "y", 0.5, DISPLACEMENTS + STRAINS + STRESSES)
+        fields.section(surface, LEVELS, body, DISPLACEMENTS + STRAINS + STRESSES, "y", 0.5)
         between = time.perf_counter()
-        map_sections.largest_von_mises(surface, LEVELS, body)
+        fields.largest_von_mises(surface, LEVELS, body)
         ended, peak = time.perf_counter(), tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         print(f"{n:5}   {order:5}   {between - begun:10.2f}   {ended - between:7.2f}   {peak / n**2:12.0f}")
@@ -43,9 +40,9 @@ def hertz():
         x = np.arange(n) / n - 0.5
         pressure = np.sqrt(np.maximum(1.0 - (x**2 + x[:, np.newaxis] ** 2) / radius**2, 0.0))
         none = np.zeros_like(pressure)
-        surface = map_fields.surface_under_tractions(np.stack([none, none, -pressure]), body)
+        surface = fields.surface_under_tractions(np.stack([none, none, -pressure]), body)
         depth = radius * np.linspace(0.0, 1.5, 151)
-        s1, s3 = map_sections.section(surface, -depth, body, "y", 0.5, ("stress1", "stress3"))[..., n // 2]
+        s1, s3 = fields.section(surface, -depth, body, ("stress1", "stress3"), "y", 0.5)[..., n // 2]
         shear = 0.5 * abs(s3 - s1)
         print(f"{radius * n:14.1f}   {shear.max():21.4f}   {depth[shear.argmax()] / radius:15.3f}")
 

@@ -5,10 +5,11 @@ import warnings
 import numpy as np
 from finite_elements import Body, graded
 from finite_elements_of_two import press_together
+from inner_fields import inside
 from scipy.interpolate import CubicSpline
 
 import gfmd_numba
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine, statistics
@@ -55,7 +56,7 @@ def mesh(heights, body, columns):
 
     def formed(x, z):
         levels, row = np.unique(np.round(z, 12), return_inverse=True)
-        moved = fields.fields_inside(up, NX, np.minimum(levels, 0.0), elastic)
+        moved = inside(up, np.minimum(levels, 0.0), elastic)
         column = np.rint(x * NX).astype(int) % NX
         return moved.u1[row, column], moved.u3[row, column]
 

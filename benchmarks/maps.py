@@ -20,7 +20,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status

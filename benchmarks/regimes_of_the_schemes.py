@@ -7,8 +7,7 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
-
-from gfmd_numba.theory import regimes
+import regimes
 
 SCHEMES = {
     "position Störmer-Verlet": (regimes.position_verlet, "black"),

@@ -10,7 +10,7 @@ from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.options import Options
 
 SURFACES, SOLVERS = 8, ("verlet", "conjugate_gradients", "active_set_newton")

@@ -7,8 +7,9 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+import slowest_mode
 
-from gfmd_numba.elasticity import coupled, moduli, slowest_mode
+from gfmd_numba.elasticity import moduli, stiffness
 
 Q1 = 2 * np.pi  # k = 1
 HEIGHTS = np.geomspace(0.01, 10, 121)
@@ -36,11 +37,11 @@ def contours(axis, s, heights, values, title):
 
 def half_space(ratio_axis, axis):
     nu = poissons_ratio(S)
-    a11, a13, _ = coupled.half_space_elements(nu)
+    a11, a13, _ = stiffness.half_space_elements(nu)
     ratio_axis.semilogy(S, (a11 - a13) / (a11 + a13))
     label_plot(ratio_axis, "6.14 coupled half-space", xlabel="$s$", ylabel=r"$\kappa_{3'}/\kappa_{1'}$")
     nu = np.linspace(-0.9, 0.5, 200)
-    a11, a13, _ = coupled.half_space_elements(nu)
+    a11, a13, _ = stiffness.half_space_elements(nu)
     for value, name in ((a11 + a13, r"$\kappa_{1'}$"), (a11 - a13, r"$\kappa_{3'}$")):
         axis.plot(nu, Q1 * value / (1 - nu**2), label=name)
     label_plot(axis, "6.15 coupled half-space, $k = 1$", xlabel=r"$\nu$", ylabel=r"$\kappa L_x/E$", ylim=(0, 20))
@@ -50,14 +51,14 @@ def half_space(ratio_axis, axis):
         values = [
             Q1 * float(a + sign * b) / (1 - x**2)
             for x in (-0.5, 0.0, 0.2, 0.3, 0.4, 0.49, 0.5)
-            for a, b, _ in [coupled.half_space_elements(x)]
+            for a, b, _ in [stiffness.half_space_elements(x)]
         ]
         print(f"      {name} L_x/E", "".join(f"{value:9.4f}" for value in values))
 
 
 def first_waves(axes):
     nu = poissons_ratio(S)
-    smaller, larger = (Q1 * part / moduli.c44(nu) for part in coupled.principal_elements(Q1 * COLUMN, nu))
+    smaller, larger = (Q1 * part / moduli.c44(nu) for part in stiffness.principal_elements(Q1 * COLUMN, nu))
     for axis, values, name in ((axes[0], larger, "1'"), (axes[1], smaller, "3'")):
         picture = contours(axis, S, HEIGHTS, values, rf"6.16 $k = 1$: $\log_{{10}} \kappa_{{{name}}} L_x/C_{{44}}$")
     return picture
@@ -73,7 +74,7 @@ def first_over_uniform(axis):
                 style = ("-", "--")[mode] if part == 0 else (":", "-.")[mode]
                 label = rf"$\kappa_{{{name}}}/\kappa_{2 * mode + 1}(0)$, $s = {s:g}$"
                 ratio = [
-                    Q1 * coupled.principal_elements(Q1 * a, nu)[part] / coupled.uniform_stiffness(nu, a)[mode]
+                    Q1 * stiffness.principal_elements(Q1 * a, nu)[part] / stiffness.uniform_stiffness(nu, a)[mode]
                     for a in (heights, printed)
                 ]
                 axis.loglog(heights, ratio[0], style, color=colour, label=label)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import correlation, recursive, self_affine, spectral, statistics
+from gfmd_numba.roughness import correlation, self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -92,7 +92,7 @@ def ranking(axis):
             power = asked(dimension, hurst, nx)
             draws = {"PSDM": partial(spectral.surfaces, power, nx, largest)}
             draws |= {
-                name: partial(recursive.surfaces, recursion(name, dimension, hurst, nx), nx) for name in RECURSIVE
+                name: partial(recursion(name, dimension, hurst, nx).heights, (nx,) * dimension) for name in RECURSIVE
             }
             for name, draw in draws.items():
                 batch = partial(draw, realisations=range(SURFACES))
@@ -136,7 +136,7 @@ def maps(axes):
     nx, hurst, w = 1024, 0.9, 0.15
     print("Fig. 3.9, maps of 2^20 points: rms gradient along the row and kurtosis of its second differences")
     for axis, (name, _) in zip(axes, RECURSIVE.items(), strict=False):
-        heights = recursive.surfaces(recursion(name, 2, hurst, nx), nx, 1, range(1))
+        heights = recursion(name, 2, hurst, nx).heights((nx, nx), 1, range(1))
         heights = statistics.scaled(heights, (PERIOD,) * 2, rms_height=w)[0]
         axis.imshow(heights, extent=(0, PERIOD, 0, PERIOD), origin="lower", cmap="cividis")
         axis.set(title=f"Fig. 3.9a, {name}", xlabel="$r_1$ (µm)", ylabel="$r_2$ (µm)")
@@ -181,8 +181,8 @@ def costs():
         "self_affine": lambda: self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(n)),
         "PSDM": lambda: spectral.surfaces(power, nx, nx // 2 - 1, 1, range(n)),
         "FFM": lambda: spectral.surfaces(exponential, nx, nx // 2 - 1, 1, range(n)),
-        "RMD": lambda: recursive.surfaces(recursion("RMD", 1, 0.8, nx), nx, 1, range(n)),
-        "SRA": lambda: recursive.surfaces(recursion("SRA", 1, 0.8, nx), nx, 1, range(n)),
+        "RMD": lambda: recursion("RMD", 1, 0.8, nx).heights((nx,), 1, range(n)),
+        "SRA": lambda: recursion("SRA", 1, 0.8, nx).heights((nx,), 1, range(n)),
     }
     for name, call in calls.items():
         taken = best(call)

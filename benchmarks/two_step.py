@@ -21,6 +21,7 @@ from chapter5 import (
     triangle,
     two_step,
 )
+from inner_fields import inside
 from matplotlib.figure import Figure
 
 from gfmd_numba.elasticity import fields, topography
@@ -43,10 +44,6 @@ def stress_errors(case, mesh, solution, stresses, levels):
     return abs(differences).max(), np.sqrt((differences**2).mean())
 
 
-def rough_fields(case, pressed, flat, levels):
-    return topography.rough_fields(flat, pressed.responses[0], levels, case.elastic)
-
-
 def row(case, meshes):
     """Print one case: the meshes against each other, then every order against the finer one."""
     coarse, (mesh, solution, fine) = meshes
@@ -56,14 +53,14 @@ def row(case, meshes):
     print(f"p <= {fine.pressure.max():.3e}; coarse mesh against fine: u_1 {own1:.1e}, u_3 {own3:.1e}")
     levels, touching = levels_of(mesh, solution), fine.pressure > 0.0
     for order in ORDERS:
-        found, pressed, flat = two_step(case, order)
-        inside = rough_fields(case, pressed, flat, levels)
-        worst, rms = stress_errors(case, mesh, solution, (inside.stress1, inside.stress3, inside.stress5), levels)
+        found, pressed, surface = two_step(case, order)
+        here = inside(surface, levels, case.elastic)
+        worst, rms = stress_errors(case, mesh, solution, (here.stress1, here.stress3, here.stress5), levels)
         d1, d3 = abs(found.u1[::over] - fine.u1), abs(found.u3[::over] - fine.u3)
         maxima = abs(abs(found.u1).max() - abs(fine.u1).max())
         peak = abs(found.pressure.max() - fine.pressure.max())
         z, axis = on_axis(mesh, solution)
-        middle = abs(rough_fields(case, pressed, flat, z).stress3[:, NX // 2] - axis)
+        middle = abs(inside(surface, z, case.elastic).stress3[:, NX // 2] - axis)
         print(
             f"  order {order}: u_1 {d1.max():.1e} (maxima {maxima:.1e}, mean {d1.mean():.1e}, "
             f"in contact {d1[touching].mean():.1e}), u_3 {d3.max():.1e}, "
@@ -83,12 +80,10 @@ def superpositions(case, meshes):
     """Print what each way to superpose strains leaves of the stress error, and what the orders leave."""
     mesh, solution, _ = meshes[1]
     levels = levels_of(mesh, solution)
-    _, pressed, flat = two_step(case, 0)
-    ways = superposed(case, pressed, flat, levels)
+    ways = superposed(case, two_step(case, 0)[2], levels)
     for order in ORDERS:
-        _, pressed, flat = two_step(case, order)
-        inside = rough_fields(case, pressed, flat, levels)
-        ways[f"order {order}"] = inside.stress1, inside.stress3, inside.stress5
+        here = inside(two_step(case, order)[2], levels, case.elastic)
+        ways[f"order {order}"] = here.stress1, here.stress3, here.stress5
     print(f"\n{case.name}: error of the stresses 1, 3, 5 at the finite elements' points, in 1e-3 E*")
     for name, stresses in ways.items():
         for deepest, where in ((0.0, "all"), (0.02, "below 0.02")):
@@ -106,7 +101,7 @@ def punches():
         flat, meshes = flat_punch(displacement)
         for name, (mesh, solution) in zip(("coarse", "fine"), meshes, strict=True):
             z, axis = on_axis(mesh, solution)
-            d = abs(fields.fields_inside(flat, NX, z, ElasticBody(0.33, 1.0)).stress3[:, NX // 2] - axis) * 1e3
+            d = abs(inside(flat, z, ElasticBody(0.33, 1.0)).stress3[:, NX // 2] - axis) * 1e3
             print(
                 f"  flat punch {displacement:g}, {name} mesh: mean {d.mean():.4f} min {d.min():.4f} max {d.max():.4f}"
             )
@@ -133,9 +128,10 @@ def walls(path):
 
 def unloaded(case):
     """Fig. 5.5: step 1 alone, the displacement that the forces of (5.15) call up on the flat body."""
-    along, normal = fields.surface_tractions(topography.formed_surface(case.topography, case.elastic), NX, case.elastic)
-    surface = fields.surface_under_tractions(along, normal, case.elastic)
-    formed = fields.fields_inside(surface, NX, np.zeros(1), case.elastic)
+    up = topography.formed_surface(case.topography, case.elastic)
+    tractions = fields.plane(up, 0.0, case.elastic, ("stress5", "stress3"))[:, 0]
+    surface = fields.surface_under_tractions(tractions, case.elastic)
+    formed = inside(surface, np.zeros(1), case.elastic)
     print(
         f"\n{case.name}, unloaded: u_1 {abs(formed.u1).max():.1e}, u_3 - h {abs(formed.u3 - case.topography).max():.1e}"
     )
@@ -162,8 +158,7 @@ def draw(case, meshes, path):
     x, z, *found = mesh.inside(solution)
     levels, column = np.unique(np.round(z, 12)), np.unique(np.round(x, 12))
     order = np.lexsort((np.round(x, 12), np.round(z, 12)))
-    _, pressed, flat = two_step(case, 2)
-    here = at_points(rough_fields(case, pressed, flat, levels), levels, x, z)
+    here = at_points(inside(two_step(case, 2)[2], levels, case.elastic), levels, x, z)
     figure = Figure((13, 15), layout="constrained")
     axes = figure.subplots(len(PARTS), 3, sharex=True, sharey=True)
     for line, name, elements in zip(axes, PARTS, found, strict=True):

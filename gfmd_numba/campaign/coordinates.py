@@ -17,7 +17,7 @@ from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
-from gfmd_numba.scene.reduced_units import quantities
+from gfmd_numba.scene.units import quantities
 from gfmd_numba.scene.units import WithUnit
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.si_prefix import si_prefix

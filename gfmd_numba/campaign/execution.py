@@ -30,7 +30,7 @@ from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.contact.path_measures import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage.atomic_file import make_folder
 from gfmd_numba.text.input_error import brief

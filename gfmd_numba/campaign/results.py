@@ -6,8 +6,7 @@ from pathlib import Path
 import xarray as xr
 
 from gfmd_numba.scene.document import read_document
-from gfmd_numba.scene.netcdf_trial import can_be_read
-from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
 from gfmd_numba.storage import mark
 from gfmd_numba.text.input_error import InputError
 

@@ -60,7 +60,7 @@ def _load(text: str) -> tuple[float, str]:
     """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
     from gfmd_numba.scene.document import plain_scalar
     from gfmd_numba.scene.loading import Loading, control_of, load_meant
-    from gfmd_numba.scene.reduced_units import quantities
+    from gfmd_numba.scene.units import quantities
 
     control, number, si = control_of(text), plain_scalar(text.strip()), ""
     if control is not None:

@@ -103,7 +103,7 @@ def readable(value: float, unit: str) -> tuple[str, str]:
 
 def dimensions(scene: Scene, varied: Grid | None = None) -> str:
     """Return the lengths, moduli and loads of a scene with units, except those that a grid varies."""
-    from gfmd_numba.scene.reduced_units import quantities
+    from gfmd_numba.scene.units import quantities
 
     told = []
     for record, names in ((scene, ("length",)), (scene.body, ("youngs_modulus",)), (scene.loading, None)):

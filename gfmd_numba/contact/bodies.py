@@ -5,11 +5,11 @@ from functools import lru_cache
 
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.scene import Body, LoadedBody, Scene
-from gfmd_numba.scene.layer_records import Layer
-from gfmd_numba.scene.layer_records import Material as MaterialRecord
-from gfmd_numba.scene.reduced_units import rounded
+from gfmd_numba.scene.body_record import Layer
+from gfmd_numba.scene.body_record import Material as MaterialRecord
+from gfmd_numba.scene.units import rounded
 
 
 def effective_modulus(body: Body, in_pascal: bool) -> float:

@@ -16,7 +16,7 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
-from gfmd_numba.scene.heights import AXES
+from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,

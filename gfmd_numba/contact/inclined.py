@@ -16,7 +16,6 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_topography import MapResponse
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.displaced_nodes import DisplacedNodes
@@ -101,7 +100,7 @@ def moved(
     body: ElasticBody,
     level: tuple[Reals | None, Reals],
     inclined: tuple[Reals | None, Reals],
-    response: Response | MapResponse,
+    response: Response,
 ) -> Moved:
     """How a surface has moved under its tractions along the plane and pressures, were surfaces level, and as they are.
 
@@ -113,8 +112,7 @@ def moved(
         flat.apply(np.stack((*(np.zeros(shape) if along is None else along.reshape(shape)), -each)))
         for along, each in (inclined, level)
     )
-    more = response.u1 if isinstance(response, Response) else response.along
-    sideways = found[:-1] if more is None else found[:-1] + more
+    sideways = found[:-1] if response.along is None else found[:-1] + response.along
     return Moved(sideways, found[-1] + response.u3, found_level[:-1], found_level[-1])
 
 

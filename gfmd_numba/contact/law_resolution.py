@@ -114,7 +114,7 @@ def _on(problem: Problem, nodes: int) -> tuple[float, float]:
 
 def _slip_compliances(body: ElasticBody, shortest: Reals) -> Reals:
     """Compliances of a body to slip along the shortest wave and across it, with waves [0, q]."""
-    return np.array([body.compliance_along(shortest).s11[1], body.compliance_across(shortest[1:])[0]])
+    return np.array([body.compliance(shortest).s11[1], body.compliance_across(shortest[1:])[0]])
 
 
 def _needed(problem: Problem) -> int:

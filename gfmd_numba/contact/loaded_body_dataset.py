@@ -19,7 +19,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_bodies_dataset import doubt, forming_tractions
 from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.scene import COMPONENTS
-from gfmd_numba.scene.heights import AXES
+from gfmd_numba.scene.measured_record import AXES
 
 
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
@@ -45,9 +45,7 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     if given.rough is not None:
         outwards = cf_attributes("topography of the body, peaks outwards", unit["height"])
         dataset["body_height"] = dims, given.rough.heights * scale["height"], outwards
-        for name, kind, long_name, values in (
-            forming_tractions(given.rough, problem.order) if scene.dimension == 1 else ()
-        ):
+        for name, kind, long_name, values in forming_tractions(given.rough, problem.order):
             dataset[name] = dims, values * scale[kind], cf_attributes(long_name.format("body"), unit[kind])
         error = ROUGH_BODY_OBSERVABLES["next_order"]
         added = loaded.next_order * scale["height"]

@@ -6,7 +6,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.loaded_body import BoundaryValueProblem
-from gfmd_numba.elasticity import map_topography, topography
+from gfmd_numba.elasticity import topography
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
 
@@ -61,9 +61,6 @@ def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
 
 def _response(problem: BoundaryValueProblem, heights: Reals, traction: Reals, order: int) -> tuple[Reals, float]:
     """What the topography adds to the displacement `[component, (y,) x]`, and the part of the highest order."""
-    if heights.ndim == 1:
-        of_profile = topography.respond(-traction[1], heights, problem.body, order, traction[0])
-        return np.stack([of_profile.u1, of_profile.u3]), of_profile.highest_order
-    of_map = map_topography.respond(-traction[2], heights, problem.body, order, traction[:2])
-    assert of_map.along is not None  # as tractions along the surface are given
-    return np.concatenate([of_map.along, of_map.u3[np.newaxis]]), of_map.highest_order
+    found = topography.respond(-traction[-1], heights, problem.body, order, traction[:-1])
+    assert found.along is not None  # as tractions along the surface are given
+    return np.stack([*found.along, found.u3]), found.highest_order

@@ -6,12 +6,11 @@ from typing import Any, NamedTuple
 from pydantic import BaseModel
 
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
-from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
-from gfmd_numba.scene.reduced_units import quantities
+from gfmd_numba.scene.records import Boundary
 from gfmd_numba.scene.surface_file import SurfaceFile
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, quantities
 from gfmd_numba.text.si_prefix import si_prefix
 
 

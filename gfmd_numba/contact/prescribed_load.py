@@ -7,8 +7,7 @@ from gfmd_numba.contact.bodies import stiffness_scale
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.reduced_units import quantities, rounded
-from gfmd_numba.scene.units import in_unit_of
+from gfmd_numba.scene.units import in_unit_of, quantities, rounded
 
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 

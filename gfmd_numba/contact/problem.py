@@ -19,7 +19,7 @@ from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import recipe, statistics
+from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
@@ -183,8 +183,8 @@ def random_surface(scene: Scene, discretisation: Discretisation | None, seed: in
     if not isinstance(scene.roughness, Random):
         raise TypeError("a random surface needs a random roughness of the punch")
     period = scene.length or 1.0
-    surface = recipe.random_surface(scene.roughness, discretisation, period, scene.dimension, seed)
-    return surface, recipe.rms_gradient(scene.roughness, surface, period)
+    surface = generators.random_surface(scene.roughness, discretisation, period, scene.dimension, seed)
+    return surface, generators.rms_gradient(scene.roughness, surface, period)
 
 
 def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:

@@ -16,16 +16,12 @@ from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.solution import Contact
 from gfmd_numba.contact.two_step import Pressed
-from gfmd_numba.elasticity import fields, map_topography, topography
-from gfmd_numba.elasticity.map_topography import MapResponse
+from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.topography import Response
-from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Scene
 
 _NEXT = "next_order"
-_OUT = "normal displacement of the {}, out of it"
-_SIDEWAYS = "tangential displacement of the {}"
 
 
 def add_bodies(
@@ -42,19 +38,15 @@ def add_bodies(
         attributes = found[name].attrs
         attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     length, unit = scene.length or 1.0, units(scene)
-    responses: tuple[Response | MapResponse, ...] = pressed.responses
-    for name, body, response in zip(BODIES, bodies, responses, strict=False):
+    assert problem.rough is not None  # as its bodies are
+    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         stress = contact_modulus(scene) / body.share
         scales = {"height": length, "pressure": stress}
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = found["height"].dims, body.heights * length, cf_attributes(outwards, unit["height"])
         along, pressure = tractions_on(body, problem, pressed.contact, rms_gradient, pressed.correction.pairing)
-        own = (
-            _of_profile(body, response, along, pressure)
-            if isinstance(response, Response)
-            else _of_map(body, response, along, pressure)
-        )
+        own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
         for variable, kind, long_name, values in own:
             attributes = cf_attributes(long_name.format(whose), unit[kind])
             found[prefix + variable] = found["height"].dims, values * scales[kind], attributes
@@ -75,25 +67,28 @@ def add_bodies(
     refuse_nonfinite(found)
 
 
-def _of_profile(
+def _moved(
     body: RoughBody, response: Response, along: Reals | None, pressure: Reals
 ) -> Iterator[tuple[str, str, str, Reals]]:
-    nx = len(pressure)
-    flat = fields.surface_under_tractions(np.zeros(nx) if along is None else along[0], -pressure, body.elastic)
-    yield "displacement", "height", _OUT, grid.signal(flat.u3, nx) + response.u3
-    yield "tangential_displacement", "height", _SIDEWAYS, grid.signal(flat.u1, nx) + response.u1
-    yield from forming_tractions(body, len(response.orders) - 1)
+    sideways = np.zeros((pressure.ndim, *pressure.shape)) if along is None else along
+    flat = body.elastic.response(pressure.shape).apply(np.stack((*sideways, -pressure)))
+    yield "displacement", "height", "normal displacement of the {}, out of it", flat[-1] + response.u3
+    if response.along is not None:
+        way = "tangential displacement of the {}"
+        for name, long_name, values in _by_axis("tangential_displacement", way, flat[:-1] + response.along):
+            yield name, "height", long_name, values
 
 
 def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, str, Reals]]:
-    """Name, kind of unit, description and values (E*) of the tractions that form the topography of a profile.
+    """Name, kind of unit, description and values (E*) of the tractions that form the topography; none of maps.
 
     `order` is that in the slope to which the topography is then followed.
     """
+    if body.heights.ndim > 1:
+        return
     former = topography.forming(body.elastic, order)
-    tangential, normal = fields.surface_tractions(
-        topography.formed_surface(body.heights, former), len(body.heights), former
-    )
+    formed = topography.formed_surface(body.heights, former)
+    tangential, normal = fields.plane(formed, 0.0, former, ("stress5", "stress3"))[:, 0]
     forms = "traction that forms the topography of the {} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
@@ -121,19 +116,6 @@ def _by_axis(name: str, long_name: str, along: Reals) -> Iterator[tuple[str, str
     ways = {"": ", along x", "_y": ", along y"} if len(along) > 1 else {"": ""}
     for values, (suffix, way) in zip(along, ways.items(), strict=True):
         yield f"{name}{suffix}", f"{long_name}{way}", values
-
-
-def _of_map(
-    body: RoughBody, response: MapResponse, along: Reals | None, pressure: Reals
-) -> Iterator[tuple[str, str, str, Reals]]:
-    if along is None or response.along is None:
-        flat = map_topography.flat_displacement(-pressure, body.elastic)
-        yield "displacement", "height", _OUT, flat + response.u3
-        return
-    u1, u2, u3 = body.elastic.response(pressure.shape).apply(np.stack((*along, -pressure)))
-    yield "displacement", "height", _OUT, u3 + response.u3
-    yield "tangential_displacement", "height", f"{_SIDEWAYS} along x", u1 + response.along[0]
-    yield "tangential_displacement_y", "height", f"{_SIDEWAYS} along y", u2 + response.along[1]
 
 
 def doubt(bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement") -> str:

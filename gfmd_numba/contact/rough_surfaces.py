@@ -13,7 +13,7 @@ from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
 from gfmd_numba.contact.rough_body import RoughBody, allowed_topography, rough_body
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
-from gfmd_numba.roughness import recipe
+from gfmd_numba.roughness import generators
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
@@ -193,8 +193,8 @@ def _random(
     """Ensemble of a record, and the rms gradient asked of it."""
     period = scene.length or 1.0
     try:
-        surface = recipe.random_surface(record, discretisation, period, scene.dimension, seed)
-        return surface, recipe.rms_gradient(record, surface, period)
+        surface = generators.random_surface(record, discretisation, period, scene.dimension, seed)
+        return surface, generators.rms_gradient(record, surface, period)
     except ValueError as error:
         raise _unusable(document, place, error) from None
 

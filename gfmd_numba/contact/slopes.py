@@ -12,11 +12,10 @@ from gfmd_numba.contact.inclined import Moved, Pairing
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_body import RoughBody
 from gfmd_numba.contact.solution import Contact
-from gfmd_numba.elasticity import map_topography, topography
-from gfmd_numba.elasticity.map_topography import MapResponse
+from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.topography import Response
 
-Responses = tuple[Response, ...] | tuple[MapResponse, ...]
+Responses = tuple[Response, ...]
 
 
 @dataclass(frozen=True)
@@ -137,9 +136,8 @@ class Slopes:
 
     def _moved(self, contact: Contact, responses: Responses, pairing: Pairing) -> list[Moved]:
         """How the surface of each body has moved (L_x)."""
-        every: Sequence[Response | MapResponse] = responses
         found = []
-        for body, response in zip(self.bodies, every, strict=False):
+        for body, response in zip(self.bodies, responses, strict=False):
             level, tilted = (self._borne(body, contact, met) for met in (None, pairing))
             found.append(inclined.moved(body.elastic, level, tilted, response))
         return found
@@ -148,11 +146,8 @@ class Slopes:
         return tractions_on(body, self.problem, contact, self.gradient, pairing)
 
     def _respond(self, borne: Sequence[tuple[Reals | None, Reals]], order: int) -> Responses:
-        each = list(zip(self.bodies, borne, strict=False))
-        if len(self.problem.surface.shape) == 2:
-            return tuple(map_topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
-        of_profile = [(body, None if t is None else t[0], p) for body, (t, p) in each]
-        return tuple(topography.respond(p, body.heights, body.elastic, order, t) for body, t, p in of_profile)
+        each = zip(self.bodies, borne, strict=False)
+        return tuple(topography.respond(p, body.heights, body.elastic, order, t) for body, (t, p) in each)
 
     def _raised(self, responses: Responses) -> Reals:
         none = np.zeros(self.problem.surface.shape)
@@ -160,9 +155,8 @@ class Slopes:
 
     def _shifted(self, responses: Responses) -> Reals:
         response = responses[0]  # of the lower body: a level punch does not move, nor what no traction is prescribed on
-        along = response.u1 if isinstance(response, Response) else response.along
-        assert along is not None  # where something rubs
-        return np.reshape(along, (-1, *self.problem.surface.shape)) / self.gradient
+        assert response.along is not None  # where something rubs
+        return response.along / self.gradient
 
     def _off_bound(self, contact: Contact, met: Pairing) -> float:
         """How far nodes of a map that slip across the slope move under what they bear beyond the bound in the plane.

@@ -9,7 +9,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus
-from gfmd_numba.roughness.surface_files import read_column, read_map
+from gfmd_numba.roughness.surface_files import read_values
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError, Scene
 from gfmd_numba.scene.quantities import LARGEST
 
@@ -95,15 +95,14 @@ def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy:
     return {**arrays, name: values - mean}
 
 
-_FILES = {1: (read_column, "one column of numbers"), 2: (read_map, "rows of numbers, one for each y")}
+_FILES = {1: "one column of numbers", 2: "rows of numbers, one for each y"}
 
 
 def _read(document: Document, name: str, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
-    read, allowed = _FILES[dimension]
     try:
-        values = read(path)
+        values = read_values(path, dimension)
     except ValueError as error:
-        raise _refused(document, name, f"{path.name} ({error})", allowed) from None
+        raise _refused(document, name, f"{path.name} ({error})", _FILES[dimension]) from None
     if (abs(values) > LARGEST).any():
         where = int(np.argmax(abs(values) > LARGEST))
         at = f"{values.flat[where]} at index {_place(where, values.shape)}"

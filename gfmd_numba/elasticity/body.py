@@ -10,11 +10,11 @@ from math import inf
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import coupled, moduli, stiffness, transfer
-from gfmd_numba.elasticity.compliance import Compliance
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity import moduli, stiffness, transfer
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stack import Stack, merged
+from gfmd_numba.elasticity.stiffness import Compliance
 from gfmd_numba.elasticity.transfer import Transfer
 from gfmd_numba.fourier import grid
 
@@ -71,7 +71,7 @@ class ElasticBody:
         if self.stack is not None:
             tangential, normal = self.stack.softness()
             return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
-        along, out = coupled.uniform_stiffness(self.nu, self.aspect_ratio)
+        along, out = stiffness.uniform_stiffness(self.nu, self.aspect_ratio)
         return float(along), float(out)
 
     def uniform_displacement(self, depth: float) -> tuple[float, float]:
@@ -107,12 +107,11 @@ class ElasticBody:
             element[0], element[1:] = mean, q[1:] * over_q
         return SpectralResponse.on_grid(shape, *elements[:, places.reshape(lengths.shape)])
 
-    def compliance(self, nx: int) -> Compliance:
-        """Inverse of the stiffness of a profile of nx nodes, in L_x/E*; a half-space's mean displacement is held."""
-        return self.compliance_along(grid.wavenumbers(nx))
+    def compliance(self, wavenumbers: Reals) -> Compliance:
+        """Inverse of the stiffness in the planes of waves of numbers q `[wave]`, of which the first alone is 0.
 
-    def compliance_along(self, wavenumbers: Reals) -> Compliance:
-        """The same in planes of wave vectors of any direction, of numbers q `[waves]` of which the first alone is 0."""
+        In L_x/E*. A half-space's mean displacement is held.
+        """
         q = wavenumbers[1:]
         tangential, normal, lead = np.zeros((3, len(q) + 1))
         tangential[0], normal[0] = (uniform or inf for uniform in self.uniform_stiffness())
@@ -148,8 +147,8 @@ class ElasticBody:
             determinant = s11 * s33 - s13**2
             return s33 / determinant, s13 / determinant, s11 / determinant
         if self.aspect_ratio is None:
-            return coupled.half_space_elements(self.nu)
-        return coupled.slab_elements(q * self.aspect_ratio, self.nu)
+            return stiffness.half_space_elements(self.nu)
+        return stiffness.slab_elements(q * self.aspect_ratio, self.nu)
 
     def _across(self, q: Reals) -> Reals | float:
         """Stiffness over q of waves of shear, whose displacement is across q and along the surface, in E*."""
@@ -165,4 +164,4 @@ class ElasticBody:
             return 1.0 / s11, 1.0 / s33
         if self.aspect_ratio is None:
             return 0.5, 0.5
-        return coupled.condensed_elements(q * self.aspect_ratio, self.nu)
+        return stiffness.condensed_elements(q * self.aspect_ratio, self.nu)

@@ -1,52 +1,165 @@
-"""Displacement, strain and stress inside a body from the displacements of its surface (thesis 2.2, (2.6)).
+"""Displacement, strain and stress inside a body below its loaded surface, one plane at a time (thesis 2.2, (2.6)).
+
+A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`: along q and z it is that of
+`transfer.py`, and across q it is one of shear alone. Both are turned back into the axes x and y. A profile is a map of
+one row, whose waves all go along x. Waves that have died out at a depth are left out there. The Nyquist wave
+k_y = ny/2 is kept as both ny/2 and -ny/2, half of it each. Of the volume one plane at a time is in memory.
 
 Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions. At
 an interface of layers the fields are those just above it.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Literal, Protocol
 
 import numpy as np
 
-from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.arrays import Complexes, Indices, Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
 
-Values = TypeVar("Values", float, Reals, Complexes)
+DISPLACEMENTS = ("u1", "u2", "u3")
+STRAINS = ("strain1", "strain2", "strain3", "strain4", "strain5", "strain6")  # those of shear twice, as engineers do
+STRESSES = ("stress1", "stress2", "stress3", "stress4", "stress5", "stress6")
+
+Axis = Literal["x", "y"]
+
+_FADED = 50.0  # q depth beyond which nothing is felt: exp(-50) (1 + 50^2) < 1e-18
+_CHUNK = 2**16  # waves taken at once, which bounds the memory
+
+
+class LoadedSurface(Protocol):
+    """A surface that tells the waves below it."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Nodes along y and x."""
+
+    def waves(
+        self, depth: float, body: ElasticBody, names: tuple[str, ...]
+    ) -> Iterator[tuple[Indices, Indices, Complexes]]:
+        """Waves k_y `[row]` and k_x at a depth, coefficients `[field, row, k_x]` of named fields: parts of a sum."""
 
 
 @dataclass(frozen=True)
-class DeformedSurface:
-    """Coefficients `[nx // 2 + 1]` of both displacements of a surface (L_x) and its mean tractions (E*)."""
+class Surface:
+    """Displacements of the surface of a map of ny, nx nodes, and its uniform traction (E*) along x, y and z.
 
-    u1: Complexes
-    u3: Complexes
-    mean_traction: tuple[float, float]
-
-
-@dataclass(frozen=True)
-class Fields(Generic[Values]):
-    """Displacements (L_x), strains (engineering shear) and stresses (E*) in Voigt's order.
-
-    Each is `[z, x]`, or holds the coefficients `[nx // 2 + 1]` or the mean at one depth.
+    `along`, `across` (both in the surface) and `out` are coefficients `[k_y, k_x]` in L_x along each wave vector,
+    across it and out of the body; `uniform` are mean displacements along x, y and z. k_y is 0 to ny//2, then -(ny//2)
+    to -1. `q` are the different magnitudes of the wave vectors, from 0 on, and `places` `[k_y, k_x]` is where each is.
     """
 
-    u1: Values
-    u3: Values
-    strain1: Values
-    strain3: Values
-    strain5: Values
-    stress1: Values
-    stress2: Values
-    stress3: Values
-    stress5: Values
+    shape: tuple[int, ...]
+    along: Complexes
+    across: Complexes
+    out: Complexes
+    uniform: tuple[float, float, float]
+    traction: tuple[float, float, float]
+    q: Reals
+    places: Indices
+
+    def waves(
+        self, depth: float, body: ElasticBody, names: tuple[str, ...]
+    ) -> Iterator[tuple[Indices, Indices, Complexes]]:
+        """Waves that are felt at a depth, as in `LoadedSurface`, some rows after the others."""
+        (most_y, most_x), half = waves_kept(self.shape, depth), self.shape[0] // 2
+        rows, columns = rows_kept(self.shape, most_y), np.arange(most_x + 1)
+        last = int(np.searchsorted(self.q, 2.0 * np.pi * np.hypot(most_y, most_x) * (1.0 + 1e-12)))
+        transfer = _transfer(self.q[:last], depth, body)
+        means = _means(self, depth, body)
+        for some in np.array_split(rows, max(1, rows.size * columns.size // _CHUNK)):
+            k_y, chosen = np.where(some <= half, some, some - 2 * half - 1), np.ix_(some, columns)
+            waves = _turned(self, transfer[:, self.places[chosen]], chosen, (k_y, columns), body.material(depth), names)
+            if some[0] == 0:
+                waves[:, 0, 0] = [means[name] for name in names]
+            yield k_y, columns, waves
 
 
-def stacked(waves: Fields[Complexes]) -> Complexes:
-    """Coefficients of all fields in one array `[field, nx // 2 + 1]`, in the order of the record."""
-    return np.array(list(vars(waves).values()))
+def in_rows(fields: Reals) -> Reals:
+    """Fields `[component, y, x]` of a map, or those `[component, x]` of a profile as of a map of one row."""
+    if fields.ndim == 3:
+        return fields
+    along, out = fields
+    return np.stack((along, np.zeros_like(along), out))[:, np.newaxis]
+
+
+def surface_under_tractions(tractions: Reals, body: ElasticBody) -> Surface:
+    """Surface under tractions `[component, (y,) x]`, along it and out of the body; a half-space's mean is held."""
+    rows = in_rows(tractions)
+    return surface_under_waves(grid.coefficients(rows, 2), rows.shape[1:], body)
+
+
+def surface_under_waves(waves: Complexes, shape: tuple[int, ...], body: ElasticBody) -> Surface:
+    """Surface of a map of this shape under tractions of coefficients `[component, k_y, k_x]`, rows as in the grid."""
+    q, places = _magnitudes(shape)
+    compliance, softness = body.compliance(q), np.append(0.0, body.compliance_across(q[1:]))
+    t, sideways, t3 = _along_waves(waves, shape)
+    s11, s13, s33 = (element[places] for element in (compliance.s11, compliance.s13, compliance.s33))
+    along, out = s11 * t - 1j * s13 * t3, s33 * t3 + 1j * s13 * t
+    means, soft = waves[:, 0, 0].real, (compliance.s11[0], compliance.s11[0], compliance.s33[0])
+    return Surface(shape, along, softness[places] * sideways, out, _three(means * soft), _three(means), q, places)
+
+
+def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
+    """Surface of given displacements `[component, (y,) x]`, along it and out of the body.
+
+    A mean held by no traction, or an infinite one, is taken to need none. Of the Nyquist wave of a profile the nodes
+    know one phase only; what is a quarter wave off follows as if it were free. Those of a map are left out.
+    """
+    rows = in_rows(displacements)
+    waves, shape = grid.coefficients(rows, 2), rows.shape[1:]
+    q, places = _magnitudes(shape)
+    found = body.compliance(q)
+    if shape[0] > 1:
+        waves = grid.without_nyquist(waves, shape)
+    elif shape[1] % 2 == 0:
+        u1, _, u3 = waves[:, 0, -1].copy()
+        lead = 1j * found.s13[-1]
+        waves[0, 0, -1], waves[2, 0, -1] = u1 - lead / found.s33[-1] * u3, u3 + lead / found.s11[-1] * u1
+    means, soft = waves[:, 0, 0].real, np.array((found.s11[0], found.s11[0], found.s33[0]))
+    tractions = np.divide(means, soft, out=np.zeros(3), where=soft > 0.0)
+    return Surface(shape, *_along_waves(waves, shape), _three(means), _three(tractions), q, places)
+
+
+def section(
+    surface: LoadedSurface, z: Reals, body: ElasticBody, names: tuple[str, ...], across: Axis = "y", at: float = 0.0
+) -> Reals:
+    """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it.
+
+    That of a profile is y = 0. Raises ValueError for z outside the body.
+    """
+    on_section = _at_x if across == "x" else _at_y
+    return np.stack([on_section(surface, _depth(each, body), body, at, names) for each in z], axis=1)
+
+
+def plane(surface: LoadedSurface, z: float, body: ElasticBody, names: tuple[str, ...]) -> Reals:
+    """Named fields `[field, y, x]` on the plane z, on the nodes of the map; ValueError for z outside the body."""
+    return _plane(surface, _depth(z, body), body, names, surface.shape)
+
+
+@dataclass(frozen=True)
+class Largest:
+    """Largest von Mises stress (E*) of each plane z `[z]`, and where it is (L_x)."""
+
+    von_mises: Reals
+    x: Reals
+    y: Reals
+
+
+def largest_von_mises(surface: LoadedSurface, z: Reals, body: ElasticBody) -> Largest:
+    """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
+    found = np.empty((3, z.size))
+    for i, depth in enumerate(_depth(each, body) for each in z):
+        kept = waves_kept(surface.shape, depth)
+        shape = tuple(min(n, 2 * k + 2) for n, k in zip(surface.shape, kept, strict=True))
+        stress = von_mises(*_plane(surface, depth, body, STRESSES, shape))
+        row, column = np.unravel_index(int(stress.argmax()), shape)
+        found[:, i] = stress[row, column], column / shape[1], row / shape[0]
+    return Largest(*found)
 
 
 def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> Reals:
@@ -57,80 +170,157 @@ def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> 
     return np.asarray(np.sqrt(squares))
 
 
-def surface_under_tractions(tangential: Reals, normal: Reals, body: ElasticBody) -> DeformedSurface:
-    """Surface `[nx]` under tractions, along x and out of the body; a half-space's displacements have zero mean."""
-    t1, t3 = grid.coefficients(tangential), grid.coefficients(normal)
-    u1, u3 = body.compliance(len(normal)).displacements(t1, t3)
-    return DeformedSurface(u1, u3, (float(t1[0].real), float(t3[0].real)))
+def waves_kept(shape: tuple[int, ...], depth: float) -> tuple[int, int]:
+    """Largest k_y and k_x that are felt at a depth."""
+    felt = _FADED / (2.0 * np.pi * depth) if depth > 0.0 else np.inf
+    most_y, most_x = (int(min(n // 2, max(felt, 1.0))) for n in shape)
+    return most_y, most_x
 
 
-def surface_with_displacements(tangential: Reals, normal: Reals, body: ElasticBody) -> DeformedSurface:
-    """Surface `[nx]` of given displacements; a mean held by no traction, or an infinite one, is taken to need none."""
-    u1, u3 = grid.coefficients(tangential), grid.coefficients(normal)
-    compliance = body.compliance(len(normal))
-    s11, s13, s33 = compliance.s11, compliance.s13, compliance.s33
-    along, out = (float(u[0].real / s[0]) if s[0] > 0.0 else 0.0 for u, s in ((u1, s11), (u3, s33)))
-    if len(normal) % 2 == 0:
-        # of the Nyquist wave the nodes know one phase only; what is a quarter wave off follows as if it were free
-        u1[-1], u3[-1] = u1[-1] - 1j * s13[-1] / s33[-1] * u3[-1], u3[-1] + 1j * s13[-1] / s11[-1] * u1[-1]
-    return DeformedSurface(u1, u3, (along, out))
+def rows_kept(shape: tuple[int, ...], most: int) -> Indices:
+    """Rows of the coefficients whose k_y is at most so large, in order."""
+    rows = 2 * (shape[0] // 2) + 1
+    return np.concatenate((np.arange(most + 1), np.arange(rows - most, rows)))
 
 
-def surface_tractions(surface: DeformedSurface, nx: int, body: ElasticBody) -> tuple[Reals, Reals]:
-    """Tractions `[nx]` on a surface, along x and out of the body."""
-    waves = waves_at_depth(surface, 0.0, nx, body)
-    return grid.signal(waves.stress5, nx), grid.signal(waves.stress3, nx)
-
-
-def fields_inside(surface: DeformedSurface, nx: int, z: Reals, body: ElasticBody) -> Fields[Reals]:
-    """Fields `[z, x]` of a surface on nx points; raises ValueError for z outside the body."""
-    if not (np.isfinite(z) & (z <= 0.0) & (z >= body.base * (1.0 + 1e-12))).all():
+def _depth(z: float, body: ElasticBody) -> float:
+    if not (np.isfinite(z) and z >= body.base * (1.0 + 1e-12) and z <= 0.0):
         raise ValueError("z outside the body")
-    levels = [stacked(waves_at_depth(surface, max(-float(height), 0.0), nx, body)) for height in z]
-    return Fields(*(grid.signal(waves, nx) for waves in np.stack(levels, axis=1)))
+    return max(-float(z), 0.0)
 
 
-def waves_at_depth(surface: DeformedSurface, depth: float, nx: int, body: ElasticBody) -> Fields[Complexes]:
-    """Coefficients `[nx // 2 + 1]` of all fields at one depth."""
-    q, material = grid.wavenumbers(nx)[1:], body.material(depth)
-    shear, kolosov = material.shear, moduli.kolosov(material.poissons_ratio)
-    waves = body.transfer(depth, q)
-    # a term X sin(qx) has the coefficient -i X
-    cosine, sine = surface.u1[1:], 1j * surface.u3[1:]
-    u1, u3, p, w = (along * cosine + across * sine for along, across in (waves.u1, waves.u3, waves.p, waves.w))
-    dilatation = (3.0 - kolosov) * p
-    means = _means(surface, depth, body)
-    return Fields(
-        u1=_with_mean(means.u1, u1),
-        u3=_with_mean(means.u3, -1j * u3),
-        strain1=_with_mean(means.strain1, 1j * q * u1),
-        strain3=_with_mean(means.strain3, -1j * q * (u1 + (kolosov - 1.0) * p)),
-        strain5=_with_mean(means.strain5, q * (2.0 * u3 + (kolosov + 1.0) * w)),
-        stress1=_with_mean(means.stress1, -1j * shear * q * (dilatation - 2.0 * u1)),
-        stress2=_with_mean(means.stress2, -1j * shear * q * dilatation),
-        stress3=_with_mean(means.stress3, -1j * shear * q * (2.0 * u1 + (kolosov + 1.0) * p)),
-        stress5=_with_mean(means.stress5, shear * q * (2.0 * u3 + (kolosov + 1.0) * w)),
+def _at_y(surface: LoadedSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]) -> Reals:
+    nx = surface.shape[1]
+    spectrum = np.zeros((len(names), nx // 2 + 1), dtype=np.complex128)
+    for k_y, k_x, waves in surface.waves(depth, body, names):
+        spectrum[:, : k_x.size] += np.exp(2j * np.pi * k_y * y) @ waves
+    return grid.signal(spectrum, nx)
+
+
+def _at_x(surface: LoadedSurface, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]) -> Reals:
+    ny, nx = surface.shape
+    spectrum = np.zeros((len(names), ny), dtype=np.complex128)
+    for k_y, k_x, waves in surface.waves(depth, body, names):
+        weights = grid.multiplicity(nx)[k_x] * np.exp(2j * np.pi * k_x * x)
+        for half in (k_y >= 0, k_y < 0):  # both Nyquist rows are one of the spectrum
+            spectrum[:, k_y[half] % ny] += (waves @ weights)[:, half]
+    mirrored = np.roll(spectrum[:, ::-1], 1, axis=1).conj()  # the real part is the mean with waves of the other sign
+    return grid.signal(0.5 * (spectrum + mirrored)[:, : ny // 2 + 1], ny)
+
+
+def _plane(
+    surface: LoadedSurface, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
+) -> Reals:
+    spectrum = np.zeros((len(names), shape[0], shape[1] // 2 + 1), dtype=np.complex128)
+    for k_y, k_x, waves in surface.waves(depth, body, names):
+        for half in (k_y >= 0, k_y < 0):
+            spectrum[:, k_y[half] % shape[0], : k_x.size] += waves[:, half]
+    return np.stack([grid.signal(each, *shape) for each in spectrum])
+
+
+def _transfer(q: Reals, depth: float, body: ElasticBody) -> Reals:
+    """Wave number, and what unit displacements of the surface make at a depth, `[11, q]`, 0 for the mean.
+
+    That is of those along q and out of the surface U_1, U_3, P and W (2.4), in pairs, and of those across q the
+    displacement and its slope over q.
+    """
+    found = np.zeros((11, q.size))
+    found[0] = q
+    waves = body.transfer(depth, q[1:])
+    pairs = waves.u1, waves.u3, waves.p, waves.w, body.transfer_across(depth, q[1:])
+    found[1:, 1:] = [each for pair in pairs for each in pair]
+    return found
+
+
+def _turned(
+    surface: Surface,
+    transfer: Reals,
+    chosen: tuple[Indices, ...],
+    waves: tuple[Indices, Indices],
+    material: Material,
+    names: tuple[str, ...],
+) -> Complexes:
+    """Named fields `[field, k_y, k_x]` at a depth, along x, y and z, of the waves that are `chosen`."""
+    (c, s), shear = _unit_vectors(*waves), material.shear
+    kolosov = float(moduli.kolosov(material.poissons_ratio))
+    q, pairs = transfer[0], transfer[1:9].reshape(4, 2, *transfer.shape[1:])
+    cosine, sine = surface.along[chosen], 1j * surface.out[chosen]  # a term X sin(qx) has the coefficient -i X
+    u1, u3, p, w = (first * cosine + second * sine for first, second in pairs)
+    across, slope = transfer[9:] * surface.across[chosen]
+    found: dict[str, Complexes] = {}
+    # q runs along q, t across it
+    stretch, slide_qz, slide_qt, slide_tz = (
+        1j * q * u1,
+        q * (2.0 * u3 + (kolosov + 1.0) * w),
+        1j * q * across,
+        q * slope,
     )
+    if not set(names).isdisjoint(DISPLACEMENTS):
+        found |= zip(DISPLACEMENTS, (c * u1 - s * across, s * u1 + c * across, -1j * u3), strict=True)
+    if not set(names).isdisjoint(STRAINS):
+        rise = -1j * q * (u1 + (kolosov - 1.0) * p)
+        strains = _tensor(c, s, stretch, 0.0, rise, 0.5 * slide_tz, 0.5 * slide_qz, 0.5 * slide_qt)
+        found |= zip(STRAINS, (*strains[:3], *(2.0 * each for each in strains[3:])), strict=True)
+    if not set(names).isdisjoint(STRESSES):
+        equal = -1j * shear * q * (3.0 - kolosov) * p
+        normal = -1j * shear * q * (2.0 * u1 + (kolosov + 1.0) * p)
+        slides = (shear * each for each in (slide_tz, slide_qz, slide_qt))
+        found |= zip(STRESSES, _tensor(c, s, equal + 2.0 * shear * stretch, equal, normal, *slides), strict=True)
+    return np.stack([found[name] for name in names])
 
 
-def _with_mean(mean: float, waves: Complexes) -> Complexes:
-    return np.concatenate(([mean], waves))
+def _tensor(
+    c: Reals, s: Reals, qq: Complexes, tt: Complexes | float, zz: Complexes, tz: Complexes, qz: Complexes, qt: Complexes
+) -> tuple[Complexes, ...]:
+    """Elements in Voigt's order along x, y and z of a symmetric tensor along q, across it (t) and z."""
+    twist = 2.0 * c * s * qt
+    x, y = c**2 * qq + s**2 * tt - twist, s**2 * qq + c**2 * tt + twist
+    return x, y, zz, s * qz + c * tz, c * qz - s * tz, c * s * (qq - tt) + (c**2 - s**2) * qt
 
 
-def _means(surface: DeformedSurface, depth: float, body: ElasticBody) -> Fields[float]:
+def _means(surface: Surface, depth: float, body: ElasticBody) -> dict[str, float]:
     """The uniform part: tractions do not change with depth, the periodic body cannot widen."""
-    along, normal = surface.mean_traction
+    (u1, u2, u3), (t1, t2, t3) = surface.uniform, surface.traction
     material, (sheared, stretched) = body.material(depth), body.uniform_displacement(depth)
-    nu, strain3, strain5 = material.poissons_ratio, normal / material.c11, along / material.shear
-    across = nu / (1.0 - nu) * normal
-    return Fields(
-        u1=float(surface.u1[0].real) - along * sheared,
-        u3=float(surface.u3[0].real) - normal * stretched,
-        strain1=0.0,
-        strain3=strain3,
-        strain5=strain5,
-        stress1=across,
-        stress2=across,
-        stress3=normal,
-        stress5=along,
-    )
+    nu = material.poissons_ratio
+    displacements = (u1 - t1 * sheared, u2 - t2 * sheared, u3 - t3 * stretched)
+    strains = (0.0, 0.0, t3 / material.c11, t2 / material.shear, t1 / material.shear, 0.0)
+    stresses = (nu / (1.0 - nu) * t3, nu / (1.0 - nu) * t3, t3, t2, t1, 0.0)
+    return dict(zip(DISPLACEMENTS + STRAINS + STRESSES, displacements + strains + stresses, strict=True))
+
+
+def _all_waves(shape: tuple[int, ...]) -> tuple[Indices, Indices]:
+    half = shape[0] // 2
+    return np.concatenate((np.arange(half + 1), np.arange(-half, 0))), np.arange(shape[1] // 2 + 1)
+
+
+def _magnitudes(shape: tuple[int, ...]) -> tuple[Reals, Indices]:
+    """Different magnitudes of the wave vectors, and where each wave's is; many waves have one magnitude."""
+    k_y, k_x = _all_waves(shape)
+    squares, places = np.unique(k_y[:, np.newaxis] ** 2 + k_x**2, return_inverse=True)
+    return 2.0 * np.pi * np.sqrt(squares), places.reshape(k_y.size, k_x.size)
+
+
+def _unit_vectors(k_y: Indices, k_x: Indices) -> tuple[Reals, Reals]:
+    """Cosine and sine `[k_y, k_x]` of the direction of each wave vector, zero for the mean."""
+    magnitude = np.hypot(k_y[:, np.newaxis], k_x)
+    magnitude[magnitude == 0.0] = 1.0
+    return k_x / magnitude, k_y[:, np.newaxis] / magnitude
+
+
+def _along_waves(waves: Complexes, shape: tuple[int, ...]) -> tuple[Complexes, Complexes, Complexes]:
+    """Coefficients `[component, k_y, k_x]` along each wave vector, across it and out, rows as in `Surface`.
+
+    Of the Nyquist wave of even ny half is at ny/2 and half at -ny/2.
+    """
+    k_y, k_x = _all_waves(shape)
+    found = waves[:, k_y % shape[0]]
+    if shape[0] % 2 == 0:
+        found[:, abs(k_y) == shape[0] // 2] *= 0.5
+    c, s = _unit_vectors(k_y, k_x)
+    return c * found[0] + s * found[1], c * found[1] - s * found[0], found[2]
+
+
+def _three(values: Reals) -> tuple[float, float, float]:
+    x, y, z = map(float, values)
+    return x, y, z

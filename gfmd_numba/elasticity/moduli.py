@@ -1,5 +1,6 @@
 """Moduli of an isotropic body in plane strain, in units of its effective modulus E* (thesis 6.1.4)."""
 
+from dataclasses import dataclass
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -40,3 +41,21 @@ def dundurs_beta(poissons_ratio: float, other: float, share: float) -> float:
     """
     own, facing = ((1.0 - 2.0 * nu) / (1.0 - nu) for nu in (poissons_ratio, other))
     return 0.5 * ((1.0 - share) * own - share * facing)
+
+
+@dataclass(frozen=True)
+class Material:
+    """Modulus E* in units of that of the topmost layer, and Poisson's ratio up to 1/2."""
+
+    modulus: float
+    poissons_ratio: float
+
+    @property
+    def shear(self) -> float:
+        """Shear modulus C44."""
+        return self.modulus * float(c44(self.poissons_ratio))
+
+    @property
+    def c11(self) -> float:
+        """Modulus C11 of uniaxial strain; infinite for nu = 1/2."""
+        return self.modulus * float(c11(self.poissons_ratio))

@@ -8,7 +8,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Exponential
-from gfmd_numba.scene.reduced_units import rounded
+from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)

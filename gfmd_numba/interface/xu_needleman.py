@@ -10,7 +10,7 @@ from scipy.special import lambertw
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Cohesive
-from gfmd_numba.scene.reduced_units import rounded
+from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What every generator of random surfaces is, and the ensemble it draws.
+"""What every generator of random surfaces is, and the ensemble that a record of one describes.
 
 Lengths are in periods, wave indices count them. Each kind of generator has a file of its own, and its record in
 `gfmd_numba.scene.surfaces` names the function there that makes it.
@@ -6,6 +6,7 @@ Lengths are in periods, wave indices count them. Each kind of generator has a fi
 
 import math
 from dataclasses import dataclass
+from pkgutil import resolve_name
 from typing import Any, Protocol, Self
 
 import numpy as np
@@ -13,6 +14,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import Discretisation
+from gfmd_numba.scene.surfaces import PowerLaw, Random
+from gfmd_numba.scene.units import in_reduced_units
 
 Shape = tuple[int, ...]
 
@@ -102,3 +105,45 @@ def gradient_over_height(generator: Generator, shape: Shape) -> float:
     power, periods = generator.power(shape), (1.0,) * len(shape)
     second, zeroth = (statistics.moment_of_power(power, shape, order, periods) for order in (2, 0))
     return float(np.sqrt(second / zeroth))
+
+
+def band(record: PowerLaw, discretisation: Discretisation | None, period: float) -> tuple[float, float]:
+    """Wave indices of the longest and the shortest wavelength: those of the record, or of the discretisation."""
+    if record.cut_on is not None and record.roll_off is not None:
+        return period / record.roll_off, period / record.cut_on
+    assert discretisation is not None  # the loader's promise
+    return float(discretisation.cut_on_index), discretisation.cut_off_index
+
+
+def random_surface(
+    record: Random, discretisation: Discretisation | None, period: float, dimension: int, seed: int
+) -> RandomSurface:
+    """Ensemble of a record, whose lengths are in the unit of `period`.
+
+    Grid and wavelengths that the record leaves open are those of the discretisation. Raises ValueError for lengths that
+    do not go with the period.
+    """
+    record, period = in_reduced_units(record, period, 1.0), 1.0
+    nx = discretisation.nx if record.points is None and discretisation is not None else record.points
+    assert nx is not None  # the records' promise
+    make: Maker = resolve_name(record.implementation)
+    surface = RandomSurface(
+        make(record, discretisation, period, dimension, nx),
+        nx,
+        seed,
+        dimension,
+        by_height=record.rms_height is not None and record.scaling == "each",
+        by_theory=record.scaling == "ensemble",
+    )
+    if record.points is not None and not surface.by_height:  # where it is, the rms gradient below asks for the power
+        surface.generator.power(surface.shape)
+    return surface
+
+
+def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float:
+    """Rms gradient asked of a surface, or the one that theory expects of the rms height asked of it."""
+    if record.rms_gradient is not None:
+        return record.rms_gradient
+    height: float | None = in_reduced_units(record, period, 1.0).rms_height
+    assert height is not None  # the record's promise
+    return height * gradient_over_height(surface.generator, surface.shape)

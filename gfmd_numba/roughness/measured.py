@@ -11,11 +11,9 @@ from typing import Literal
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
-from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measurements import Measurement, measurement
-from gfmd_numba.roughness.processing import detrended, made_periodic
+from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
-from gfmd_numba.roughness.square import largest_square
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.units import WithUnit

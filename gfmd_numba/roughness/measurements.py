@@ -10,9 +10,9 @@ import numpy.typing as npt
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.positions import UNEVEN, Line, equidistant, interpolated
 from gfmd_numba.roughness.surface_files import Content
-from gfmd_numba.scene.heights import AXES
-from gfmd_numba.scene.length_units import METRES, PERIOD
+from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.units import METRES, PERIOD
 
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
 

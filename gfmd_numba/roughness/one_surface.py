@@ -7,9 +7,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.generators import gradient_over_height
+from gfmd_numba.roughness.generators import gradient_over_height, random_surface, rms_gradient
 from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.roughness.recipe import random_surface, rms_gradient
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import Random

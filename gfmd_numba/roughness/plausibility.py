@@ -6,18 +6,16 @@ The thresholds are far beyond what random self-affine surfaces reach, so that a 
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.form import FEWEST, WAVY, form, radii
-from gfmd_numba.roughness.gaps import MOST, fill_gaps
-from gfmd_numba.roughness.offsets import offsets
-from gfmd_numba.roughness.processing import polynomial
-from gfmd_numba.roughness.repeated_heights import Repeated, is_design, repeated
+from gfmd_numba.roughness.processing import MOST, fill_gaps, polynomial
 from gfmd_numba.roughness.spikes import despiked, quantum
-from gfmd_numba.scene.length_units import METRES, PERIOD
+from gfmd_numba.scene.units import METRES, PERIOD
 
 SEAM = 5.0  # rms steps: one Gaussian step in two million is larger
 SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have one of them at its seam
@@ -30,6 +28,24 @@ GRADIENT = 0.3  # sin(x), tan(x) and x differ by 3 to 5 per cent: the elasticity
 SMOOTHEST = 2e-4  # rms gradient: polished steel, silicon and glass have more, between neighbours of micrometres
 ATOM = 1e-10  # m
 FILLED = 0.05  # of all heights: as much of the contact may lie where nothing was measured
+_STEP_WIDTHS = (1, 4, 16)  # points whose means are compared on both sides of a place
+_STEP_STANDARDS = 8.0  # standard differences of such means
+_STEP_OVER_NEXT = 2.0  # the largest of all other differences: a surface made of walls has many
+_STEP_SHARE = 0.5  # of the rms height, which a step is at least
+_MOST_STEPS = 4  # steps
+_LASTS = 8  # points over which half of a step lasts
+_SAMPLES = 24  # independent differences, of which a standard one can be told
+_OFTEN = 4.0  # times as often as the heights next to it in size,
+_ROUNDED = 8  # and as many more times where those repeat themselves, too, as in files of few digits
+_EQUAL_SHARE = 5e-4  # of all heights, that are equal
+_FEWEST_EQUAL = 5  # equal heights
+_LEVELS = 12  # different heights: with fewer, the surface is a grating, or counts
+_BEYOND = 0.1  # of the range of all other heights, by which a mark of missing heights lies outside
+_NEXT = 8  # heights above and below, with which one is compared
+_RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
+_DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
+
+Cause = Literal["top", "bottom", "mark", "stuck"]
 
 
 @dataclass(frozen=True)
@@ -57,6 +73,21 @@ class Signs:
     sentences: tuple[str, ...]
     rms_gradient: float
     range: float
+
+
+@dataclass(frozen=True)
+class Repeated:
+    """A height, how often it occurs in how many runs, what it may be, and where it is `[nx]` or `[ny, nx]`."""
+
+    height: float
+    runs: int
+    cause: Cause
+    at: Flags
+
+    @property
+    def count(self) -> int:
+        """Number of points with this height."""
+        return int(self.at.sum())
 
 
 def of_field(field: Field) -> Signs:
@@ -231,3 +262,89 @@ def _range(heights: Reals, lengths: tuple[float, ...]) -> str:
     if found <= min(lengths):
         return ""
     return f"heights that range over {found / min(lengths):.3g} periods: check the units of the file, and the length"
+
+
+def offsets(level: Reals) -> list[tuple[int, int, float]]:
+    """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
+    if level.ndim == 1:
+        return [(0, int(i), float(step)) for i, step in _of_line(level, float(level.std()))]
+    found = []
+    for axis in range(level.ndim):
+        other = 1 - axis
+        line = np.append(0.0, np.cumsum(np.median(np.diff(level, axis=axis), axis=other)))
+        found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
+    return found
+
+
+def _of_line(line: Reals, rms: float) -> list[tuple[int, float]]:
+    n = len(line)
+    sums = np.append(0.0, np.cumsum(line))
+    for width in _STEP_WIDTHS:
+        if n < _SAMPLES * width or n < 4 * _LASTS:
+            break
+        ends = np.arange(width, n - width + 1)
+        steps = (sums[ends + width] - 2.0 * sums[ends] + sums[ends - width]) / width
+        least = max(_STEP_STANDARDS * 1.4826 * float(np.median(abs(steps))), _STEP_SHARE * rms)
+        at = _peaks(steps, width)
+        sizes = abs(steps[at])
+        for count in range(min(_MOST_STEPS, len(at) - 1), 0, -1):
+            if sizes[count - 1] > max(least, _STEP_OVER_NEXT * sizes[count]):
+                places = [int(ends[i]) - 1 for i in sorted(at[:count])]
+                kept = [(i, step) for i in places if (step := _lasting(line, i)) != 0.0]
+                if len(kept) == count:
+                    return kept
+    return []
+
+
+def _peaks(steps: Reals, width: int) -> Indices:
+    """Indices of the largest differences, the largest first, none nearer to another than two widths."""
+    left, chosen = abs(steps), []
+    for _ in range(_MOST_STEPS + 1):
+        i = int(left.argmax())
+        chosen.append(i)
+        left[max(i - 2 * width, 0) : i + 2 * width + 1] = 0.0
+    return np.array(chosen)
+
+
+def _lasting(line: Reals, i: int) -> float:
+    """Height of a step after index i, which is 0 if it is gone after some points, or took some points to rise."""
+    before, after = line[max(i - _LASTS + 1, 0) : i + 1], line[i + 1 : i + 1 + _LASTS]
+    step = float(np.median(after) - np.median(before))
+    sharp = float(abs(np.diff(line[max(i - 1, 0) : i + 4])).max())
+    return step if sharp > 0.5 * abs(step) and abs(step) > 0.5 * abs(line[i + 1] - line[i]) else 0.0
+
+
+def repeated(heights: Reals) -> list[Repeated]:
+    """Heights of a field that occur too often, the most frequent first; missing ones are not-a-number."""
+    values, counts = np.unique(heights[~np.isnan(heights)], return_counts=True)
+    if len(values) < _LEVELS or is_design(heights):
+        return []
+    least = max(_FEWEST_EQUAL, _EQUAL_SHARE * heights.size)
+    found = []
+    for i in np.flatnonzero(counts >= least):
+        nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
+        if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
+            found.append(_described(heights, values, int(i)))
+    return sorted(found, key=lambda each: -each.count)
+
+
+def is_design(heights: Reals) -> bool:
+    """Whether a surface has no roughness at all: its second difference along x hardly changes between neighbours."""
+    second = np.diff(heights, 2, axis=-1)
+    rounding = 64.0 * float(np.finfo(np.float64).eps * np.nanmax(abs(heights)))
+    return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
+
+
+def _described(heights: Reals, values: Reals, i: int) -> Repeated:
+    at = heights == values[i]
+    others = np.delete(values, i)
+    gap = max(others[0] - values[i], values[i] - others[-1])
+    runs = int(at[..., 0].sum() + (np.diff(at.astype(np.int8), axis=-1) == 1).sum())
+    cause: Cause = "stuck"
+    if gap > _BEYOND * (others[-1] - others[0]):
+        cause = "mark"
+    elif gap > 0.0:
+        cause = "top" if i else "bottom"
+    elif at.sum() < _RUN * runs:
+        cause = "mark"
+    return Repeated(float(values[i]), runs, cause, at)

@@ -1,4 +1,4 @@
-"""Positions along one axis of a file: equidistant and ascending, or made so."""
+"""Positions of a file: along one axis, of the points of a map, or in the first row and column of a map in text."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -10,6 +10,10 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.quantities import LARGEST
 
 UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
+_EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
+_ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
+_FEWEST = 4  # values that make an axis on their own
+_SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
 
 @dataclass(frozen=True)
@@ -79,3 +83,82 @@ def _turn(steps: Reals) -> int:
     """Index of the first position after which the direction changes."""
     sign = np.sign(steps)
     return int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
+
+
+def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` of a table, and the positions along x and y if its first row and first column are axes.
+
+    An axis is strictly monotone and evenly spaced, and no neighbouring row goes on with its steps. The corner where
+    both meet may hold anything. Raises ValueError, with the `line` of the first row, for one axis without the other.
+    """
+    if min(values.shape) < _FEWEST:
+        return values, {}
+    along_x, along_y = _is_axis(values[:, 1:]), _is_axis(values.T[:, 1:])
+    both_even = _is_even(values[0, 1:]) and _is_even(values[1:, 0])
+    corner_fits = _is_even(values[0]) if along_x else _is_even(values[:, 0])  # the only axis, which then begins there
+    if (along_x and along_y) or ((along_x or along_y) and both_even and not corner_fits):
+        return values[1:, 1:], {"x": values[0, 1:], "y": values[1:, 0]}
+    for name, found in (("row", along_x or _is_axis(values)), ("column", along_y or _is_axis(values.T))):
+        if found:
+            where = f"a first row (line {line})" if name == "row" else f"a first column (from line {line} on)"
+            x, y, other = ("x", "y", "column") if name == "row" else ("y", "x", "row")
+            raise ValueError(
+                f"{where} of evenly spaced numbers, unlike the {name}s next to it: if they are positions along {x}, "
+                f"give those along {y} as the first {other}, evenly spaced too, or delete the {name}; if they are "
+                "heights, save the map as .npy"
+            )
+    return values, {}
+
+
+def _is_axis(rows: Reals) -> bool:
+    """Whether the first of these rows is evenly spaced, and none of the next two goes on with it."""
+    first = rows[0]
+    if len(first) < _FEWEST or not _is_even(first):
+        return False
+    step = (first[-1] - first[0]) / (len(first) - 1)
+    bends = abs(np.diff(rows.mean(axis=1), 2))  # of the slope across the rows: of a plane 0
+    if len(bends) >= _FEWEST and bends[0] > 10.0 * bends[1:].max() + abs(step):
+        return True
+    for row in rows[1:3]:
+        alike = abs(np.diff(row) - step) <= _ALIKE * abs(step)
+        tilted = _is_even(row) and 0.25 <= (row[-1] - row[0]) / (first[-1] - first[0]) <= 4.0
+        if tilted or alike.mean() >= 0.5:
+            return False
+    return True
+
+
+def _is_even(line: Reals) -> bool:
+    steps = np.diff(line)
+    mean = steps.mean()
+    return bool(mean != 0.0 and (abs(steps - mean) <= _EVEN * abs(mean)).all())
+
+
+def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
+
+    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile along x. Raises
+    ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
+    """
+    present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
+    x, y, z = x[present], y[present], z[present]
+    unknown = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
+    if len(unknown):
+        raise ValueError(f"a point without a finite x and y in row {unknown[0] + 1} of numbers")
+    (along_x, i), (along_y, j) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells = len(along_x) * len(along_y)
+    place = j * len(along_x) + i
+    order = np.argsort(place, kind="stable")
+    again = np.flatnonzero(np.diff(place[order]) == 0)
+    if len(again):
+        row = order[again[0] + 1]
+        raise ValueError(f"the point x = {x[row]:g}, y = {y[row]:g} twice, again in row {row + 1} of numbers")
+    if len(x) < _SCATTERED * cells:
+        raise ValueError(
+            f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
+            "y, which are no grid: interpolate them to one, or save the map as rows of heights"
+        )
+    heights = np.full(cells, np.nan)
+    heights[place] = z
+    if 1 in (len(along_x), len(along_y)):
+        return heights, {"x": along_x if len(along_y) == 1 else along_y}
+    return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}

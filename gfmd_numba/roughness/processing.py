@@ -1,20 +1,26 @@
-"""From a measured field to a periodic surface: trend, ends, shortest wave, grid; what was done is recorded."""
+"""From a measured field to a periodic surface: square, gaps, trend, ends, shortest wave, grid, and what was done."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.roughness.measurements import Measurement, place
 from gfmd_numba.scene.memory import arrays_per_realisation, beyond_memory
 from gfmd_numba.scene.units import in_unit_of
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
+Fill = Literal["refuse", "interpolate"]
 
 _ORDER = {"mean": 0, "tilt": 1, "curvature": 2}
+MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
+_EQUAL = 1e-3  # by which sizes of the square may differ without a word: positions and sizes in files are rounded
+_WHOLE = 1e-6  # of a spacing, likewise
 
 
 @dataclass(frozen=True)
@@ -131,3 +137,84 @@ def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
 
 def _times(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape))
+
+
+def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
+    """Heights `[nx]` or `[ny, nx]` without not-a-numbers, and what was done.
+
+    What is missing becomes the mean of its neighbours, along which profiles are linear and maps harmonic; beyond the
+    last height they stay level. Raises ValueError for gaps that are to be refused, or more than half of the field.
+    """
+    missing = np.isnan(heights)
+    share = float(missing.mean())
+    if share == 0.0:
+        return heights, ()
+    if share > MOST:
+        raise ValueError(f"{share:.3g} of all heights missing, more than {MOST:g}")
+    if fill == "refuse":
+        raise ValueError(
+            f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
+        )
+    fill_in, kind = {1: (_linear, "linearly"), 2: (_harmonic, "by a harmonic function")}[len(heights.shape)]
+    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {kind}"
+    return fill_in(heights, missing), (done,)
+
+
+def _linear(heights: Reals, missing: Flags) -> Reals:
+    index = np.arange(heights.size)
+    return np.where(missing, np.interp(index, index[~missing], heights[~missing]), heights)
+
+
+def _harmonic(heights: Reals, missing: Flags) -> Reals:
+    """Heights with each missing one the mean of its two to four neighbours on the map."""
+    from scipy.sparse import coo_array, csr_array, diags_array
+    from scipy.sparse.linalg import spsolve
+
+    number = np.full(heights.shape, -1)
+    unknowns = int(missing.sum())
+    number[missing] = np.arange(unknowns)
+    neighbours, known = np.zeros(unknowns), np.zeros(unknowns)
+    rows, columns = [], []
+    for axis in (0, 1):
+        one, other = np.moveaxis(number, axis, 0)[:-1], np.moveaxis(number, axis, 0)[1:]
+        low, high = np.moveaxis(heights, axis, 0)[:-1], np.moveaxis(heights, axis, 0)[1:]
+        for here, there, value in ((one, other, high), (other, one, low)):
+            asked = here >= 0
+            np.add.at(neighbours, here[asked], 1.0)
+            both, border = asked & (there >= 0), asked & (there < 0)
+            np.add.at(known, here[border], value[border])
+            rows.append(here[both])
+            columns.append(there[both])
+    row, column = np.concatenate(rows), np.concatenate(columns)
+    coupling = coo_array((np.ones(len(row)), (row, column)), shape=(unknowns, unknowns))
+    filled = heights.copy()
+    filled[missing] = spsolve(csr_array(diags_array(neighbours) - coupling).tocsc(), known)
+    return filled
+
+
+def largest_square(found: Measurement) -> Measurement:
+    """Cut the largest square about the centre out of a map `[ny, nx]`.
+
+    Where the spacings along x and y differ, so do the numbers of points, and the sides agree to half of the finer
+    spacing. A map without sizes has square pixels. Raises ValueError for a profile, and for fewer than 4 points a side.
+    """
+    if found.heights.ndim == 1:
+        raise ValueError("a profile, where crop: square needs a map: leave crop out")
+    shape = found.heights.shape
+    sizes = found.lengths if found.lengths is not None else tuple(map(float, shape))
+    spacings = [size / n for size, n in zip(sizes, shape, strict=True)]
+    coarse = max(spacings)
+    side = math.floor(min(sizes) / coarse + _WHOLE) * coarse
+    counts = [min(n, round(side / spacing)) for n, spacing in zip(shape, spacings, strict=True)]
+    if tuple(counts) == shape and max(sizes) <= min(sizes) * (1.0 + _WHOLE):
+        return found
+    if min(counts) < 4:
+        raise ValueError(f"{' x '.join(map(str, counts))} heights in the largest square, not at least 4")
+    begins = [(n - count) // 2 for n, count in zip(shape, counts, strict=True)]
+    heights = found.heights[tuple(slice(begin, begin + count) for begin, count in zip(begins, counts, strict=True))]
+    said = f"cut out the middle {counts[0]} x {counts[1]} of {shape[0]} x {shape[1]} points, a square"
+    misfit = max(abs(count * spacing / side - 1.0) for count, spacing in zip(counts, spacings, strict=True))
+    if misfit > _EQUAL:
+        said += f" once stretched by {100 * misfit:.2g} %"
+    lengths = (side, side) if found.lengths is not None else None
+    return replace(found, heights=heights, lengths=lengths, done=(*found.done, said))

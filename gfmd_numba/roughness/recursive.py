@@ -6,27 +6,34 @@ only (midpoint displacement) or, half as large, to all (successive addition). St
 and the surface between the points is their trigonometric interpolant. On a map a step has two halves: centres of
 squares, then of edges.
 
-Neither process is stationary, which is the artefact these methods are known for. `power` has their spectrum, averaged
-over positions, exactly. It is the same for both methods; they differ in how much the variance depends on position.
+Neither process is stationary, which is the artefact these methods are known for. `Recursion.own_power` has their
+spectrum, averaged over positions, exactly. It is the same for both methods; they differ in how much the variance
+depends on position.
 """
 
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import ClassVar, Literal, Self
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.roughness import spectral
 from gfmd_numba.roughness.amplitudes import stream
+from gfmd_numba.roughness.generators import Shape, band
+from gfmd_numba.roughness.spectra import SelfAffineSpectrum
+from gfmd_numba.scene.records import Discretisation
+from gfmd_numba.scene.surfaces import MidpointDisplacement, SuccessiveAddition
 
 
 @dataclass(frozen=True)
 class Recursion:
-    """How a surface of period 1 is subdivided; `cut_on` and `roll_off` are wavelengths in periods.
+    """How a surface of period 1 is subdivided (thesis 3.5.1); `cut_on` and `roll_off` are wavelengths in periods.
 
     Raises ValueError unless 0 <= H <= 1 and 0 < 2 cut_on <= roll_off <= 1.
     """
 
+    unit_gradient: ClassVar = False
     method: Literal["midpoint_displacement", "successive_addition"]
     dimension: int
     hurst: float
@@ -60,6 +67,44 @@ class Recursion:
         """Whether heights are added to old points as well."""
         return self.method == "successive_addition"
 
+    @property
+    def band(self) -> tuple[float, float]:
+        """Wave indices of the roll-off and of the cut-on wavelength."""
+        return 1.0 / self.roll_off, 1.0 / self.cut_on
+
+    def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
+        """Heights `[realisation, (y,) x]` of period 1 and unit rms height in the ensemble, averaged over positions.
+
+        A finer grid samples the same surface; a smaller cut-on keeps the points of midpoint displacement and adds to
+        all points of successive addition. Raises ValueError for a cut-on beyond Nyquist.
+        """
+        if 2**self.last > shape[0]:
+            raise ValueError(f"{2**self.last} points of the last step on a grid of {shape[0]}")
+        norm = np.sqrt(_total(_power(self)))
+        heights = np.empty((len(realisations), *shape))
+        for row, realisation in zip(heights, realisations, strict=True):
+            row[...] = resample(_subdivided(self, stream(seed, realisation)) / norm, shape)
+        return heights
+
+    def mean_square_height(self, shape: Shape) -> float:
+        """Mean square height of the ensemble, to which the recursion is scaled."""
+        return 1.0
+
+    def without_shortest(self, halvings: int) -> Self | None:
+        """The same from twice its cut-on wavelength, so often."""
+        cut_on = self.cut_on * 2**halvings
+        return None if 2.0 * cut_on > self.roll_off else replace(self, cut_on=cut_on)
+
+    def power(self, shape: Shape) -> Reals:
+        """Mean power that is asked for, a power law with a plateau; `own_power` is that of the recursion."""
+        asked = SelfAffineSpectrum(len(shape), self.hurst, self.cut_on, self.roll_off, 1.0)
+        return spectral.psd_power(asked, shape[0], (shape[0] - 1) // 2)
+
+    def own_power(self) -> Reals:
+        """Mean power <|h~(q)|^2> / w^2 `[(n,) n // 2 + 1]` on the n = 2^last points of the last step."""
+        found = _power(self)
+        return np.asarray((found / _total(found))[..., : found.shape[-1] // 2 + 1])
+
     def variance(self, distance: float) -> float:
         """Variance of the heights added to means of neighbours at a distance (3.24), per that of the first points.
 
@@ -69,28 +114,6 @@ class Recursion:
         h = self.hurst
         left = 1.0 - 2.0 ** (2.0 * h - 2.0) if self.dimension == 1 else 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)
         return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
-
-
-def surfaces(recursion: Recursion, nx: int, seed: int, realisations: range) -> Reals:
-    """Heights `[realisation, nx]` or `[realisation, nx, nx]`, w = 1 averaged over positions and the ensemble.
-
-    A finer grid samples the same surface; a smaller cut-on keeps the points of midpoint displacement and adds to all
-    points of successive addition. Raises ValueError for a cut-on beyond Nyquist.
-    """
-    if 2**recursion.last > nx:
-        raise ValueError(f"{2**recursion.last} points of the last step on a grid of {nx}")
-    norm = np.sqrt(_total(_power(recursion)))
-    heights = np.empty((len(realisations), *(nx,) * recursion.dimension))
-    for row, realisation in zip(heights, realisations, strict=True):
-        row[...] = resample(_subdivided(recursion, stream(seed, realisation)) / norm, (nx,) * recursion.dimension)
-    return heights
-
-
-def power(recursion: Recursion) -> Reals:
-    """Mean power <|h~(q)|^2> / w^2 `[n // 2 + 1]` or `[n, n // 2 + 1]` on the n = 2^last points of the last step."""
-    found = _power(recursion)
-    found /= _total(found)
-    return found[..., : found.shape[-1] // 2 + 1]
 
 
 def _step(wavelength: float) -> int:
@@ -155,3 +178,15 @@ def _power(recursion: Recursion) -> Reals:
 def _total(power: Reals) -> float:
     """Mean square height about the mean."""
     return float(power.sum() - power.ravel()[0])
+
+
+def generator(
+    record: MidpointDisplacement | SuccessiveAddition,
+    discretisation: Discretisation | None,
+    period: float,
+    dimension: int,
+    nx: int,
+) -> Recursion:
+    """Subdivision of a record between its wavelengths, or those of the discretisation."""
+    longest, shortest = band(record, discretisation, period)
+    return Recursion(record.method, dimension, record.hurst, 1.0 / shortest, 1.0 / longest)

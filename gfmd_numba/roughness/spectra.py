@@ -1,14 +1,17 @@
-"""Isotropic models of roughness: power spectral density, autocorrelation and moments, all per w^2.
+"""Models of roughness: power spectral density, autocorrelation and moments, all per w^2.
 
 The spectral density C(q) is two-sided and integrates to 1 over all of q-space, so that a surface of rms height w and
 period L has the mean power <|h~(q)|^2> = w^2 C(q) (2 pi / L)^d. The height-height correlation is 2 w^2 (1 - R).
+
+Of the two models of maps whose directions differ, the thesis prints the spectra 2 pi times too large for its own
+(3.14), and leaves sqrt(2H) out of the lengths.
 """
 
 from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
-from scipy.special import gammaln, hyp2f1, j0, kv
+from scipy.special import gamma, gammaln, hyp2f1, j0, kv
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import stretched_exponential
@@ -84,8 +87,8 @@ class SelfAffineSpectrum:
 
 
 @dataclass(frozen=True)
-class ExponentialSpectrum:
-    """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9), 0 < H <= 1."""
+class _Correlated:
+    """Isotropic model of a Hurst exponent 0 < H <= 1 and a correlation length; raises ValueError for other values."""
 
     isotropic: ClassVar[Literal[True]] = True
     dimension: int
@@ -93,7 +96,11 @@ class ExponentialSpectrum:
     correlation_length: float
 
     def __post_init__(self) -> None:
-        _check_model(self.hurst, self.correlation_length)
+        _check_model((self.hurst,), (self.correlation_length,))
+
+
+class ExponentialSpectrum(_Correlated):
+    """Exponential correlation model R = exp(-(r/xi)^(2H)) (3.10, its exponent as in 3.9)."""
 
     def autocorrelation(self, distance: Reals) -> Reals:
         """Autocorrelation R `[...]` at distances r >= 0 (3.10)."""
@@ -114,17 +121,8 @@ class ExponentialSpectrum:
         return float((2.0 / self.correlation_length) ** order * np.exp(gammaln(order / 2.0 + half) - gammaln(half)))
 
 
-@dataclass(frozen=True)
-class KCorrelationSpectrum:
-    """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14), 0 < H <= 1."""
-
-    isotropic: ClassVar[Literal[True]] = True
-    dimension: int
-    hurst: float
-    correlation_length: float
-
-    def __post_init__(self) -> None:
-        _check_model(self.hurst, self.correlation_length)
+class KCorrelationSpectrum(_Correlated):
+    """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14)."""
 
     def autocorrelation(self, distance: Reals) -> Reals:
         """Autocorrelation R `[...]` at distances r >= 0 (3.13)."""
@@ -240,11 +238,95 @@ def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
 
 
-def _check_model(hurst: float, correlation_length: float) -> None:
-    _require(0.0 < hurst <= 1.0, f"a Hurst exponent of {hurst:g}, not above 0 and at most 1")
-    _require(0.0 < correlation_length < np.inf, f"a correlation length of {correlation_length:g}, not above 0")
+def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ...]) -> None:
+    for hurst in hursts:
+        _require(0.0 < hurst <= 1.0, f"a Hurst exponent of {hurst:g}, not above 0 and at most 1")
+    for length in correlation_lengths:
+        _require(0.0 < length < np.inf, f"a correlation length of {length:g}, not above 0")
 
 
 def _require(condition: bool, otherwise: str) -> None:
     if not condition:
         raise ValueError(otherwise)
+
+
+class AnisotropicModel(Protocol):
+    """Model of a map whose two directions differ."""
+
+    @property
+    def isotropic(self) -> Literal[False]: ...  # noqa: D102
+    @property
+    def dimension(self) -> int: ...  # noqa: D102
+    @property
+    def hurst(self) -> float: ...  # noqa: D102
+    @property
+    def correlation_length(self) -> float: ...  # noqa: D102
+    def psd(self, q_x: Reals, q_y: Reals) -> Reals: ...  # noqa: D102
+    def autocorrelation(self, x: Reals, y: Reals) -> Reals: ...  # noqa: D102
+
+
+@dataclass(frozen=True)
+class LengthAnisotropicSpectrum:
+    """One Hurst exponent, two correlation lengths (x, y) (3.15); raises ValueError for values out of range."""
+
+    isotropic: ClassVar[Literal[False]] = False
+    dimension: ClassVar[int] = 2
+    hurst: float
+    correlation_lengths: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_model((self.hurst,), self.correlation_lengths)
+
+    @property
+    def correlation_length(self) -> float:
+        """Mean of both correlation lengths."""
+        return sum(self.correlation_lengths) / 2.0
+
+    def psd(self, q_x: Reals, q_y: Reals) -> Reals:
+        """Spectral density `[...]` at wave vectors (q_x, q_y) (3.15 over 2 pi)."""
+        x, y = self.correlation_lengths
+        ellipse = (q_x * x) ** 2 + (q_y * y) ** 2
+        return np.asarray(self.hurst * x * y / np.pi * (1.0 + ellipse) ** (-1.0 - self.hurst))
+
+    def autocorrelation(self, x: Reals, y: Reals) -> Reals:
+        """Autocorrelation `[...]` at shifts (x, y)."""
+        return matern(np.hypot(x / self.correlation_lengths[0], y / self.correlation_lengths[1]), self.hurst)
+
+
+@dataclass(frozen=True)
+class ScalingAnisotropicSpectrum:
+    """Hurst exponent and correlation length of each direction (x, y) (3.16); ValueError for values out of range."""
+
+    isotropic: ClassVar[Literal[False]] = False
+    dimension: ClassVar[int] = 2
+    hursts: tuple[float, float]
+    correlation_lengths: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        _check_model(self.hursts, self.correlation_lengths)
+
+    @property
+    def hurst(self) -> float:
+        """Mean of both Hurst exponents."""
+        return sum(self.hursts) / 2.0
+
+    @property
+    def correlation_length(self) -> float:
+        """Mean of both correlation lengths."""
+        return sum(self.correlation_lengths) / 2.0
+
+    def psd(self, q_x: Reals, q_y: Reals) -> Reals:
+        """Spectral density `[...]` at wave vectors (q_x, q_y) (3.16 over 2 pi)."""
+        found = np.ones(())
+        for q, length, hurst in zip((q_x, q_y), self.correlation_lengths, self.hursts, strict=True):
+            peak = length * gamma(hurst + 0.5) / (np.sqrt(np.pi) * gamma(hurst))
+            found = found * peak * (1.0 + (q * length) ** 2) ** (-0.5 - hurst)
+        return np.asarray(found)
+
+    def autocorrelation(self, x: Reals, y: Reals) -> Reals:
+        """Autocorrelation `[...]` at shifts (x, y): the product of those of the two directions."""
+        first, second = (
+            matern(abs(shift) / length, hurst)
+            for shift, length, hurst in zip((x, y), self.correlation_lengths, self.hursts, strict=True)
+        )
+        return np.asarray(first * second)

@@ -98,23 +98,18 @@ def quantum(heights: Reals) -> float:
 def _next_to_a_large_step(steps: list[Reals], shape: tuple[int, ...], limit: float) -> Flags:
     found = np.zeros(shape, dtype=bool)
     for axis, each in enumerate(steps):
-        large = abs(each) > limit
-        lower, upper = ([slice(None)] * len(shape) for _ in range(2))
-        lower[axis], upper[axis] = slice(None, -1), slice(1, None)
-        found[tuple(lower)] |= large
-        found[tuple(upper)] |= large
+        along, large = np.moveaxis(found, axis, 0), np.moveaxis(abs(each) > limit, axis, 0)
+        along[:-1] |= large
+        along[1:] |= large
     return found
 
 
 def _windows(field: Reals, at: Indices, half: int) -> Reals:
     """Windows `[point, (y,) x]` about points, mirrored about the last point at the ends."""
-    padded = np.pad(field, half, mode="reflect")
-    index = [
-        at[:, axis].reshape(-1, *[1] * field.ndim)
-        + np.arange(2 * half + 1).reshape([-1 if each == axis else 1 for each in range(field.ndim)])
-        for axis in range(field.ndim)
-    ]
-    return np.asarray(padded[tuple(index)])
+    windows = np.lib.stride_tricks.sliding_window_view(
+        np.pad(field, half, mode="reflect"), (2 * half + 1,) * field.ndim
+    )
+    return windows[tuple(at.T)]
 
 
 def _alone(far: Flags, off: Reals) -> Flags:

@@ -9,13 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.map_axes import split_axes
-from gfmd_numba.roughness.map_points import on_a_grid
+from gfmd_numba.roughness.positions import on_a_grid, split_axes
 from gfmd_numba.roughness.surface_text import read_table
-from gfmd_numba.scene.heights import AXES, Heights
-from gfmd_numba.scene.length_units import PERIOD, length_unit
-from gfmd_numba.scene.netcdf_trial import can_be_read
-from gfmd_numba.scene.regular_file import check_regular, most_numbers
+from gfmd_numba.scene.measured_record import AXES, Heights
+from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
+from gfmd_numba.scene.units import PERIOD, length_unit
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,31 +52,23 @@ def content_of(given: Heights) -> Content:
     return Content(given.values, given.positions, units=units)
 
 
-def read_column(path: Path) -> Reals:
-    """Values `[nx]` of a .npy or text file with one column, of which any may be not-a-number; raises ValueError."""
-    values = read_npy(path) if path.suffix == ".npy" else read_table(path).values
-    if values.ndim == 2 and path.suffix != ".npy":
+def read_values(path: Path, dimension: int) -> Reals:
+    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column; raises ValueError.
+
+    Any of them may be not-a-number.
+    """
+    is_text = path.suffix != ".npy"
+    values = read_table(path).values if is_text else read_npy(path)
+    if is_text and dimension == 1:
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
         values = values[:, 0]
-    if values.ndim != 1 or values.dtype.kind not in "fiu":
-        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not one row of numbers")
-    if len(values) < 4:
-        raise ValueError(f"{len(values)} values, not at least 4")
-    return _in_double_precision(values)
-
-
-def read_map(path: Path) -> Reals:
-    """Values `[ny, nx]` of a .npy or text file of rows, of which any may be not-a-number; raises ValueError."""
-    values = read_npy(path) if path.suffix == ".npy" else read_table(path).values
-    if values.ndim != 2 or values.dtype.kind not in "fiu":
-        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not rows of numbers")
+    if values.ndim != dimension or values.dtype.kind not in "fiu":
+        rows = {1: "one row", 2: "rows"}[dimension]
+        raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not {rows} of numbers")
     if min(values.shape) < 4:
-        raise ValueError(f"{values.shape[0]} x {values.shape[1]} values, not at least 4 x 4")
-    return _in_double_precision(values)
-
-
-def _in_double_precision(values: npt.NDArray[Any]) -> Reals:
+        given, least = (" x ".join(map(str, each)) for each in (values.shape, (4,) * dimension))
+        raise ValueError(f"{given} values, not at least {least}")
     with np.errstate(over="ignore"):  # of more than double precision
         return np.asarray(values, dtype=np.float64)
 

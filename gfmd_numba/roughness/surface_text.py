@@ -5,20 +5,209 @@ import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from itertools import chain, islice
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.header_units import axis_units, heights_first, stated_units
-from gfmd_numba.roughness.text_layout import Layout, is_row, layout_of
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
+from gfmd_numba.scene.units import length_unit
 
+BLANKS = r"\s+"
+_LOOKED_AT = 200  # rows that decide the layout
+_NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
+_WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*)", re.IGNORECASE)
+_NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
+_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
+_QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
+_DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+_STATED = re.compile(r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;]{1,12})")
+_HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
+_POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
+_NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)  # as y is, where the other is x
+_VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
 _MISSING = ["-", "--", "---", "*", "Bad", "BAD", "bad"]  # in addition to what pandas knows
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Separator of columns (",", ";", tab, `BLANKS`, or "" of one column) and of decimals."""
+
+    separator: str
+    decimal: Literal[".", ","]
+
+    def cells(self, line: str) -> list[str]:
+        """Cells of a row."""
+        if not self.separator:
+            return [line]
+        return line.split() if self.separator == BLANKS else line.split(self.separator)
+
+    def columns(self, line: str) -> int:
+        """Number of cells of a row."""
+        return len(self.cells(line))
+
+
+def is_row(line: str) -> bool:
+    """Whether all that stands in a line are numbers or signs for missing ones, and one is a number or a word like nan.
+
+    A line of dashes may be part of a header.
+    """
+    cells = [cell for cell in re.split(r"[;\t]|,?\s+|,(?=[^\d])|,$", line.partition("#")[0].strip()) if cell]
+    found = False
+    for cell in cells:
+        parts = [cell] if _NUMBER.fullmatch(cell) else cell.split(",")
+        for part in parts:
+            number = _NUMBER.fullmatch(part) is not None
+            if not number and not _WORD.fullmatch(part.strip('" ')):
+                return False
+            found = found or number or any(map(str.isalpha, part))
+    return found
+
+
+def layout_of(rows: list[str], header: str) -> Layout:
+    """Layout of rows of numbers under the last line of a header; raises ValueError where two would do.
+
+    One comma in each row, with digits alone on both sides, may be a decimal one or separate two columns: the header
+    tells, or whole equidistant numbers before it, which are positions, or a number before it that follows itself.
+    """
+    looked_at = [row.partition("#")[0].strip() for row in islice((row for row in rows if row.strip()), _LOOKED_AT)]
+    _check_thousands(looked_at, header)
+    for separator in (";", "\t"):
+        if any(separator in row for row in looked_at):
+            return Layout(separator, "," if any("," in row for row in looked_at) else ".")
+    if not any("," in row for row in looked_at):
+        return Layout(BLANKS if any(len(row.split()) > 1 for row in looked_at) else "", ".")
+    tokens = [token for row in looked_at for token in row.split()]
+    decimal = all(_DECIMAL_COMMA.fullmatch(token) for token in tokens if "," in token)
+    if not decimal or any("." in token for token in tokens) or max(row.count(",") for row in looked_at) > 1:
+        if decimal and not any("." in token for token in tokens) and len(tokens) > len(looked_at):
+            return Layout(BLANKS, ",")
+        return Layout(",", ".")
+    if len(tokens) > len(looked_at):
+        return Layout(BLANKS, ",")
+    return _one_comma(looked_at, header)
+
+
+def _check_thousands(rows: list[str], header: str) -> None:
+    """Raise ValueError for commas between thousands, where they can be neither decimal ones nor between columns."""
+    tokens = [re.findall(r"[^;\s]+", row) for row in rows]
+    grouped = [token for token in chain(*tokens) if "," in token]
+    surely = [token for token in grouped if "." in token or token.count(",") > 1]
+    found = [token for row in rows for token in _QUOTED.findall(row)]
+    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)) and not _are_columns(tokens, header):
+        found = surely
+    if found:
+        written = found[0].strip('"')
+        raise ValueError(f"numbers like {written} with commas between thousands: write {written.replace(',', '')}")
+
+
+def _are_columns(tokens: list[list[str]], header: str) -> bool:
+    """Whether commas may separate columns: as many in each row, and if it is one, behind positions or a header."""
+    commas = {row[0].count(",") for row in tokens if len(row) == 1}
+    if any(len(row) > 1 for row in tokens) or len(commas) > 1:
+        return False
+    steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
+    in_order = bool((steps > 0).all() or (steps < 0).all())
+    two_names = len(re.split("[,;\t]", header)) == 2
+    return max(commas) > 1 or two_names or (in_order and not _NAME.fullmatch(header))
+
+
+def _one_comma(rows: list[str], header: str) -> Layout:
+    if _NAME.fullmatch(header):
+        return Layout("", ",")
+    if len(re.split("[,;\t]", header)) == 2:
+        return Layout(",", ".")
+    before = np.array([float(row.partition(",")[0]) for row in rows])
+    steps = np.diff(before)
+    if steps.size and steps[0] != 0 and (steps == steps[0]).all():
+        return Layout(",", ".")
+    if (steps == 0).any() or any(row.startswith("-0") for row in rows):  # no position comes twice, none is -0
+        return Layout("", ",")
+    raise ValueError(
+        f"rows like {rows[0]!r} that are one column with a decimal comma or two columns: begin the file with the line "
+        "`z [um]` or `x [mm], z [um]`, in its units"
+    )
+
+
+def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
+    """Unit of each column, of a table with up to three, or the one of a map; None where the header states none.
+
+    The last line that states units decides. What stands in brackets in the last line of all, and is no unit of length,
+    is returned as it is.
+    """
+    wanted = columns if columns <= 3 else 1
+    for line in reversed(header):
+        found = _found(line, line is header[-1])
+        heights = [unit for label, unit in found if _HEIGHT.search(label)]
+        if found and len(found) == wanted:
+            return tuple(unit for _, unit in found)
+        if len(found) == 1 and wanted == 2:
+            return _of_one(line, *found[0])
+        if wanted == 1 and len(heights) == 1:
+            return (heights[0],)
+    return (None,) * wanted
+
+
+def heights_first(header: list[str]) -> bool:
+    """Whether the labels of two columns say that the first holds heights, and the second positions."""
+    for line in reversed(header):
+        parts = re.split("[,;\t]", _STATED.sub("", line))
+        parts = parts if len(parts) == 2 else _STATED.sub("", line).split()
+        labels = [re.sub("_[^_]*$", "", part.strip("\"' ")) for part in parts]  # of z_um z
+        if len(labels) == 2 and any(_HEIGHT.search(label) or _POSITION.search(label) for label in labels):
+            first, second = labels
+            of_x = _NO_HEIGHT.search(second) is not None and not _NO_HEIGHT.search(first)
+            of_z = _HEIGHT.search(first) is not None and _POSITION.search(second) is not None
+            return of_x or of_z
+    return False
+
+
+def axis_units(header: list[str]) -> dict[str, str]:
+    """Units of x and y, as far as the last line that names one states them."""
+    for line in reversed(header):
+        named = {axis: unit for label, unit in _found(line, line is header[-1]) if (axis := _axis(label)) is not None}
+        if named:
+            return named
+    return {}
+
+
+def _axis(label: str) -> str | None:
+    found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
+    return None if found is None else found.group(1).lower()
+
+
+def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
+    """What stands before each unit of a line, and the unit's name."""
+    found, begin = [], 0
+    for match in _STATED.finditer(line):
+        square, round_, slashed = match.groups()
+        label, rest = line[begin : match.start()], line[match.end() :]
+        if _VALUE.search(label) or re.match(r"\s*[:=]\s*\S", rest):
+            continue  # an entry of a protocol, such as `scan length (mm): 4`
+        if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
+            continue  # a quotient, such as px/mm
+        unit = length_unit(square or round_ or slashed)
+        if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
+            unit = square or round_
+        if unit is not None:
+            found.append((label, unit))
+            begin = match.end()
+    return found
+
+
+def _of_one(line: str, label: str, unit: str) -> tuple[str | None, str | None]:
+    """Units of two columns of which a line states one: for both if it stands alone."""
+    if not label.strip():
+        alone = len(line.split()) == 1
+        return (unit, unit) if alone else (unit, None)
+    second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
+    return (None, unit) if second else (unit, None)
 
 
 @dataclass(frozen=True)

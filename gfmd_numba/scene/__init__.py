@@ -1,15 +1,17 @@
 """What the user describes, and how it is read and checked."""
 
 from gfmd_numba.scene.body_record import Body
-from gfmd_numba.scene.boundary_file import BoundaryFile, LoadedBody
-from gfmd_numba.scene.boundary_records import COMPONENTS, Boundary
 from gfmd_numba.scene.document import Document, read_document
 from gfmd_numba.scene.interface_records import HardWall, Interface
 from gfmd_numba.scene.loading import Loading
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import (
+    COMPONENTS,
     SINGLE_RESIDUAL,
+    Boundary,
+    BoundaryFile,
     Discretisation,
+    LoadedBody,
     Numerics,
     Scene,
     SceneFile,

@@ -1,13 +1,45 @@
-"""The record of one elastic body: of one material, or of layers."""
+"""The record of one elastic body: of one material, or of layers from its surface downwards and what they rest on."""
 
 from math import inf, isfinite, isinf
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.layer_records import Base, Layer, Material
-from gfmd_numba.scene.quantities import RECORD, AspectRatio, PoissonsRatio, Pressure, Size, broken_rule
+from gfmd_numba.scene.quantities import RECORD, AspectRatio, Length, PoissonsRatio, Pressure, Size, broken_rule
 from gfmd_numba.scene.surfaces import Surface
+from gfmd_numba.scene.units import in_unit_of
+
+THINNEST, HIGHEST = 1e-12, 1e30  # heights over the period, as of a slab
+LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to eleven digits
+
+
+class Material(BaseModel):
+    """Linear elastic isotropic material: modulus in Pa, ratio dimensionless."""
+
+    model_config = RECORD
+    youngs_modulus: Pressure = Field(description="Young's modulus in Pa")
+    poissons_ratio: PoissonsRatio
+
+
+class Layer(Material):
+    """Layer of one material, bonded to what is above and below it."""
+
+    height: Length = Field(description="Height in m, or in L_x without a length")
+
+
+def _kind(given: Any) -> str:
+    return "Material" if isinstance(given, dict | Material) else "rigid"
+
+
+_RIGID = {
+    "const": "rigid",
+    "type": "string",
+    "allowed": "'rigid', or a mapping of 'youngs_modulus', 'poissons_ratio' for a half-space of that material",
+}
+Base = Annotated[
+    Annotated[Material, Tag("Material")] | Annotated[Literal["rigid"], Tag("rigid"), WithJsonSchema(_RIGID)],
+    Discriminator(_kind),
+]
 
 
 class Body(BaseModel):
@@ -92,6 +124,27 @@ class Body(BaseModel):
         if self.base is None:
             raise broken_rule(("base",), "'rigid' or a mapping of 'youngs_modulus', 'poissons_ratio' under layers")
         return self
+
+    def check_layers(self, place: tuple[str, ...], length: float | None) -> None:
+        """Raise a located PydanticCustomError for layers too thin or thick for the period, or of too unequal moduli."""
+        if self.layers is None:
+            return
+        unit = "L_x" if length is None else "m"
+        least, most = THINNEST * (length or 1.0), HIGHEST * (length or 1.0)
+        for i, layer in enumerate(self.layers):
+            if not least <= layer.height <= most:
+                lowest, highest = (in_unit_of(layer.height, each, unit) for each in (least, most))
+                raise broken_rule((*place, "layers", i, "height"), f"a height from {lowest} to {highest}")
+        parts: dict[tuple[str | int, ...], Material] = {("layers", i): each for i, each in enumerate(self.layers)}
+        if isinstance(self.base, Material):
+            parts["base",] = self.base
+        first = self.layers[0].youngs_modulus
+        softest, stiffest = first / LARGEST_CONTRAST, first * LARGEST_CONTRAST
+        for where, part in parts.items():
+            if not softest <= part.youngs_modulus <= stiffest:
+                ends = " to ".join(in_unit_of(part.youngs_modulus, each) for each in (softest, stiffest))
+                allowed = f"a modulus from {ends}, within {LARGEST_CONTRAST:g} times that of the top layer"
+                raise broken_rule((*place, *where, "youngs_modulus"), allowed)
 
     def effective_poissons_ratio(self, nu: float) -> float:
         """Poisson's ratio of the plane strain material that deforms like one of nu (dimensionless)."""

@@ -3,10 +3,9 @@
 from collections.abc import Collection, Mapping
 from math import prod
 
-from gfmd_numba.scene.boundary_file import LoadedBody
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.memory import beyond_memory
-from gfmd_numba.scene.records import Discretisation, Scene
+from gfmd_numba.scene.records import Discretisation, LoadedBody, Scene
 
 
 def check_discretisation(

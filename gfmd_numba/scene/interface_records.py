@@ -20,34 +20,37 @@ from gfmd_numba.scene.quantities import (
 )
 
 
-class HardWall(BaseModel):
-    """Non-overlap constraint; where a hardness is given, the pressure rises to it and the wall then gives way."""
+class LawRecord(BaseModel):
+    """Record of a law; what its class variables do not say, the law does not do."""
 
     model_config = RECORD
+    implementation: ClassVar[str | None] = None
+    normal: ClassVar[bool] = False
+    tangential: ClassVar[bool] = False
+    across_open_gap: ClassVar[bool] = False
+    needs_touching_nodes: ClassVar[bool] = False
+
+
+class HardWall(LawRecord):
+    """Non-overlap constraint; where a hardness is given, the pressure rises to it and the wall then gives way."""
+
     title: ClassVar = "hard wall"
     ability: ClassVar = "hard wall"
-    implementation: ClassVar = None
     normal: ClassVar = True
-    tangential: ClassVar = False
-    across_open_gap: ClassVar = False
-    needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = True
     hardness: Pressure | None = Field(
         None, description="Largest contact pressure in Pa (E* without moduli), where the wall gives way; None: no limit"
     )
 
 
-class Exponential(BaseModel):
+class Exponential(LawRecord):
     """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
 
-    model_config = RECORD
     title: ClassVar = "exponential law"
     ability: ClassVar = "normal law"
     implementation: ClassVar = "gfmd_numba.interface.exponential:ExponentialLaw"
     normal: ClassVar = True
-    tangential: ClassVar = False
     across_open_gap: ClassVar = True
-    needs_touching_nodes: ClassVar = False
     work_of_adhesion: SignedWorkOfAdhesion = Field(
         description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
     )
@@ -65,17 +68,15 @@ class Exponential(BaseModel):
         return self
 
 
-class Cohesive(BaseModel):
+class Cohesive(LawRecord):
     """Xu and Needleman's cohesive law of gap and slip together."""
 
-    model_config = RECORD
     title: ClassVar = "cohesive law"
     ability: ClassVar = "cohesive law"
     implementation: ClassVar = "gfmd_numba.interface.xu_needleman:XuNeedlemanLaw"
     normal: ClassVar = True
     tangential: ClassVar = True
     across_open_gap: ClassVar = True
-    needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = True
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     normal_length: Length = Field(
@@ -86,16 +87,12 @@ class Cohesive(BaseModel):
     )
 
 
-class Friction(BaseModel):
+class Friction(LawRecord):
     """Coulomb friction between touching nodes (dimensionless)."""
 
-    model_config = RECORD
     title: ClassVar = "friction"
     ability: ClassVar = "friction"
-    implementation: ClassVar = None
-    normal: ClassVar = False
     tangential: ClassVar = True
-    across_open_gap: ClassVar = False
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
     coefficient: FrictionCoefficient

@@ -5,7 +5,6 @@ from typing import Self
 from pydantic import BaseModel, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.scene.number_spelling import respelt
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -19,23 +18,28 @@ from gfmd_numba.scene.quantities import (
     SignedLength,
     broken_rule,
 )
-from gfmd_numba.scene.reduced_units import quantities
+from gfmd_numba.scene.units import quantities, respelt
 
 LOADS = ("reduced_pressure", "pressure", "line_load", "force")
 CONTROLS = (*LOADS, "displacement")
 _NEEDED = {"pressure": ("youngs_modulus",)} | dict.fromkeys(("line_load", "force"), ("youngs_modulus", "length"))
-_DISPLACEMENT = "Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
 
 
-class Loading(BaseModel):
-    """One of four loads, or the displacement of the punch."""
+class Controls(BaseModel):
+    """What may be prescribed: a load in one of four ways, or the displacement of the punch."""
 
     model_config = RECORD
     reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
     pressure: Pressure | None = Field(None, description=MEAN_PRESSURE)
     line_load: LineLoad | None = Field(None, description=LINE_LOAD)
     force: Force | None = Field(None, description=FORCE_ON_A_MAP)
-    displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
+    displacement: SignedLength | None = Field(
+        None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
+    )
+
+
+class Loading(Controls):
+    """One of four loads, or the displacement of the punch."""
 
     @property
     def control(self) -> str:
@@ -74,15 +78,9 @@ def load_meant(load: str) -> str:
     return ""
 
 
-class Step(BaseModel):
+class Step(Controls):
     """A change of the loading; what is left out stays as it is."""
 
-    model_config = RECORD
-    reduced_pressure: ReducedPressure | None = Field(None, description=REDUCED_PRESSURE)
-    pressure: Pressure | None = Field(None, description=MEAN_PRESSURE)
-    line_load: LineLoad | None = Field(None, description=LINE_LOAD)
-    force: Force | None = Field(None, description=FORCE_ON_A_MAP)
-    displacement: SignedLength | None = Field(None, description=_DISPLACEMENT)
     sliding: SignedLength | None = Field(
         None,
         description="Tangential displacement of the punch since first touch, in m, or in L_x without a length; along x",

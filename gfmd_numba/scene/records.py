@@ -1,19 +1,18 @@
 """Frozen records of what the user describes; an effect absent from the scene is `None`."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, Literal, Protocol, Self
+from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, WithJsonSchema, model_validator
+from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.bodies import check_bodies, check_stacks
 from gfmd_numba.scene.body_record import Body
-from gfmd_numba.scene.boundary_records import Boundary
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.loading import Loading, Step, check_loading
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import (
+    LARGEST,
     RECORD,
     Damping,
     Dimension,
@@ -28,6 +27,76 @@ from gfmd_numba.scene.quantities import (
     check_seed,
 )
 from gfmd_numba.scene.surfaces import Random, Surface
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
+
+
+class Component(NamedTuple):
+    """A component of displacements and tractions: how its keys begin and end, and which way it is positive."""
+
+    name: str
+    end: str
+    way: str
+
+    def key(self, quantity: str) -> str:
+        """Key of the traction or the displacement of this component."""
+        return f"{self.name}_{quantity}{self.end}"
+
+
+_ALONG_X, _ALONG_Y = Component("tangential", "", "along x"), Component("tangential", "_y", "along y")
+_NORMAL = Component("normal", "", "out of it")
+COMPONENTS = {1: (_ALONG_X, _NORMAL), 2: (_ALONG_X, _ALONG_Y, _NORMAL)}  # by the dimension of the surface
+FILES = (".npy", ".csv")
+
+
+def _allowed(quantity: Quantity) -> str:
+    return (
+        f"a number up to 1e30 in size or {quantity.allowed}, for every node, "
+        "or the name of a .npy or .csv file with one value for each node"
+    )
+
+
+def _number_or_file(quantity: Quantity) -> Callable[[Any], float | str]:
+    """Check of a value: one for the whole union of types, which would tell every fault twice."""
+
+    def check(given: Any) -> float | str:
+        if isinstance(given, str) and given.endswith(FILES):
+            return given
+        value = quantity.read(given)
+        if type(value) in (int, float, WithUnit) and -LARGEST <= value <= LARGEST:
+            return value if isinstance(value, WithUnit) else float(value)
+        raise ValueError(_allowed(quantity))
+
+    return check
+
+
+def _schema(quantity: Quantity) -> WithJsonSchema:
+    return WithJsonSchema({"allowed": _allowed(quantity), "unit": quantity.si})
+
+
+_PLAIN = PlainSerializer(lambda value: value if isinstance(value, str) else float(value), when_used="json")
+Traction = Annotated[float | str, PlainValidator(_number_or_file(PRESSURE)), _schema(PRESSURE), _PLAIN]
+Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _schema(LENGTH), _PLAIN]
+
+
+class Boundary(BaseModel):
+    """What is prescribed on the surface of the body, positive out of it, along x and y; nothing is a traction of 0.
+
+    A value, or a file with not-a-number for each node where that is not prescribed.
+    """
+
+    model_config = RECORD
+    normal_traction: Traction | None = Field(None, description="Pull out of the body in Pa (E* without moduli)")
+    tangential_traction: Traction | None = Field(None, description="Pull along x in Pa (E* without moduli)")
+    normal_displacement: Displacement | None = Field(None, description="Out of the body, in m (L_x without a length)")
+    tangential_displacement: Displacement | None = Field(None, description="Along x, in m (L_x without a length)")
+    tangential_traction_y: Traction | None = Field(None, description="Pull along y, on maps")
+    tangential_displacement_y: Displacement | None = Field(None, description="Along y, on maps")
+
+    @model_validator(mode="after")
+    def _prescribes(self) -> Self:
+        if all(value is None for _, value in self):
+            raise broken_rule((), "at least one of " + ", ".join(type(self).model_fields))
+        return self
 
 
 class Scene(BaseModel):
@@ -88,14 +157,30 @@ class Scene(BaseModel):
 
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
-        check_bodies(self)
+        counter = self.counter_body
+        if not self.surfaces:
+            raise broken_rule(
+                ("roughness",),
+                "a mapping with a method like 'psd' or 'measured', here for the punch or inside body for the body "
+                "itself",
+            )
+        if counter is not None:
+            if self.roughness is not None:
+                raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
+            for name, body in (("body", self.body), ("counter_body", counter)):
+                if body.surface_modulus is None:
+                    allowed = "a number above 0 for both bodies, as they share the load"
+                    raise broken_rule((name, "youngs_modulus"), allowed)
+            if counter.state != self.body.state:
+                raise broken_rule(("counter_body", "state"), f"{self.body.state!r}, as that of the body")
         if not self.awaits_period:
             self.check_period()
         return self
 
     def check_period(self) -> None:
         """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
-        check_stacks(self)
+        for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
+            body.check_layers((name,), self.length)
         check_loading(self.loading, self.length, self.has_moduli)
         check_scales(self, self.length, self.has_moduli)
 
@@ -171,7 +256,6 @@ class _Rough(Protocol):
     @property
     def knows_lowest_order_only(self) -> bool:
         """Whether order 0 in the slope is the one to take unless a higher one is asked for."""
-        ...
 
 
 class Numerics(BaseModel):
@@ -267,3 +351,98 @@ class SceneFile(BaseModel):
         """Raise a located PydanticCustomError for waves that do not fit the period, and steps that need one."""
         check_waves(self.scene.surfaces, self.scene.length)
         check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
+
+
+class LoadedBody(BaseModel):
+    """A body, what is prescribed on its surface, and the period L_x in m."""
+
+    model_config = RECORD
+    body: Body = Field(description="Elastic body")
+    boundary: Boundary = Field(description="Prescribed tractions and displacements")
+    length: Length | None = Field(
+        None,
+        description="Period L_x in m; None: that of a measured topography with positions, and otherwise lengths are "
+        "in units of L_x",
+    )
+    dimension: Dimension = Field(1, description="1: a surface over x, in plane strain; 2: over x and y, of period L_x")
+
+    @property
+    def deformable(self) -> tuple[Body, ...]:
+        """The elastic body."""
+        return (self.body,)
+
+    @property
+    def has_moduli(self) -> bool:
+        """Whether the body has a Young's modulus, so that stresses are in Pa."""
+        return self.body.has_modulus
+
+    @property
+    def surfaces(self) -> dict[tuple[str, ...], Surface]:
+        """The topography of the body by its place in the scene; none of a flat one."""
+        return {} if self.body.roughness is None else {("body", "roughness"): self.body.roughness}
+
+    @property
+    def follows_topography(self) -> bool:
+        """Whether the body is rough."""
+        return self.body.roughness is not None
+
+    @property
+    def knows_lowest_order_only(self) -> bool:
+        """Whether the topography is followed at order 0 in its slope unless a higher order is asked for."""
+        return self.dimension == 2 or self.body.layers is not None
+
+    @property
+    def awaits_period(self) -> bool:
+        """Whether the file of a measured topography may tell the period: what depends on it is checked by then."""
+        return self.length is None and isinstance(self.body.roughness, Measured)
+
+    @model_validator(mode="after")
+    def _parts_fit(self) -> Self:
+        if not self.awaits_period:
+            self.check_period()
+        return self
+
+    def check_period(self) -> None:
+        """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
+        self.body.check_layers(("body",), self.length)
+        check_scales(self, self.length, self.has_moduli)
+
+
+class BoundaryFile(BaseModel):
+    """A loaded body with its numerics, and its number of nodes or what gives its topography one."""
+
+    model_config = RECORD
+    scene: LoadedBody = Field(description="What is loaded")
+    numerics: Numerics = Field(Numerics(), description="How it is solved")
+    points: int | None = Field(
+        None,
+        ge=4,
+        le=2**22,
+        description="Nodes over the period, of maps both ways; None: as many as in the files, or in the topography",
+    )
+    discretisation: Discretisation | None = Field(
+        None, description="Grid and wavelengths of a random topography without points of its own"
+    )
+    seed: Seed = 0
+    realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of a random topography")
+
+    @property
+    def slope_order(self) -> int | None:
+        """Order in the slope to which the topography of the body is followed, None for a flat one."""
+        return self.numerics.slope_order(self.scene) if self.scene.follows_topography else None
+
+    @model_validator(mode="after")
+    def _parts_agree(self) -> Self:
+        check_drawing(self.scene.surfaces, self.discretisation, self.seed, self.realisation)
+        if self.scene.follows_topography:
+            if self.points is not None:
+                raise broken_rule(("points",), "nothing, as the topography of the body has its own grid")
+        elif self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary):
+            raise broken_rule(("points",), "the number of nodes, as no file of the boundary gives it")
+        if not self.scene.awaits_period:
+            self.check_period()
+        return self
+
+    def check_period(self) -> None:
+        """Raise a located PydanticCustomError for waves that do not fit the period."""
+        check_waves(self.scene.surfaces, self.scene.length)

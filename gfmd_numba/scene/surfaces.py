@@ -103,7 +103,7 @@ class PowerLaw(Random):
 class SelfAffine(PowerLaw):
     """Power law between two wavelengths, drawn from its spectral density, thesis (3.28)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.self_affine_waves:generator"
+    implementation: ClassVar = "gfmd_numba.roughness.self_affine:generator"
     method: Literal["psd"] = Field(description="How the surface is made")
     model: Literal["self_affine"] = Field("self_affine", description="Spectrum of the surface")
     plateau: bool = Field(True, description="Constant spectrum beyond the roll-off, or none")
@@ -152,14 +152,14 @@ class Correlated(Spectral):
 class ExponentialCorrelation(Correlated):
     """Exponential correlation model, thesis (3.9) to (3.11)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_waves:exponential"
+    implementation: ClassVar = "gfmd_numba.roughness.spectral:exponential"
     model: Literal["exponential"] = Field(description="Spectrum of the surface")
 
 
 class KCorrelation(Correlated):
     """K-correlation model, thesis (3.12) to (3.14)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_waves:k_correlation"
+    implementation: ClassVar = "gfmd_numba.roughness.spectral:k_correlation"
     model: Literal["k_correlation"] = Field(description="Spectrum of the surface")
 
 
@@ -169,7 +169,7 @@ class LengthAnisotropy(Spectral):
     If both are xi, it is the k_correlation model with the correlation length xi sqrt(2H).
     """
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_waves:length_anisotropy"
+    implementation: ClassVar = "gfmd_numba.roughness.spectral:length_anisotropy"
     of_maps: ClassVar = True
     model: Literal["length_anisotropy"] = Field(description="Spectrum of the surface")
     hurst: PositiveHurst
@@ -180,7 +180,7 @@ class LengthAnisotropy(Spectral):
 class ScalingAnisotropy(Spectral):
     """K-correlation model of maps with two Hurst exponents and correlation lengths, thesis (3.16)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_waves:scaling_anisotropy"
+    implementation: ClassVar = "gfmd_numba.roughness.spectral:scaling_anisotropy"
     of_maps: ClassVar = True
     model: Literal["scaling_anisotropy"] = Field(description="Spectrum of the surface")
     hurst_x: PositiveHurst
@@ -192,7 +192,7 @@ class ScalingAnisotropy(Spectral):
 class Recursive(PowerLaw):
     """Recursive method, thesis 3.5.1: self-affine between two wavelengths at least an octave apart."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.recursive_subdivision:generator"
+    implementation: ClassVar = "gfmd_numba.roughness.recursive:generator"
     least_ratio: ClassVar = 2
 
 

@@ -1,4 +1,4 @@
-"""The kinds of quantities that a file gives, and numbers with units of them.
+"""The kinds of quantities that a file gives, numbers with units of them, and records in reduced units.
 
 A number without a unit is in SI units, or in L_x and E* where a scene has no length or no moduli. A file whose numbers
 have no units does not import the library of units.
@@ -10,12 +10,31 @@ from dataclasses import dataclass
 from decimal import Decimal
 from difflib import get_close_matches
 from functools import lru_cache
-from typing import Any
+from typing import Any, TypeVar, get_args
+from unicodedata import normalize
 
 from pydantic import BaseModel, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import PydanticCustomError, core_schema
 
-from gfmd_numba.scene.number_spelling import respelt
+_DIGITS = r"[-+]?(?:\d+\.?\d*|\.\d+)"
+_FORTRAN = re.compile(rf"\s*({_DIGITS})[dD]([-+]?\d+)(?!\d)")
+_GROUPED = re.compile(r"\s*([-+]?\d{1,3}(?:([,'_ \u00a0\u202f])\d{3})(?:\2\d{3})*(?:\.\d*)?)(?![\d,'_])")
+_DECIMAL_COMMA = re.compile(r"\s*([-+]?\d*),(\d+)(?!\d|,)")
+
+
+def respelt(text: str) -> str:
+    """How to write the number that a text begins with; nothing if it is written like that, or is no number."""
+    if found := _FORTRAN.match(text):
+        return f"exponents have an e: {found[1]}e{found[2]}"
+    if found := _GROUPED.match(text):
+        whole = re.sub("[^-+0-9.]", "", found[1])
+        both = re.fullmatch(r"[-+]?\d+,\d{3}", found[1])
+        other = f", or {found[1].replace(',', '.')} with a decimal point" if both else ""
+        return f"thousands have no separator: {whole}{other}"
+    if found := _DECIMAL_COMMA.match(text):
+        return f"decimals have a point: {found[1] or 0}.{found[2]}"
+    return ""
+
 
 _FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|⁻?[¹²³])?"
 _UNIT = rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR}){{0,4}}"
@@ -192,3 +211,83 @@ def _registry() -> Any:
     import pint
 
     return pint.UnitRegistry(non_int_type=Decimal)
+
+
+Record = TypeVar("Record", bound=BaseModel)
+
+
+def rounded(value: float) -> float:
+    """Number to 12 significant digits.
+
+    A division by L_x or E* leaves errors in the last of some 16 digits. The identity of a problem is a hash of exact
+    numbers: rounded, a problem is the same in engineering units and in reduced ones.
+    """
+    return float(f"{value:.11e}")
+
+
+@lru_cache(maxsize=4096)
+def in_reduced_units(record: Record, length: float, modulus: float) -> Record:
+    """Record whose lengths, stresses and so on are in units of a period and of a contact modulus, to 12 digits."""
+    values = {name: (getattr(record, name), quantity) for name, quantity in quantities(type(record)).items()}
+    return record.model_copy(
+        update={
+            name: rounded(value / quantity.scale(length, modulus))
+            for name, (value, quantity) in values.items()
+            if value is not None
+        }
+    )
+
+
+@lru_cache
+def quantities(record: type[BaseModel]) -> dict[str, Quantity]:
+    """Fields of a record that are quantities, and which."""
+    found = {name: _quantity_of((field.annotation, *field.metadata)) for name, field in record.model_fields.items()}
+    return {name: quantity for name, quantity in found.items() if quantity is not None}
+
+
+def _quantity_of(parts: Any) -> Quantity | None:
+    for part in parts:
+        found = part if isinstance(part, Quantity) else _quantity_of(get_args(part))
+        if found is not None:
+            return found
+    return None
+
+
+METRES = {
+    "m": 1.0,
+    "km": 1e3,
+    "dm": 1e-1,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "pm": 1e-12,
+    "angstrom": 1e-10,
+    "in": 0.0254,
+    "mil": 0.0254e-3,
+}
+PERIOD = "L_x"  # the unit of lengths that count in periods of the result
+LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}"])
+_SPELLINGS = {
+    "\u03bcm": "um",  # Greek mu, which the micro sign is normalised to
+    "micron": "um",
+    "microns": "um",
+    "\u00c5": "angstrom",  # A with ring, which the sign of the unit is normalised to
+    "angstroms": "angstrom",
+    "inch": "in",
+    "inches": "in",
+    "mils": "mil",
+}
+_PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
+_SPELLINGS |= {
+    f"{prefix}{metre}": f"{letter}m"
+    for prefix, letter in _PREFIXES.items()
+    for metre in ("meter", "meters", "metre", "metres")
+}
+
+
+def length_unit(text: str) -> str | None:
+    """Return the name of a unit of length, a key of `METRES` or `PERIOD`, however it is spelt; None if it is none."""
+    text = normalize("NFKC", text).strip()
+    name = _SPELLINGS.get(text) or _SPELLINGS.get(text.lower(), text)
+    return name if name in METRES or name == PERIOD else None

@@ -10,8 +10,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from gfmd_numba.scene.document import Document, Location, plain_scalar
-from gfmd_numba.scene.number_spelling import respelt
-from gfmd_numba.scene.units import has_unit
+from gfmd_numba.scene.units import has_unit, respelt
 from gfmd_numba.text.input_error import MOST_LINES, InputError, brief
 
 Record = TypeVar("Record", bound=BaseModel)

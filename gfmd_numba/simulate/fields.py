@@ -1,7 +1,5 @@
 """Fields inside the body under a solved contact, as a dataset."""
 
-from dataclasses import replace
-
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -10,7 +8,6 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import elastic_body
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.fourier import grid
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.simulate import map_fields
 from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, add_formed, add_von_mises, begun
@@ -97,25 +94,19 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
 def _one(
     body: Body, elastic: ElasticBody, length: float, order: int, contact: xr.Dataset, z: Reals, name: str
 ) -> xr.Dataset:
-    scales, nx = Scales.of(contact, body, length), contact.sizes["x"]
-    modulus = scales.worth["stress"]
-    along, normal = tractions_on(name, contact, ("x",))
-    flat = fields.surface_under_tractions(along / modulus, normal / modulus, elastic)
-    formed = None
-    if f"{name}_height" in contact:
-        topography_ = contact[f"{name}_height"].values / length
-        response = topography.respond(-normal / modulus, topography_, elastic, order, along / modulus)
-        values = topography.rough_fields(flat, response, z / length, elastic)
-        levels = [topography.formed_waves(topography_, -float(height), elastic, order) for height in z / length]
-        formed = grid.signal(np.stack(levels, axis=1), nx)
-    else:
-        values = fields.fields_inside(flat, nx, z / length, elastic)
-    if body.state == "plane_stress":
-        values = replace(values, stress2=np.zeros_like(values.stress2))
+    scales, names = Scales.of(contact, body, length), tuple(OF_PROFILES)
+    tractions, height = tractions_on(name, contact, ("x",)), f"{name}_height"
     dataset = begun(contact, z, scales)
-    add_fields(dataset, ("z", "x"), vars(values), OF_PROFILES, scales, int(contact["status"]) != 0)
-    add_von_mises(dataset, ("z", "x"), scales)
-    if formed is not None:
+    surface: fields.LoadedSurface = fields.surface_under_tractions(tractions / scales.worth["stress"], elastic)
+    if height in contact:
+        heights = contact[height].values / length
+        surface = topography.rough_surface(tractions / scales.worth["stress"], heights, elastic, order)
+        formed = topography.formed_at(heights, z / length, elastic, order, ("u1", "u3"))
         add_formed(dataset, ("z", "x"), dict(zip(("formed_1", "formed_3"), formed, strict=True)), scales)
-    dataset["pressure"] = ("x", -normal, scales.attributes("stress", "pressure on the surface"))
+    values = dict(zip(names, fields.section(surface, z / length, elastic, names), strict=True))
+    if body.state == "plane_stress":
+        values["stress2"] = np.zeros_like(values["stress2"])
+    add_fields(dataset, ("z", "x"), values, OF_PROFILES, scales, int(contact["status"]) != 0)
+    add_von_mises(dataset, ("z", "x"), scales)
+    dataset["pressure"] = ("x", -tractions[-1], scales.attributes("stress", "pressure on the surface"))
     return dataset

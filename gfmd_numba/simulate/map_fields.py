@@ -6,11 +6,9 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import map_fields, map_rough_fields, map_sections, topography
+from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
-from gfmd_numba.elasticity.map_rough_fields import LoadedMap
-from gfmd_numba.elasticity.map_sections import Axis, Largest
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES, Axis, Largest, LoadedSurface
 from gfmd_numba.scene import Body, InputError
 from gfmd_numba.scene.memory import beyond_memory
 from gfmd_numba.simulate.fields_dataset import OF_MAPS, Scales, add_fields, add_formed, add_von_mises, begun
@@ -43,13 +41,13 @@ def of_steps(
     z, every = wanted.z / length, [contact.isel(step=i) for i in range(contact.sizes["step"])]
     scales = Scales.of(contact, body, length)
 
-    def surface(step: xr.Dataset) -> LoadedMap:
+    def surface(step: xr.Dataset) -> LoadedSurface:
         tractions = tractions_on(name, step, ("y", "x")) / scales.worth["stress"]
         if not is_followed:
-            return map_fields.surface_under_tractions(tractions, elastic)
-        return map_rough_fields.rough_surface(tractions, step[height].values / length, elastic, order)
+            return fields.surface_under_tractions(tractions, elastic)
+        return topography.rough_surface(tractions, step[height].values / length, elastic, order)
 
-    largest = [map_sections.largest_von_mises(surface(step), z, elastic) for step in every]
+    largest = [fields.largest_von_mises(surface(step), z, elastic) for step in every]
     if wanted.planes:
         found = [_planes(step, surface(step), wanted.z, elastic, scales, name) for step in every]
     else:
@@ -97,7 +95,7 @@ def _place(steps: list[xr.Dataset], largest: list[Largest], length: float, wante
 
 def _section(
     step: xr.Dataset,
-    surface: LoadedMap,
+    surface: LoadedSurface,
     z: Reals,
     elastic: ElasticBody,
     scales: Scales,
@@ -108,7 +106,7 @@ def _section(
     across, node = place
     cut, at = step.isel({across: node}), node / step.sizes[across]
     length = scales.worth["length"]
-    values = map_sections.section(surface, z / length, elastic, across, at, _NAMES)
+    values = fields.section(surface, z / length, elastic, _NAMES, across, at)
     along = "x" if across == "y" else "y"
     dataset = begun(cut, z, scales)
     dataset.coords[across] = cut[across]
@@ -116,21 +114,19 @@ def _section(
     add_fields(dataset, ("z", along), dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
     add_von_mises(dataset, ("z", along), scales)
     if f"{name}_height" in step:
-        flat = map_fields.formed_surface(step[f"{name}_height"].values / length)
-        former = topography.forming(elastic, order)
-        levels = np.maximum(z / length, former.base)  # labels below the body that was formed are places
-        formed = map_sections.section(flat, levels, former, across, at, DISPLACEMENTS)
+        heights = step[f"{name}_height"].values / length
+        formed = topography.formed_at(heights, z / length, elastic, order, DISPLACEMENTS, across, at)
         add_formed(dataset, ("z", along), {f"formed_{i}": moved for i, moved in enumerate(formed, 1)}, scales)
     _add_pressure(dataset, step, name, scales, {across: node})
     return dataset
 
 
 def _planes(
-    step: xr.Dataset, surface: LoadedMap, z: Reals, elastic: ElasticBody, scales: Scales, name: str
+    step: xr.Dataset, surface: LoadedSurface, z: Reals, elastic: ElasticBody, scales: Scales, name: str
 ) -> xr.Dataset:
     dims, dataset = ("z", "y", "x"), begun(step, z, scales)
     heights = z / scales.worth["length"]
-    values = np.stack([map_sections.plane(surface, float(height), elastic, _NAMES) for height in heights], axis=1)
+    values = np.stack([fields.plane(surface, float(height), elastic, _NAMES) for height in heights], axis=1)
     failed = int(step["status"]) != 0
     add_fields(dataset, dims, dict(zip(_NAMES, values, strict=True)), OF_MAPS, scales, failed)
     add_von_mises(dataset, dims, scales)

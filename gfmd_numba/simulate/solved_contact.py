@@ -8,7 +8,7 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import POINTS
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.heights import AXES
+from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.text.input_error import brief
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)

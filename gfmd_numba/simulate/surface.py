@@ -13,8 +13,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
 from gfmd_numba.scene import Document, InputError
-from gfmd_numba.scene.heights import AXES
-from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.units import given_with_units
 

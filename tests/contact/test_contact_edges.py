@@ -11,7 +11,7 @@ from gfmd_numba.contact import contact_area, solution
 from gfmd_numba.contact.edges import HALF_SPACE, contact_length, edge
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate

@@ -9,8 +9,8 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.scene import load_scene
-from gfmd_numba.scene.reduced_units import in_reduced_units, rounded
 from gfmd_numba.scene.surfaces import KCorrelation
+from gfmd_numba.scene.units import in_reduced_units, rounded
 
 PERIOD, GRADIENT = 2e-4, 0.03  # m; of which no inverse is short
 YOUNG, NU = 7e10, 0.33

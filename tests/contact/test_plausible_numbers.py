@@ -9,8 +9,8 @@ from pydantic import BaseModel
 import gfmd_numba
 from gfmd_numba.contact.plausible_numbers import COMMON, LOADS, implausible
 from gfmd_numba.scene import BoundaryFile, SceneFile, load_scene
-from gfmd_numba.scene.reduced_units import quantities
 from gfmd_numba.scene.surface_file import SurfaceFile, load_surface
+from gfmd_numba.scene.units import quantities
 from support.command_line import gfmd, unfolded
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}

@@ -13,7 +13,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Numerics, Scene
 from gfmd_numba.solvers.options import Options
 

@@ -6,7 +6,7 @@ import pytest
 
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
 
 SOFT, HARD = Material(1.0, 0.4), Material(8.0, 0.1)

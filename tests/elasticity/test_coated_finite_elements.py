@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from finite_elements import Body
+from inner_fields import inside
 
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -46,8 +47,8 @@ def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
         levels, row = np.unique(np.round(z, 12), return_inverse=True)
         normal = -0.01 - 1e-3 * np.cos(2 * np.pi * np.arange(nx) / nx)
         traction = grid.signal(body.condensed_stiffness(grid.wavenumbers(nx)) * grid.coefficients(normal), nx)
-        under = fields.surface_under_tractions(0 * traction, traction, body)
-        exact = fields.fields_inside(under, nx, levels, body)
+        under = fields.surface_under_tractions(np.stack((0 * traction, traction)), body)
+        exact = inside(under, levels, body)
         column = np.rint(x * nx).astype(int)
         found = [abs(each - true[row, column]).max() for each, true in ((u1, exact.u1), (u3, exact.u3))]
         along_top = mesh.traction(solution)

@@ -3,10 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
+from inner_fields import inside
 
-from gfmd_numba.elasticity import fields, moduli, stiffness, transfer
+from gfmd_numba.elasticity import fields, stiffness, transfer
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import DeformedSurface
 from gfmd_numba.fourier import grid
 
 RATIOS = [-0.9, 0.0, 0.25, 0.33, 0.4999, 0.4999999999, 0.5]
@@ -42,15 +42,12 @@ def test_transfer_is_2_4(nu):
 
 
 def random_surface(body, seed=1):
-    """Both displacements on NX nodes, waves up to NX // 4, and a mean traction."""
+    """Surface under both tractions on NX nodes, waves up to NX // 4, and the tractions."""
     rng = np.random.default_rng(seed)
-    u1, u3 = (rng.standard_normal(NX // 2 + 1) + 1j * rng.standard_normal(NX // 2 + 1) for _ in range(2))
-    u1[0] = u3[0] = u1[NX // 4 :] = u3[NX // 4 :] = 0.0
-    traction = (0.3, -0.7)
-    if body.aspect_ratio is not None:
-        u1[0] = traction[0] / moduli.c44(body.poissons_ratio) * body.aspect_ratio
-        u3[0] = traction[1] / moduli.c11(body.poissons_ratio) * body.aspect_ratio
-    return DeformedSurface(u1, u3, traction)
+    waves = rng.standard_normal((2, NX // 2 + 1)) + 1j * rng.standard_normal((2, NX // 2 + 1))
+    waves[:, 0], waves[:, NX // 4 :] = (0.3, -0.7), 0.0
+    tractions = grid.signal(waves, NX)
+    return fields.surface_under_tractions(tractions, body), tractions
 
 
 def along_x(field):
@@ -59,8 +56,8 @@ def along_x(field):
 
 def along_z(body, depth, step):
     """Fields at a depth and their derivatives by sixth-order central differences, checked for having converged."""
-    found = random_surface(body)
-    levels = fields.fields_inside(found, NX, -depth + step * np.arange(-3, 4), body)
+    found, _ = random_surface(body)
+    levels = inside(found, -depth + step * np.arange(-3, 4), body)
     weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     slopes = {name: weights @ values for name, values in vars(levels).items()}
     return {name: values[3] for name, values in vars(levels).items()}, slopes
@@ -91,20 +88,14 @@ def test_fields_are_in_equilibrium_and_obey_hookes_law(body, part):
 
 @pytest.mark.parametrize("body", BODIES)
 def test_fields_meet_the_boundary_conditions(body):
-    found = random_surface(body)
+    found, tractions = random_surface(body)
     depths = [0.0] if body.aspect_ratio is None else [0.0, -body.aspect_ratio]
-    result = fields.fields_inside(found, NX, np.array(depths), body)
-    stiff = body.response((NX,))
-    tangential = stiff.elements[0] * found.u1 + 1j * stiff.elements[1] * found.u3
-    normal = -1j * stiff.elements[1][1:] * found.u1[1:] + stiff.normal[1:] * found.u3[1:]
-    tangential[0] = found.mean_traction[0]
-    for stress, traction in (
-        (result.stress5[0], tangential),
-        (result.stress3[0], np.concatenate(([found.mean_traction[1]], normal))),
-    ):
-        np.testing.assert_allclose(stress, grid.signal(traction, NX), atol=1e-12 * abs(stress).max())
-    np.testing.assert_allclose(result.u1[0], grid.signal(found.u1, NX), atol=1e-13 * abs(result.u1[0]).max())
-    np.testing.assert_allclose(result.u3[0], grid.signal(found.u3, NX), atol=1e-13 * abs(result.u3[0]).max())
+    result = inside(found, np.array(depths), body)
+    displaced = body.response((NX,)).apply(tractions)
+    for found, expected in zip((result.stress5, result.stress3), tractions, strict=True):
+        np.testing.assert_allclose(found[0], expected, atol=1e-12 * abs(expected).max())
+    for found, expected in zip((result.u1, result.u3), displaced, strict=True):
+        np.testing.assert_allclose(found[0], expected, atol=1e-12 * abs(displaced).max())
     if body.aspect_ratio is not None:
         assert abs(result.u1[1]).max() < 1e-12 * abs(result.u1).max()
         assert abs(result.u3[1]).max() < 1e-12 * abs(result.u3).max()
@@ -113,17 +104,18 @@ def test_fields_meet_the_boundary_conditions(body):
 @pytest.mark.parametrize("body", BODIES)
 @pytest.mark.parametrize("nx", [16, 17])
 def test_a_loaded_surface_bears_its_tractions_up_to_nyquist(body, nx):
-    along, normal = np.random.default_rng(2).standard_normal((2, nx))
-    result = fields.fields_inside(fields.surface_under_tractions(along, normal, body), nx, np.array([0.0]), body)
-    np.testing.assert_allclose(result.stress5[0], along, atol=1e-11)
-    np.testing.assert_allclose(result.stress3[0], normal, atol=1e-11)
+    tractions = np.random.default_rng(2).standard_normal((2, nx))
+    result = inside(fields.surface_under_tractions(tractions, body), np.array([0.0]), body)
+    np.testing.assert_allclose((result.stress5[0], result.stress3[0]), tractions, atol=1e-11)
 
 
 def test_normal_displacement_under_pressure_is_that_of_the_condensed_stiffness():
     pressure, q = np.random.default_rng(4).uniform(size=32), grid.wavenumbers(32)
     for nu in (0.0, 0.33, 0.5):
-        found = fields.surface_under_tractions(np.zeros(32), -pressure, ElasticBody(nu, 0.2))
-        np.testing.assert_allclose(found.u3, -grid.coefficients(pressure) / stiffness.slab(q, nu, 0.2), atol=1e-15)
+        body = ElasticBody(nu, 0.2)
+        found = inside(fields.surface_under_tractions(np.stack((0 * pressure, -pressure)), body), np.zeros(1), body)
+        expected = grid.signal(-grid.coefficients(pressure) / stiffness.slab(q, nu, 0.2), 32)
+        np.testing.assert_allclose(found.u3[0], expected, atol=1e-14)
 
 
 def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
@@ -135,7 +127,7 @@ def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
         grid.signal(t, nx)
         for t in (stiff.elements[0] * v1 + 1j * stiff.elements[1] * v3, stiff.normal * v3 - 1j * stiff.elements[1] * v1)
     )
-    result = fields.fields_inside(fields.surface_with_displacements(u1, u3, body), nx, np.array([0.0, -0.2]), body)
+    result = inside(fields.displaced_surface(np.stack((u1, u3)), body), np.array([0.0, -0.2]), body)
     for field, given in ((result.u1, u1), (result.u3, u3), (result.stress5, t1), (result.stress3, t3)):
         np.testing.assert_allclose(field[0], given, atol=1e-11 * abs(given).max())
     assert abs(result.u1[1]).max() + abs(result.u3[1]).max() < 1e-12
@@ -153,8 +145,8 @@ def test_a_cosine_load_on_the_half_space_has_its_closed_form():
     """p cos(qx) gives sigma_33, sigma_11 = -p (1 +- d) exp(-d) cos(qx), sigma_13 = p d exp(-d) sin(qx), d = q depth."""
     x, q, nu = np.arange(NX) / NX, 2 * np.pi * 3, 0.33
     depth = np.array([0.0, 0.01, 0.1, 0.7])
-    found = fields.surface_under_tractions(0 * x, -np.cos(q * x), ElasticBody(nu, None))
-    result = fields.fields_inside(found, NX, -depth, ElasticBody(nu, None))
+    found = fields.surface_under_tractions(np.stack((0 * x, -np.cos(q * x))), ElasticBody(nu, None))
+    result = inside(found, -depth, ElasticBody(nu, None))
     d = (q * depth)[:, np.newaxis]
     np.testing.assert_allclose(result.stress3, -(1 + d) * np.exp(-d) * np.cos(q * x), atol=1e-14)
     np.testing.assert_allclose(result.stress1, -(1 - d) * np.exp(-d) * np.cos(q * x), atol=1e-14)
@@ -168,9 +160,8 @@ def test_a_row_of_line_loads_is_flamant_near_one_of_them():
     pressure = np.zeros(nx)
     pressure[nx // 2] = nx
     body = ElasticBody(0.3, None)
-    found = fields.fields_inside(
-        fields.surface_under_tractions(0 * pressure, -pressure, body), nx, np.array([-depth]), body
-    )
+    surface = fields.surface_under_tractions(np.stack((0 * pressure, -pressure)), body)
+    found = inside(surface, np.array([-depth]), body)
     x = np.arange(nx) / nx - 0.5
     near = abs(x) < 0.02
     r2 = x[near] ** 2 + depth**2
@@ -191,8 +182,8 @@ def test_nothing_overflows_at_any_wave_number_or_depth():
     pressure = np.ones(nx)
     pressure[::2] = 0.0
     for body in (ElasticBody(0.5, 4.0), ElasticBody(0.3, 1e-4), ElasticBody(0.49999999, 1.0)):
-        found = fields.surface_under_tractions(0 * pressure, -pressure, body)
-        result = fields.fields_inside(found, nx, -body.aspect_ratio * np.array([0.0, 1e-7, 0.5, 1.0]), body)
+        found = fields.surface_under_tractions(np.stack((0 * pressure, -pressure)), body)
+        result = inside(found, -body.aspect_ratio * np.array([0.0, 1e-7, 0.5, 1.0]), body)
         assert all(np.isfinite(field).all() for field in vars(result).values())
         assert abs(result.stress3[2:]).max() <= 1.0
 
@@ -201,4 +192,4 @@ def test_nothing_overflows_at_any_wave_number_or_depth():
 def test_z_outside_the_body_is_refused(z):
     body = ElasticBody(0.3, 0.3)
     with pytest.raises(ValueError, match="outside the body"):
-        fields.fields_inside(random_surface(body), NX, np.array([z]), body)
+        inside(random_surface(body)[0], np.array([z]), body)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from finite_elements import Body, graded
+from inner_fields import inside
 
 from gfmd_numba.elasticity import fields, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -34,8 +35,8 @@ def test_stresses_inside_a_flat_slab_converge():
         normal = -0.01 - 1e-3 * np.cos(2 * np.pi * np.arange(nx) / nx)
         k = stiffness.slab(grid.wavenumbers(nx), nu, a)
         traction = grid.signal(k * grid.coefficients(normal), nx)
-        under = fields.surface_under_tractions(0 * traction, traction, ElasticBody(nu, a))
-        exact = fields.fields_inside(under, nx, levels, ElasticBody(nu, a))
+        under = fields.surface_under_tractions(np.stack((0 * traction, traction)), ElasticBody(nu, a))
+        exact = inside(under, levels, ElasticBody(nu, a))
         column = np.rint(x * nx).astype(int)
         pairs = ((u1, exact.u1), (u3, exact.u3), (s1, exact.stress1), (s3, exact.stress3), (s5, exact.stress5))
         errors.append([abs(found - true[row, column]).max() for found, true in pairs])

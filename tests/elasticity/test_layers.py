@@ -4,10 +4,11 @@ from itertools import product
 
 import numpy as np
 import pytest
+from inner_fields import NAMES, inside
 
-from gfmd_numba.elasticity import coupled, fields, moduli, stiffness
+from gfmd_numba.elasticity import fields, moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.fourier import grid
@@ -57,7 +58,7 @@ def test_two_equal_layers_are_one_slab(nu, share):
     two = Stack((share, 1 - share), (Material(1.0, nu),) * 2, None)
     s11, _, s33 = two.compliance(Q)
     np.testing.assert_allclose(0.5 * stiffness.slab_factor(Q, nu), 1 / s33, rtol=1e-13)
-    np.testing.assert_allclose(coupled.condensed_elements(Q, nu), (1 / s11, 1 / s33), rtol=1e-13)
+    np.testing.assert_allclose(stiffness.condensed_elements(Q, nu), (1 / s11, 1 / s33), rtol=1e-13)
 
 
 @pytest.mark.parametrize("nu", NUS)
@@ -165,7 +166,7 @@ STACKS = [
 @pytest.mark.parametrize(("layers", "base"), STACKS)
 def test_compliance_and_coupled_stiffness_of_a_stack_are_inverse_and_condense(layers, base):
     body = body_of(layers, base)
-    k, s = body.response((33,)), body.compliance(33)
+    k, s = body.response((33,)), body.compliance(grid.wavenumbers(33))
     waves = slice(0 if base is None else 1, None)
     determinant = k.elements[0][waves] * k.normal[waves] - k.elements[1][waves] ** 2
     for found, element in ((s.s11, k.normal), (s.s13, k.elements[1]), (s.s33, k.elements[0])):
@@ -184,10 +185,10 @@ def test_stiffness_of_maps_is_that_of_profiles_at_the_length_of_the_wave_vector(
 def amplitudes_inside(body, layers, base, nx, n, depth):
     """All fields at a depth under tractions cos(qx) along x and 0.7 sin(qx) out of the body, found and true."""
     q, x = 2 * np.pi * n, np.arange(nx) / nx
-    surface = fields.surface_under_tractions(np.cos(q * x), 0.7 * np.sin(q * x), body)
-    waves = fields.waves_at_depth(surface, depth, nx, body)
+    surface = fields.surface_under_tractions(np.stack((np.cos(q * x), 0.7 * np.sin(q * x))), body)
     cosine = {"u1", "strain5", "stress5"}
-    found = {name: 2 * (each[n].real if name in cosine else -each[n].imag) for name, each in vars(waves).items()}
+    waves = {name: grid.coefficients(each[0]) for name, each in vars(inside(surface, np.array([-depth]), body)).items()}
+    found = {name: 2 * (each[n].real if name in cosine else -each[n].imag) for name, each in waves.items()}
     unit, left, (modulus, nu) = plane(*layers[0][1:]), depth, (1.0, 0.5) if base is None else base
     for height, own_modulus, own_nu in layers:
         if left <= height * (1 + 1e-9):
@@ -229,32 +230,29 @@ def test_fields_inside_are_those_of_the_reference(layers, base, n):
 def test_displacements_and_tractions_are_continuous_at_interfaces(layers, base):
     body, nx = body_of(layers, base), 64
     rng = np.random.default_rng(3)
-    tangential, normal = rng.standard_normal((2, nx))
+    tractions = rng.standard_normal((2, nx))
     if base is not None:
-        tangential, normal = tangential - tangential.mean(), normal - normal.mean()
-    under = fields.surface_under_tractions(tangential, normal, body)
+        tractions -= tractions.mean(axis=1, keepdims=True)
+    under = fields.surface_under_tractions(tractions, body)
     depth = layers[0][0]
     z = -depth * np.array([1.0, 1.0 + 1e-9])
-    inside = fields.fields_inside(under, nx, z, body)
+    found = inside(under, z, body)
     for name in ("u1", "u3", "stress3", "stress5", "strain1"):
-        above, below = getattr(inside, name)
+        above, below = getattr(found, name)
         np.testing.assert_allclose(below, above, atol=1e-6 * abs(above).max(), err_msg=name)
-    assert abs(np.diff(inside.stress1, axis=0)).max() > 0.1 * abs(inside.stress1).max()
+    assert abs(np.diff(found.stress1, axis=0)).max() > 0.1 * abs(found.stress1).max()
     if base is None:
-        lowest = fields.fields_inside(under, nx, np.array([body.base]), body)
-        assert abs(lowest.u1).max() < 1e-14 * abs(inside.u1).max()
-        assert abs(lowest.u3).max() < 1e-14 * abs(inside.u3).max()
+        lowest = inside(under, np.array([body.base]), body)
+        assert abs(lowest.u1).max() < 1e-14 * abs(found.u1).max()
+        assert abs(lowest.u3).max() < 1e-14 * abs(found.u3).max()
 
 
 def test_fields_of_two_equal_layers_are_those_of_the_slab():
     nx, slab = 64, ElasticBody(0.3, 0.3)
     two = ElasticBody(None, 0.3, Stack((0.1, 0.2), (Material(1.0, 0.3),) * 2, None))
-    tangential, normal = np.random.default_rng(3).standard_normal((2, nx))
+    tractions = np.random.default_rng(3).standard_normal((2, nx))
     z = -0.3 * np.linspace(0, 1, 13)
-    one, other = (
-        fields.fields_inside(fields.surface_under_tractions(tangential, normal, body), nx, z, body)
-        for body in (slab, two)
-    )
+    one, other = (inside(fields.surface_under_tractions(tractions, body), z, body) for body in (slab, two))
     for name in vars(one):
         expected = getattr(one, name)
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-12 * abs(expected).max(), err_msg=name)
@@ -276,7 +274,7 @@ def test_no_stack_that_a_scene_allows_ends_in_anything_but_a_positive_stiffness(
     assert (s11 > 0).all()
     assert (s33 > 0).all()
     assert (s11 * s33 - s13**2 > 0).all()
-    surface = fields.surface_under_tractions(np.eye(8)[0], np.eye(8)[3], body)
+    surface = fields.surface_under_tractions(np.eye(8)[[0, 3]], body)
     for depth in (0.0, heights[0], float(heights.sum())):
-        inside = fields.waves_at_depth(surface, depth, 8, body)
-        assert all(np.isfinite(each).all() for each in vars(inside).values())
+        for _, _, waves in surface.waves(depth, body, NAMES):
+            assert np.isfinite(waves).all()

@@ -5,11 +5,12 @@ import tracemalloc
 import mpmath
 import numpy as np
 import pytest
+from inner_fields import inside
 
-from gfmd_numba.elasticity import fields, map_fields, map_sections, moduli
+from gfmd_numba.elasticity import fields, moduli
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
-from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
 
 ALL = DISPLACEMENTS + STRAINS + STRESSES
@@ -34,15 +35,15 @@ def random_tractions(shape, body, seed=1):
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_a_ridge_has_the_fields_of_its_profile_along_x_and_along_y(body, n):
     tangential, _, normal = random_tractions((1, n), body)[:, 0]
-    flat = fields.surface_under_tractions(tangential, normal, body)
-    expected = vars(fields.fields_inside(flat, n, Z, body))
+    flat = fields.surface_under_tractions(np.stack((tangential, normal)), body)
+    expected = vars(inside(flat, Z, body))
     along_x, along_y = np.zeros((3, n + 2, n)), np.zeros((3, n, n + 2))
     along_x[0], along_x[2] = tangential, normal
     along_y[1], along_y[2] = tangential[:, np.newaxis], normal[:, np.newaxis]
     turned = {"1": "2", "2": "1", "5": "4"}
     for tractions, across, swapped in ((along_x, "y", {}), (along_y, "x", turned)):
-        surface = map_fields.surface_under_tractions(tractions, body)
-        found = dict(zip(ALL, map_sections.section(surface, Z, body, across, 0.37, ALL), strict=True))
+        surface = fields.surface_under_tractions(tractions, body)
+        found = dict(zip(ALL, fields.section(surface, Z, body, ALL, across, 0.37), strict=True))
         for name, values in expected.items():
             same = found.pop(name[:-1] + swapped.get(name[-1], name[-1]))
             np.testing.assert_allclose(same, values, atol=1e-13 * abs(values).max(), err_msg=name)
@@ -124,8 +125,8 @@ def test_a_wave_of_any_direction_is_that_of_elasticity_in_three_axes(body, layer
     traction, n, depths = np.array([0.3 + 0.2j, -0.7j, 1.0]), 16, [0.0, 0.01, 0.02, 0.07]
     y, x = np.meshgrid(np.arange(n) / n, np.arange(n) / n, indexing="ij")
     wave = np.exp(2j * np.pi * (kx * x + ky * y))
-    surface = map_fields.surface_under_tractions((traction[:, np.newaxis, np.newaxis] * wave).real, body)
-    found = map_sections.section(surface, -np.array(depths), body, "y", 0.3, ALL)
+    surface = fields.surface_under_tractions((traction[:, np.newaxis, np.newaxis] * wave).real, body)
+    found = fields.section(surface, -np.array(depths), body, ALL, "y", 0.3)
     with mpmath.workdps(40):
         qx, qy = 2 * mpmath.pi * kx, 2 * mpmath.pi * ky
         expected = np.array(list(exact(list(traction), qx, qy, layers, depths)))
@@ -139,9 +140,9 @@ def test_a_wave_of_any_direction_is_that_of_elasticity_in_three_axes(body, layer
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.4999999, 0.3)], ids=["half-space", "slab"])
 def test_fields_are_in_equilibrium_and_obey_hookes_law(body):
     n, depth, step = 31, 0.05, 2e-4  # without a Nyquist wave, whose derivative the nodes do not see
-    surface = map_fields.surface_under_tractions(random_tractions((n, n), body), body)
+    surface = fields.surface_under_tractions(random_tractions((n, n), body), body)
     levels = -depth + step * np.arange(-3, 4)
-    planes = np.stack([map_sections.plane(surface, z, body, ALL) for z in levels])
+    planes = np.stack([fields.plane(surface, z, body, ALL) for z in levels])
     weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     here = dict(zip(ALL, planes[3], strict=True))
     in_z = dict(zip(ALL, np.einsum("z,zfyx->fyx", weights, planes), strict=True))
@@ -178,8 +179,8 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     x = np.arange(n) / n - 0.5
     pressure = np.sqrt(np.maximum(1.0 - (x**2 + x[:, np.newaxis] ** 2) / radius**2, 0.0))
     body, z = ElasticBody(0.3, None), -radius * np.linspace(0.02, 1.5, 75)
-    surface = map_fields.surface_under_tractions(np.stack([0 * pressure, 0 * pressure, -pressure]), body)
-    s1, s2, s3, *_ = map_sections.section(surface, z, body, "y", 0.5, STRESSES)[:, :, n // 2]
+    surface = fields.surface_under_tractions(np.stack([0 * pressure, 0 * pressure, -pressure]), body)
+    s1, s2, s3, *_ = fields.section(surface, z, body, STRESSES, "y", 0.5)[:, :, n // 2]
     shear = 0.5 * abs(s3 - s1)
     assert shear.max() == pytest.approx(0.310, abs=0.002)
     assert -z[shear.argmax()] / radius == pytest.approx(0.48, abs=0.02)
@@ -189,7 +190,7 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     exact1 = -1.3 * (1.0 - deep * np.arctan(1.0 / deep)) + 0.5 / (1.0 + deep**2)
     np.testing.assert_allclose(s3, exact3, atol=0.02)
     np.testing.assert_allclose(s1, exact1, atol=0.02)
-    most = map_sections.largest_von_mises(surface, z, body)
+    most = fields.largest_von_mises(surface, z, body)
     assert most.von_mises.max() == pytest.approx(0.620, abs=0.004)
     deepest = most.von_mises.argmax()
     assert (most.x[deepest], most.y[deepest]) == pytest.approx((0.5, 0.5), abs=1 / n)
@@ -198,16 +199,16 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
 @pytest.mark.parametrize("shape", [(24, 30), (25, 31)])
 def test_sections_cut_the_planes_and_the_largest_stress_is_theirs(shape):
     body = BODIES["layers"]
-    surface = map_fields.surface_under_tractions(random_tractions(shape, body), body)
-    planes = np.stack([map_sections.plane(surface, z, body, ALL) for z in Z], axis=1)
+    surface = fields.surface_under_tractions(random_tractions(shape, body), body)
+    planes = np.stack([fields.plane(surface, z, body, ALL) for z in Z], axis=1)
     size = abs(planes).max(axis=(2, 3), keepdims=True)[..., 0]
-    along_x = map_sections.section(surface, Z, body, "y", 5 / shape[0], ALL)
-    along_y = map_sections.section(surface, Z, body, "x", 7 / shape[1], ALL)
+    along_x = fields.section(surface, Z, body, ALL, "y", 5 / shape[0])
+    along_y = fields.section(surface, Z, body, ALL, "x", 7 / shape[1])
     assert (abs(along_x - planes[:, :, 5]) <= 1e-12 * size).all()
     assert (abs(along_y - planes[:, :, :, 7]) <= 1e-12 * size).all()
-    tractions = map_sections.plane(surface, 0.0, body, ("stress5", "stress4", "stress3"))
+    tractions = fields.plane(surface, 0.0, body, ("stress5", "stress4", "stress3"))
     np.testing.assert_allclose(tractions, random_tractions(shape, body), atol=1e-13)
-    largest = map_sections.largest_von_mises(surface, Z, body)
+    largest = fields.largest_von_mises(surface, Z, body)
     mises = fields.von_mises(*planes[-6:])
     np.testing.assert_allclose(largest.von_mises[:4], mises.max(axis=(1, 2))[:4], rtol=1e-12)
     row, column = np.unravel_index(mises[1].argmax(), shape)
@@ -216,11 +217,11 @@ def test_sections_cut_the_planes_and_the_largest_stress_is_theirs(shape):
 
 def test_waves_that_are_left_out_at_a_depth_are_not_missed(monkeypatch):
     body, z = BODIES["layers on a half-space"], np.array([-0.08, -0.15, -0.4])
-    surface = map_fields.surface_under_tractions(random_tractions((256, 256), body), body)
-    found = map_sections.section(surface, z, body, "x", 0.2, ALL)
-    assert max(map_fields.waves_kept((256, 256), 0.08)) < 128
-    monkeypatch.setattr(map_fields, "_FADED", np.inf)
-    whole = map_sections.section(surface, z, body, "x", 0.2, ALL)
+    surface = fields.surface_under_tractions(random_tractions((256, 256), body), body)
+    found = fields.section(surface, z, body, ALL, "x", 0.2)
+    assert max(fields.waves_kept((256, 256), 0.08)) < 128
+    monkeypatch.setattr(fields, "_FADED", np.inf)
+    whole = fields.section(surface, z, body, ALL, "x", 0.2)
     np.testing.assert_allclose(found, whole, atol=1e-14 * abs(whole).max())
 
 
@@ -228,12 +229,12 @@ def test_waves_that_are_left_out_at_a_depth_are_not_missed(monkeypatch):
 def test_a_section_never_holds_the_volume_in_memory():
     n, levels = 512, 40
     body = ElasticBody(0.3, 0.5)
-    surface = map_fields.surface_under_tractions(random_tractions((n, n), body), body)
+    surface = fields.surface_under_tractions(random_tractions((n, n), body), body)
     tracemalloc.start()
-    section = map_sections.section(surface, -np.linspace(0.0, 0.02, levels), body, "y", 0.0, ALL)
+    section = fields.section(surface, -np.linspace(0.0, 0.02, levels), body, ALL)
     taken = tracemalloc.get_traced_memory()[1] - 3 * section.nbytes
     tracemalloc.reset_peak()
-    map_sections.largest_von_mises(surface, np.zeros(2), body)
+    fields.largest_von_mises(surface, np.zeros(2), body)
     scan = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert taken < 40 * 8 * n**2  # the volume would be 600

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from inner_fields import inside
 
-from gfmd_numba.elasticity import fields, map_fields, map_rough_fields, map_sections, topography
+from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.map_fields import DISPLACEMENTS, STRAINS, STRESSES
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES
 from gfmd_numba.fourier import grid
 
 NX, NY = 32, 20
@@ -29,9 +30,9 @@ def of_profile(body, order, seed=0):
     """Pressure, heights, tangential traction and the fields `[z, x]` of a profile."""
     rng = np.random.default_rng(seed)
     p, h, t = smooth(rng) + 1.0, 0.01 * smooth(rng), smooth(rng) + (0.0 if body.aspect_ratio is None else 0.5)
-    flat = fields.surface_under_tractions(t, -p, body)
-    found = topography.rough_fields(flat, topography.respond(p, h, body, order, t), Z, body)
-    assert abs(found.stress1 - fields.fields_inside(flat, NX, Z, body).stress1).max() > 0.1
+    flat = fields.surface_under_tractions(np.stack((t, -p)), body)
+    found = inside(topography.rough_surface(np.stack((t, -p)), h, body, order), Z, body)
+    assert abs(found.stress1 - inside(flat, Z, body).stress1).max() > 0.1
     return p, h, t, found
 
 
@@ -41,14 +42,14 @@ def test_fields_below_a_rough_ridge_are_those_of_its_profile(body, order):
     p, h, t, expected = of_profile(body, order)
     p, h, t = (np.tile(each, (NY, 1)) for each in (p, h, t))
     ridges = (
-        (map_rough_fields.rough_surface(np.array([t, 0 * t, -p]), h, body, order), "y", OVER_X),
-        (map_rough_fields.rough_surface(np.array([0 * t.T, t.T, -p.T]), h.T.copy(), body, order), "x", OVER_Y),
+        (topography.rough_surface(np.array([t, 0 * t, -p]), h, body, order), "y", OVER_X),
+        (topography.rough_surface(np.array([0 * t.T, t.T, -p.T]), h.T.copy(), body, order), "x", OVER_Y),
     )
     for surface, across, names in ridges:
-        for name, found in zip(NAMES, map_sections.section(surface, Z, body, across, 0.3, NAMES), strict=True):
+        for name, found in zip(NAMES, fields.section(surface, Z, body, NAMES, across, 0.3), strict=True):
             of_profile_ = getattr(expected, names[name]) if name in names else np.zeros_like(found)
             np.testing.assert_allclose(found, of_profile_, atol=1e-13, err_msg=name)
-    on_plane = map_sections.plane(ridges[0][0], Z[1], body, ("u1", "stress5"))
+    on_plane = fields.plane(ridges[0][0], Z[1], body, ("u1", "stress5"))
     np.testing.assert_allclose(on_plane[0, 4], expected.u1[1], atol=1e-13)
     np.testing.assert_allclose(on_plane[1, 4], expected.stress5[1], atol=1e-13)
 
@@ -60,7 +61,7 @@ def test_fields_below_a_turned_ridge_are_those_of_its_profile(order):
     p, h, t, expected = of_profile(body, order)
     turned = np.add.outer(np.arange(NX), np.arange(NX)) % NX
     drag = root * t[turned]
-    surface = map_rough_fields.rough_surface(np.array([drag, drag, -p[turned]]), root * h[turned], body, order)
+    surface = topography.rough_surface(np.array([drag, drag, -p[turned]]), root * h[turned], body, order)
     names = (
         "u1",
         "u2",
@@ -75,7 +76,7 @@ def test_fields_below_a_turned_ridge_are_those_of_its_profile(order):
         "strain6",
     )
     for i, z in enumerate(Z):
-        u1, u2, s3, s4, s5, s1, s2, s6, e1, e2, e6 = map_sections.plane(surface, root * z, body, names)
+        u1, u2, s3, s4, s5, s1, s2, s6, e1, e2, e6 = fields.plane(surface, root * z, body, names)
         along = {
             "u1": u1 + u2,
             "stress3": s3,
@@ -101,7 +102,7 @@ def at_points(surface, places, body, names):
     """Named fields `[name, point]` of a flat body at points (x, y, z), wave by wave."""
     found = np.zeros((len(names), len(places)))
     for i, (x, y, z) in enumerate(places):
-        for k_y, k_x, waves in map_fields.waves_at_depth(surface, max(-z, 0.0), body, names):
+        for k_y, k_x, waves in surface.waves(max(-z, 0.0), body, names):
             weight = grid.multiplicity(surface.shape[1])[k_x] * np.exp(2j * np.pi * k_x * x)
             found[:, i] += ((waves @ weight) @ np.exp(2j * np.pi * k_y * y)).real
     return found
@@ -126,7 +127,7 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(bo
         true, tractions = size * waves - lift, wanted.copy()
         on_surface = [(j / n, i / n, true[i, j]) for i, j in nodes]
         for _ in range(14):
-            flat = map_fields.surface_under_tractions(tractions, body)
+            flat = fields.surface_under_tractions(tractions, body)
             s1, s6, s2, s5, s4, s3 = at_points(flat, on_surface, body, names).reshape(6, n, n)
             rows = ((s5, s1, s6), (s4, s6, s2), (s3, s5, s4))
             change = wanted - [s - size * (slopes[0] * along + slopes[1] * across) for s, along, across in rows]
@@ -134,13 +135,13 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(bo
         assert abs(change).max() < 1e-7
         lower = body if body.aspect_ratio is None else ElasticBody(body.nu, body.aspect_ratio - lift)
         labels = np.array([(1 / 12, 5 / 12, -0.05), (7 / 12, 3 / 12, -0.15), (3 / 12, 10 / 12, -0.02)])
-        moved = at_points(map_fields.formed_surface(size * waves), labels, lower, DISPLACEMENTS).T
+        moved = at_points(topography.formed_surface(size * waves, lower), labels, lower, DISPLACEMENTS).T
         exact = at_points(flat, labels + moved - [0.0, 0.0, lift], body, NAMES[:1] + NAMES[3:])
         off = []
         for order in (1, 2, 3):
-            surface = map_rough_fields.rough_surface(wanted, size * waves, lower, order)
+            surface = topography.rough_surface(wanted, size * waves, lower, order)
             found = [
-                map_sections.plane(surface, z, lower, NAMES[:1] + NAMES[3:])[:, round(12 * y), round(12 * x)]
+                fields.plane(surface, z, lower, NAMES[:1] + NAMES[3:])[:, round(12 * y), round(12 * x)]
                 for x, y, z in labels
             ]
             misses = np.transpose(found) - exact

@@ -7,7 +7,7 @@ from finite_elements import Body, graded
 import gfmd_numba
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.scene import InputError
 
 pytestmark = [
@@ -57,9 +57,8 @@ def finite_elements(body, heights, depth, guess):
 
     def formed(x, z):
         levels, row = np.unique(np.round(z, 12), return_inverse=True)
-        waves = [topography.formed_waves(heights, max(-level, 0.0), body, 1) for level in levels]
-        moved = np.fft.irfft(waves, NX, norm="forward")  # [level, component, x]
-        return moved[row, :, np.rint(x * NX).astype(int) % NX].T
+        moved = topography.formed_at(heights, np.minimum(levels, 0.0), body, 1, ("u1", "u3"))
+        return moved[:, row, np.rint(x * NX).astype(int) % NX]
 
     def materials(depth):
         found = body.material(depth)

@@ -3,8 +3,9 @@
 import mpmath
 import numpy as np
 import pytest
+import slowest_mode
 
-from gfmd_numba.elasticity import coupled, moduli, slowest_mode, stiffness
+from gfmd_numba.elasticity import moduli, stiffness
 
 ASPECTS = [0.003, 0.05, 0.2, 0.5, 1.0, 4.0]
 
@@ -39,7 +40,7 @@ def test_switch_is_6_82(a, s):
 @pytest.mark.parametrize("a", ASPECTS)
 def test_coupled_switches_are_differences_of_eigenvalues(a, s):
     nu, q = poissons_ratio(s), 2 * np.pi
-    a11, a13, a33 = (q * m / moduli.c44(nu) for m in coupled.slab_elements(np.array(q * a), nu))
+    a11, a13, a33 = (q * m / moduli.c44(nu) for m in stiffness.slab_elements(np.array(q * a), nu))
     low, high = np.linalg.eigvalsh(np.array([[a11, a13], [a13, a33]]))
     expected = {"f1'": high - 1 / (a * s), "f3'": low - 1 / (a * s), "f3''": low - 1 / a}
     for case, value in expected.items():
@@ -69,11 +70,11 @@ def test_the_uniform_mode_of_a_slab_is_6_66():
 def test_the_softest_mode_is_the_softest_of_all(nu, a):
     index = np.arange(1, 4000)
     q = 2 * np.pi * index
-    a11, a13, a33 = (q * m for m in coupled.slab_elements(q * a, nu))
-    shear, normal = coupled.uniform_stiffness(nu, a)
+    a11, a13, a33 = (q * m for m in stiffness.slab_elements(q * a, nu))
+    shear, normal = stiffness.uniform_stiffness(nu, a)
     with np.errstate(invalid="ignore"):
         candidates = {
-            "tangential": (shear, q * coupled.condensed_elements(q * a, nu)[0]),
+            "tangential": (shear, q * stiffness.condensed_elements(q * a, nu)[0]),
             "normal": (normal, q / 2 * stiffness.slab_factor(q * a, nu)),
         }
     candidates["mixed"] = shear, brute(np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0))

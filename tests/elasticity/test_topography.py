@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from finite_elements import Body, graded
+from inner_fields import inside
 
-from gfmd_numba.elasticity import fields, stiffness, topography
+from gfmd_numba.elasticity import stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -20,9 +21,9 @@ PRESSURE = 1.0 + np.cos(2 * np.pi * X) + 0.3 * np.sin(4 * np.pi * X)
 BODIES = [ElasticBody(0.33, 1.0), ElasticBody(0.0, 0.2), ElasticBody(0.5, 0.3), ElasticBody(0.33, None)]
 
 
-def flat(pressure, body):
-    """Surface of a flat body under a pressure."""
-    return fields.surface_under_tractions(0 * pressure, -pressure, body)
+def displaced(pressure, body):
+    """Both displacements of a flat body under a pressure."""
+    return body.response(pressure.shape).apply(np.stack((0 * pressure, -pressure)))
 
 
 def orders(errors, steps=(2.0, 2.0)):
@@ -33,7 +34,7 @@ def orders(errors, steps=(2.0, 2.0)):
 def test_a_body_that_is_not_pressed_or_flat_is_left_alone(body):
     for pressure, heights in ((0 * X, 0.01 * BUMPY), (PRESSURE, 0 * X)):
         response = topography.respond(pressure, heights, body, 3)
-        assert not response.u1.any()
+        assert not response.along.any()
         assert not response.u3.any()
     assert topography.respond(PRESSURE, 0.01 * BUMPY, body, 0).highest_order == 0.0
 
@@ -42,10 +43,9 @@ def test_a_body_that_is_not_pressed_or_flat_is_left_alone(body):
 def test_a_uniform_topography_is_a_higher_slab(order):
     nu, a, errors = 0.3, 0.5, []
     for height in (0.04, 0.02, 0.01):
-        low, high = flat(PRESSURE, ElasticBody(nu, a)), flat(PRESSURE, ElasticBody(nu, a + height))
+        low, high = displaced(PRESSURE, ElasticBody(nu, a)), displaced(PRESSURE, ElasticBody(nu, a + height))
         response = topography.respond(PRESSURE, np.full(NX, height), ElasticBody(nu, a), order)
-        u1, u3 = (grid.signal(after - before, NX) for before, after in ((low.u1, high.u1), (low.u3, high.u3)))
-        errors.append([abs(response.u1 - u1).max(), abs(response.u3 - u3).max()])
+        errors.append([abs(response.along[0] - (high - low)[0]).max(), abs(response.u3 - (high - low)[1]).max()])
     assert (orders(np.array(errors), [[2.0], [2.0]]) > order + 0.5).all()
 
 
@@ -56,8 +56,8 @@ def test_the_true_surface_bears_the_pressure(body, order):
     errors = []
     for size in (0.02, 0.01, 0.005):
         heights = size * BUMPY
-        response = topography.respond(PRESSURE, heights, body, order)
-        at = topography.rough_fields(flat(PRESSURE, body), response, np.array([0.0]), body)
+        surface = topography.rough_surface(np.stack((0 * X, -PRESSURE)), heights, body, order)
+        at = inside(surface, np.array([0.0]), body)
         slope = grid.signal(1j * grid.wavenumbers(NX) * grid.coefficients(heights), NX)
         shear = at.stress5[0] - slope * at.stress1[0]
         normal = at.stress3[0] - slope * at.stress5[0] + PRESSURE
@@ -79,9 +79,8 @@ def test_the_true_surface_bears_a_tangential_traction_too(body, order):
     errors = []
     for size in (0.02, 0.01, 0.005):
         heights = size * BUMPY
-        response = topography.respond(PRESSURE, heights, body, order, SHEAR)
-        flat_body = fields.surface_under_tractions(SHEAR, -PRESSURE, body)
-        at = topography.rough_fields(flat_body, response, np.array([0.0]), body)
+        surface = topography.rough_surface(np.stack((SHEAR, -PRESSURE)), heights, body, order)
+        at = inside(surface, np.array([0.0]), body)
         slope = grid.signal(1j * grid.wavenumbers(NX) * grid.coefficients(heights), NX)
         shear = at.stress5[0] - slope * at.stress1[0] - SHEAR
         normal = at.stress3[0] - slope * at.stress5[0] + PRESSURE
@@ -93,10 +92,11 @@ def test_the_true_surface_bears_a_tangential_traction_too(body, order):
 @pytest.mark.parametrize("body", BODIES[:3])
 def test_fields_at_labels_meet_surface_and_base(body):
     response = topography.respond(PRESSURE, 0.01 * BUMPY, body, 2)
-    surface = flat(PRESSURE, body)
-    found = topography.rough_fields(surface, response, np.array([0.0, -body.aspect_ratio]), body)
-    np.testing.assert_allclose(found.u1[0], grid.signal(surface.u1, NX) + response.u1, atol=1e-12)
-    np.testing.assert_allclose(found.u3[0], grid.signal(surface.u3, NX) + response.u3, atol=1e-12)
+    surface = topography.rough_surface(np.stack((0 * X, -PRESSURE)), 0.01 * BUMPY, body, 2)
+    u1, u3 = displaced(PRESSURE, body)
+    found = inside(surface, np.array([0.0, -body.aspect_ratio]), body)
+    np.testing.assert_allclose(found.u1[0], u1 + response.along[0], atol=1e-12)
+    np.testing.assert_allclose(found.u3[0], u3 + response.u3, atol=1e-12)
     assert abs(found.u1[1]).max() + abs(found.u3[1]).max() < 1e-12 * abs(found.u1).max()
 
 
@@ -104,7 +104,7 @@ def test_fields_at_labels_meet_surface_and_base(body):
 def test_forming_a_topography_takes_the_stiffness_times_it(nu):
     """(5.15) with the sign that holds the topography: F = q C11 M u''."""
     body, heights = ElasticBody(nu, 0.3), 0.01 * BUMPY
-    stress = fields.fields_inside(topography.formed_surface(heights, body), NX, np.array([0.0]), body)
+    stress = inside(topography.formed_surface(heights, body), np.array([0.0]), body)
     k = body.response((NX,))
     waves = grid.coefficients(heights)
     waves[0] = 0.0
@@ -115,8 +115,8 @@ def test_forming_a_topography_takes_the_stiffness_times_it(nu):
 
 def pressed(heights, body, displacement, order):
     """Pressure and both displacements of a rough body under a flat punch, by repeated contact of the flat one."""
-    nx, raised = len(heights), np.zeros(len(heights))
-    k = stiffness.slab(grid.wavenumbers(nx), body.poissons_ratio, body.aspect_ratio)
+    raised = np.zeros(len(heights))
+    k = stiffness.slab(grid.wavenumbers(len(heights)), body.poissons_ratio, body.aspect_ratio)
     numerics = Options("conjugate_gradients", residual=1e-10)
     for _ in range(8):
         wall = heights.max() - heights - displacement - raised
@@ -124,8 +124,7 @@ def pressed(heights, body, displacement, order):
         response = topography.respond(found.pressure[0], heights, body, order)
         raised = response.u3
     normal = found.displacement[0] + response.u3
-    under = flat(found.pressure[0], body)
-    return found.pressure[0], grid.signal(under.u1, nx) + response.u1, normal
+    return found.pressure[0], displaced(found.pressure[0], body)[0] + response.along[0], normal
 
 
 def by_finite_elements(heights, body, displacement, columns, guess):

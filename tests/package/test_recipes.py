@@ -56,17 +56,14 @@ class QuadraticLaw:
     (
         (
             '''\
-class Quadratic(BaseModel):
+class Quadratic(LawRecord):
     """Attraction of finite range with energy -work_of_adhesion (1 - gap/range)^2 per area."""
 
-    model_config = RECORD
     title: ClassVar = "quadratic law"
     ability: ClassVar = "normal law"
     implementation: ClassVar = "gfmd_numba.interface.quadratic:QuadraticLaw"
     normal: ClassVar = True
-    tangential: ClassVar = False
     across_open_gap: ClassVar = True
-    needs_touching_nodes: ClassVar = False
     keeps_apart: ClassVar = False
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Gap at which it ends, in m if the scene has a length, else in L_x")

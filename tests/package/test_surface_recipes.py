@@ -17,8 +17,8 @@ import numpy as np
 
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.amplitudes import waves
-from gfmd_numba.roughness.power_law import band
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.generators import band
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gfmd_numba.roughness.model_waves import ModelWaves
+from gfmd_numba.roughness.spectral import ModelWaves
 
 
 @dataclass(frozen=True)

@@ -6,14 +6,19 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import spectral, statistics
-from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
-from gfmd_numba.roughness.model_waves import ModelWaves
 from gfmd_numba.roughness.one_surface import make
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.recursive_subdivision import RecursiveSubdivision
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
-from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded, SelfAffineSpectrum
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
+from gfmd_numba.roughness.spectra import (
+    ExponentialSpectrum,
+    KCorrelationSpectrum,
+    LengthAnisotropicSpectrum,
+    Mounded,
+    ScalingAnisotropicSpectrum,
+    SelfAffineSpectrum,
+)
+from gfmd_numba.roughness.spectral import ModelWaves
 from gfmd_numba.scene.surface_file import SurfaceFile
 
 NX = 64
@@ -30,7 +35,7 @@ def generators(dimension):
         yield ModelWaves("psd", LengthAnisotropicSpectrum(0.7, (0.1, 0.2)), 16)
         yield ModelWaves("psd", ScalingAnisotropicSpectrum((0.7, 0.5), (0.1, 0.2)), 16)
     for method in ("midpoint_displacement", "successive_addition"):
-        yield RecursiveSubdivision(Recursion(method, dimension, 0.5, 1 / 16, 1 / 2))
+        yield Recursion(method, dimension, 0.5, 1 / 16, 1 / 2)
 
 
 ALL = [(generator, dimension) for dimension in (1, 2) for generator in generators(dimension)]

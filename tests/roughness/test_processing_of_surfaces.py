@@ -8,10 +8,9 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import make_surface
-from gfmd_numba.roughness.gaps import fill_gaps
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.measurements import measurement
-from gfmd_numba.roughness.processing import made_periodic
+from gfmd_numba.roughness.processing import fill_gaps, made_periodic
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.measured_record import FileUnits, Measured

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.fourier.resampling import resample
-from gfmd_numba.roughness import recursive, spectral, statistics
+from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
@@ -21,11 +21,11 @@ CASES = [
 def test_ensemble_has_the_exact_spectrum_of_the_recursion(recursion):
     """Over 800 realisations; powers of a process that is not stationary are correlated, hence the wider bound."""
     n, nx = 800, 2**recursion.last
-    heights = recursive.surfaces(recursion, nx, 5, range(n))
+    heights = recursion.heights((nx,) * recursion.dimension, 5, range(n))
     axes = tuple(range(1, heights.ndim))
     measured = abs(np.fft.rfftn(heights, axes=axes, norm="forward")) ** 2
     error = measured.std(axis=0, ddof=1) / np.sqrt(n)
-    score = (measured.mean(axis=0) - recursive.power(recursion)) / error
+    score = (measured.mean(axis=0) - recursion.own_power()) / error
     assert abs(score).max() < 4.5
     assert score.std() == pytest.approx(1.0, abs=0.35)
     w = statistics.rms_height(heights, (1.0,) * recursion.dimension)
@@ -34,7 +34,7 @@ def test_ensemble_has_the_exact_spectrum_of_the_recursion(recursion):
 
 @pytest.mark.parametrize("recursion", CASES, ids=repr)
 def test_a_finer_grid_samples_the_same_surface(recursion):
-    coarse, fine = (recursive.surfaces(recursion, nx, 5, range(2)) for nx in (32, 128))
+    coarse, fine = (recursion.heights((nx,) * recursion.dimension, 5, range(2)) for nx in (32, 128))
     every = (slice(None),) + (slice(None, None, 4),) * recursion.dimension
     np.testing.assert_allclose(fine[every], coarse, atol=1e-12)
 
@@ -44,7 +44,7 @@ def test_a_finer_grid_samples_the_same_surface(recursion):
 def test_levels_of_a_recursion_nest(method, dimension):
     """A smaller cut-on keeps every point of midpoint displacement, and adds to those of successive addition."""
     few, many = (Recursion(method, dimension, 0.7, cut_on, 1 / 2) for cut_on in (1 / 8, 1 / 16))
-    coarse, fine = (recursive.surfaces(r, 2**r.last, 5, range(1))[0] for r in (few, many))
+    coarse, fine = (r.heights((2**r.last,) * r.dimension, 5, range(1))[0] for r in (few, many))
     shared = fine[(slice(None, None, 2),) * dimension]
     if method == "midpoint_displacement":
         np.testing.assert_allclose(shared / shared.flat[0], coarse / coarse.flat[0], rtol=1e-11)
@@ -57,7 +57,7 @@ def test_one_step_of_a_recursion_is_that_by_hand(method, old, new):
     """Four heights of variance 1; between them their means, of variance 1/2, and heights of variance 1/2 or 1/4."""
     recursion = Recursion(method, 1, 0.5, 1 / 4, 1.0)
     assert (recursion.first, recursion.last) == (2, 3)
-    heights = np.sqrt(1.0 - 1 / 4 - 1 / 32) * recursive.surfaces(recursion, 8, 1, range(20_000))
+    heights = np.sqrt(1.0 - 1 / 4 - 1 / 32) * recursion.heights((8,) * recursion.dimension, 1, range(20_000))
     assert (heights**2).mean(axis=0) == pytest.approx(4 * [old, new], rel=0.05)
     assert (heights * np.roll(heights, 1, axis=1)).mean(axis=0) == pytest.approx(8 * [0.5], abs=0.05)
     assert (heights * np.roll(heights, 2, axis=1)).mean(axis=0) == pytest.approx(4 * [0.0, 0.25], abs=0.05)
@@ -68,9 +68,9 @@ def test_both_methods_have_the_same_spectrum_but_not_the_same_heights():
     """Averaged over positions. The variance varies with position: by 2, 18 % at H = 1/2, by 19, 22 % at H = 0.9."""
     for hurst, uneven in ((0.5, (0.02, 0.18)), (0.9, (0.19, 0.22))):
         both = [Recursion(method, 1, hurst, 1 / 64, 1 / 2) for method in METHODS]
-        np.testing.assert_allclose(*(recursive.power(recursion)[1:] for recursion in both), rtol=1e-12)
+        np.testing.assert_allclose(*(recursion.own_power()[1:] for recursion in both), rtol=1e-12)
         for recursion, expected in zip(both, uneven, strict=True):
-            variance = (recursive.surfaces(recursion, 128, 3, range(4000)) ** 2).mean(axis=0)
+            variance = (recursion.heights((128,) * recursion.dimension, 3, range(4000)) ** 2).mean(axis=0)
             assert variance.std() / variance.mean() == pytest.approx(expected, abs=0.02)
 
 
@@ -85,7 +85,7 @@ def test_the_artefact_of_successive_addition_has_its_known_size(hurst, correlati
     """
     recursion = Recursion("successive_addition", 1, hurst, 1 / 1024, 1 / 4)
     asked = spectral.psd_power(SelfAffineSpectrum(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
-    found = recursive.power(recursion)
+    found = recursion.own_power()
     found[0] = 0.0
     curves = [spectral.periodic_autocorrelation(power, 2048) for power in (found, asked)]
     difference = curves[0] / curves[0][0] - curves[1] / curves[1][0]
@@ -126,4 +126,4 @@ def test_recursions_that_make_no_sense_are_refused(arguments, message):
 
 def test_a_cut_on_beyond_nyquist_is_refused():
     with pytest.raises(ValueError, match="64 points of the last step on a grid of 32"):
-        recursive.surfaces(Recursion("successive_addition", 1, 0.5, 1 / 32, 0.5), 32, 1, range(1))
+        Recursion("successive_addition", 1, 0.5, 1 / 32, 0.5).heights((32,), 1, range(1))

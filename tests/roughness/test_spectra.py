@@ -6,11 +6,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
 
-from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from gfmd_numba.roughness.spectra import (
     ExponentialSpectrum,
     KCorrelationSpectrum,
+    LengthAnisotropicSpectrum,
     Mounded,
+    ScalingAnisotropicSpectrum,
     SelfAffineSpectrum,
     height_height_correlation,
     nayak,

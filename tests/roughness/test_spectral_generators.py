@@ -5,8 +5,14 @@ import pytest
 
 from gfmd_numba.roughness import spectral
 from gfmd_numba.roughness.amplitudes import waves
-from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
-from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, Mounded, SelfAffineSpectrum
+from gfmd_numba.roughness.spectra import (
+    ExponentialSpectrum,
+    KCorrelationSpectrum,
+    LengthAnisotropicSpectrum,
+    Mounded,
+    ScalingAnisotropicSpectrum,
+    SelfAffineSpectrum,
+)
 
 PERIOD = 3.0
 MODELS = [

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.roughness.surface_files import load_netcdf
-from gfmd_numba.scene import InputError, netcdf_trial
+from gfmd_numba.scene import InputError, regular_file
 
 # a profile, some bytes of which were altered: the library reads its attribute for ever (HDF5 2.0)
 ENDLESS = """
@@ -32,7 +32,7 @@ ASLEEP = "import resource; resource.setrlimit(resource.RLIMIT_CPU, (1, 1))\nwhil
 
 @pytest.fixture
 def hasty(monkeypatch):
-    monkeypatch.setattr(netcdf_trial, "START", 2)
+    monkeypatch.setattr(regular_file, "START", 2)
 
 
 @pytest.mark.long
@@ -47,14 +47,14 @@ def test_a_file_without_end_is_refused(tmp_path, hasty):
 @pytest.mark.parametrize("script", [ASLEEP, "import os; os.abort()", "raise SystemExit(1)"])
 def test_a_reading_that_fails_is_a_damaged_file(tmp_path, monkeypatch, hasty, script):
     xr.Dataset({"height": ("x", np.arange(9.0))}).to_netcdf(tmp_path / "p.nc")
-    assert netcdf_trial.can_be_read(tmp_path / "p.nc", 10**9)
-    monkeypatch.setattr(netcdf_trial, "_READ", script)
-    assert not netcdf_trial.can_be_read(tmp_path / "p.nc", 10**9)
+    assert regular_file.can_be_read(tmp_path / "p.nc", 10**9)
+    monkeypatch.setattr(regular_file, "_READ", script)
+    assert not regular_file.can_be_read(tmp_path / "p.nc", 10**9)
 
 
 def test_a_trial_imports_nothing_of_the_folder_it_is_in(tmp_path, monkeypatch):
     xr.Dataset({"height": ("x", np.arange(9.0))}).to_netcdf(tmp_path / "p.nc")
     (tmp_path / "netCDF4.py").write_text(f"open({os.fspath(tmp_path / 'ran')!r}, 'w'); raise SystemExit(1)")
     monkeypatch.chdir(tmp_path)
-    assert netcdf_trial.can_be_read("p.nc", 10**9)
+    assert regular_file.can_be_read("p.nc", 10**9)
     assert not (tmp_path / "ran").exists()

@@ -7,8 +7,7 @@ from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.roughness.surface_text import read_table
 from gfmd_numba.scene import load_scene
-from gfmd_numba.scene.length_units import length_unit
-from gfmd_numba.scene.number_spelling import respelt
+from gfmd_numba.scene.units import length_unit, respelt
 from support.faulty_files import SCENE, changed, complaint
 
 SPELLINGS = {

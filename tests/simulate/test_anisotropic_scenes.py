@@ -8,7 +8,7 @@ import gfmd_numba
 from gfmd_numba.analysis import plot_body, plot_campaign, plot_surface
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness.anisotropy import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
+from gfmd_numba.roughness.spectra import LengthAnisotropicSpectrum, ScalingAnisotropicSpectrum
 from support.legible import faults
 
 NX = 64

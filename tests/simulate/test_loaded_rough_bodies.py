@@ -7,7 +7,7 @@ from finite_elements import Body, graded
 from scipy.sparse.linalg import splu
 
 import gfmd_numba
-from gfmd_numba.elasticity import map_fields, map_sections
+from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd
@@ -104,12 +104,12 @@ def on_true_surface(size):
     highest = heights.max()
     flat = ElasticBody(NU, HEIGHT + highest)
     waves = np.cos(2 * np.pi * X2), np.sin(2 * np.pi * (X2 + Y2)), 1.0 + np.cos(2 * np.pi * Y2)
-    top = map_fields.surface_under_tractions(1e-3 * np.stack(waves), flat)
+    top = fields.surface_under_tractions(1e-3 * np.stack(waves), flat)
     names = ("stress1", "stress6", "stress2", "stress5", "stress4", "stress3", "u1", "u2", "u3")
     found = np.empty((len(names), N, N))
     for i, j in np.ndindex(N, N):
         depth = heights[i, j : j + 1] - highest
-        found[:, i, j] = map_sections.section(top, depth, flat, "y", i / N, names)[:, 0, j]
+        found[:, i, j] = fields.section(top, depth, flat, names, "y", i / N)[:, 0, j]
     s1, s6, s2, s5, s4, s3, *moved = found
     in_x = -2 * np.pi * size * np.sin(2 * np.pi * (X2 - Y2))
     in_y = -in_x + np.pi * size * np.cos(2 * np.pi * Y2)

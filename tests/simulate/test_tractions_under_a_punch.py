@@ -9,7 +9,7 @@ from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import BoundaryFile, Numerics, Scene
 from support.coupled_bodies import NX, X, flat
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from support.coupled_bodies import compliance_of_wave, settled
 
 SHAPE = 24, 32

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.layer import Material
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following

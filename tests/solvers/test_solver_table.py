@@ -11,7 +11,7 @@ from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.self_affine_waves import SelfAffineWaves
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start

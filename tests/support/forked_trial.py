@@ -5,7 +5,7 @@ import sys
 
 import netCDF4  # noqa: F401  what every fork finds imported
 
-from gfmd_numba.scene import netcdf_trial
+from gfmd_numba.scene import regular_file
 
 
 def can_be_read(path, most):
@@ -16,8 +16,8 @@ def can_be_read(path, most):
             silence = os.open(os.devnull, os.O_WRONLY)
             os.dup2(silence, 1)
             os.dup2(silence, 2)
-            sys.argv = ["-c", os.fspath(path), str(most), str(netcdf_trial.START)]
-            exec(netcdf_trial._READ, {})
+            sys.argv = ["-c", os.fspath(path), str(most), str(regular_file.START)]
+            exec(regular_file._READ, {})
             os._exit(0)
         finally:
             os._exit(1)

@@ -1,11 +1,11 @@
 """Equilibrium time against marching modes one step at a time."""
 
+import equilibrium_time as et
 import numpy as np
 import pytest
 
-from gfmd_numba.elasticity import coupled
+from gfmd_numba.elasticity import stiffness
 from gfmd_numba.theory import damping
-from gfmd_numba.theory import equilibrium_time as et
 
 
 def march(stiffness, eta, dt, start, tolerance, steps):
@@ -133,14 +133,14 @@ def test_the_fastest_damping_of_a_slab_is_found_by_marching(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
     k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5
     modulus, q = 0.7 / (1 - nu**2), 2 * np.pi * k / nx
-    a11, a13, a33 = (modulus * q * m for m in coupled.slab_elements(q * a * nx, nu))
-    uniform = modulus / nx * np.diag([float(m) for m in coupled.uniform_stiffness(nu, a)])
-    stiffness = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
+    a11, a13, a33 = (modulus * q * m for m in stiffness.slab_elements(q * a * nx, nu))
+    uniform = modulus / nx * np.diag([float(m) for m in stiffness.uniform_stiffness(nu, a)])
+    of_modes = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
     start = 0.01 / (1 + np.append(0, k))[:, None] * np.array([1, -1j])
     ratios = np.array([0.3, 0.6, 0.9, 1.05, 1.2, 1.4, 1.6, 2.0])
     one = np.linspace(0.1, 0.5, 101)
     eta = np.stack(np.broadcast_arrays(one, ratios[:, None] * one), -1)[:, :, None, :]
-    times = et.steps_to_equilibrium(stiffness, eta, dt, start, 1e-16, 2000).max(axis=-1) * dt
+    times = et.steps_to_equilibrium(of_modes, eta, dt, start, 1e-16, 2000).max(axis=-1) * dt
     row, column = np.unravel_index(times.argmin(), times.shape)
     critical = damping.critical_damping(0.7 / (2 * a * nx * (1 + nu)), dt)
     assert one[column] == pytest.approx(critical, rel=0.08)

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+import regimes
+from regimes import gronbech_jensen, position_verlet
 
-from gfmd_numba.elasticity import coupled
+from gfmd_numba.elasticity import stiffness
 from gfmd_numba.solvers import integrators
-from gfmd_numba.theory import damping, regimes
-from gfmd_numba.theory.regimes import gronbech_jensen, position_verlet
+from gfmd_numba.theory import damping
 
 
 def verlet_matrix(x, y):
@@ -146,7 +147,7 @@ def test_scalar_damping_is_the_largest_that_over_damps_nothing(dt):
 
 def coupled_waves(nu, a, indices):
     q = 2 * np.pi * np.asarray(indices)
-    a11, a13, a33 = (q * m for m in coupled.slab_elements(q * a, nu))
+    a11, a13, a33 = (q * m for m in stiffness.slab_elements(q * a, nu))
     return np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)
 
 
@@ -172,7 +173,7 @@ def test_one_damping_for_both_components_separates_the_principal_stiffnesses():
     nu, a, dt, eta = 0.3, 0.2, 0.1, 3.0
     matrix = regimes.update_matrix(coupled_waves(nu, a, [1, 2]), np.full((2, 2), eta), dt)
     q = 2 * np.pi * np.array([1, 2])
-    parts = np.array(coupled.principal_elements(q * a, nu)) * q
+    parts = np.array(stiffness.principal_elements(q * a, nu)) * q
     expected = np.array(regimes.roots(position_verlet.polynomial(parts * dt**2, eta * dt**2 + 0 * parts)))
     for i in range(2):
         assert distance(np.linalg.eigvals(matrix[i]), expected[:, :, i]) < 1e-12
@@ -181,7 +182,7 @@ def test_one_damping_for_both_components_separates_the_principal_stiffnesses():
 @pytest.mark.parametrize(("nu", "a"), [(0.0, 0.5), (0.3, 0.1), (0.3, 1.0), (0.49, 1.0), (0.4999, 0.05)])
 def test_no_vector_damping_beats_the_scalar_one(nu, a):
     """The uniform tangential mode sees eta_1 alone, and at its critical damping bounds the rate for every eta_3."""
-    tangential, normal = coupled.uniform_stiffness(nu, a)
+    tangential, normal = stiffness.uniform_stiffness(nu, a)
     modes = np.concatenate([[np.diag([float(tangential), float(normal)])], coupled_waves(nu, a, range(1, 60))])
     dt = 0.5 / np.sqrt(np.linalg.eigvalsh(modes).max())
     eta = damping.critical_damping(float(tangential), dt)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import numpy.typing as npt
+import regimes
 from scipy.special import lambertw
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
-from gfmd_numba.theory import regimes
 
 
 def time_constant(stiffness: Reals, damping: Reals, time_step: float) -> Reals:

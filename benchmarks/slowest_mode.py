@@ -11,7 +11,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import coupled, moduli
+from gfmd_numba.elasticity import moduli, stiffness
 
 Direction = Literal["tangential", "normal", "mixed"]
 
@@ -26,7 +26,7 @@ class SlowestMode(NamedTuple):
 
 def uniform_slab(poissons_ratio: float, aspect_ratio: float) -> SlowestMode:
     """Uniform displacement of a slab, both directions free: always the tangential one, C44/z_m (6.66)."""
-    return SlowestMode(float(coupled.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), 0, "tangential")
+    return SlowestMode(float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), 0, "tangential")
 
 
 def half_space_normal() -> SlowestMode:
@@ -45,23 +45,23 @@ def one_direction(
     """Slab loaded in one direction, free of traction in the other (6.76)-(6.82); the uniform mode wins a tie."""
     component = 0 if direction == "tangential" else 1
     index = _indices(poissons_ratio, aspect_ratio)
-    over_q = coupled.condensed_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[component]
+    over_q = stiffness.condensed_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[component]
     waves = 2.0 * np.pi * index * over_q
-    uniform = float(coupled.uniform_stiffness(poissons_ratio, aspect_ratio)[component])
+    uniform = float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[component])
     return _softer(uniform, direction, waves, direction)
 
 
 def half_space_coupled(poissons_ratio: float) -> SlowestMode:
     """Both components of the half-space: kappa_3' of (6.84) with k = 1."""
-    a11, a13, _ = coupled.half_space_elements(poissons_ratio)
+    a11, a13, _ = stiffness.half_space_elements(poissons_ratio)
     return SlowestMode(float(2.0 * np.pi * (a11 - abs(a13))), 1, "mixed")
 
 
 def slab_coupled(poissons_ratio: float, aspect_ratio: float) -> SlowestMode:
     """Both components of the slab (6.90): C44/z_m for -0.184 < nu <= 1/2, a wave in a thin slab with lower nu."""
     index = _indices(poissons_ratio, aspect_ratio)
-    waves = 2.0 * np.pi * index * coupled.principal_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[0]
-    return _softer(float(coupled.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), "tangential", waves, "mixed")
+    waves = 2.0 * np.pi * index * stiffness.principal_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[0]
+    return _softer(float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), "tangential", waves, "mixed")
 
 
 def switch(
@@ -74,10 +74,10 @@ def switch(
     """
     nu = 1.0 - 0.5 / (1.0 - np.asarray(s, dtype=np.float64))  # (6.51)
     q = 2.0 * np.pi * wave_index
-    pair = coupled.condensed_elements if case in ("f1", "f3") else coupled.principal_elements
+    pair = stiffness.condensed_elements if case in ("f1", "f3") else stiffness.principal_elements
     component = {"f1": 0, "f3": 1, "f1'": 1, "f3'": 0, "f3''": 0}[case]
     wave = q * pair(np.asarray(q * aspect_ratio), nu)[component]
-    tangential, normal = coupled.uniform_stiffness(nu, aspect_ratio)
+    tangential, normal = stiffness.uniform_stiffness(nu, aspect_ratio)
     return (wave - (tangential if case in ("f1", "f3''") else normal)) / moduli.c44(nu)
 
 

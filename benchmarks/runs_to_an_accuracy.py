@@ -28,11 +28,13 @@ KINDS = {
     "H = 1": ({"hurst": 1.0}, 1.687),
     "H = 0.8, p\\* = 0.05": ({"hurst": 0.8, "reduced_pressure": 0.05}, 1.942),
     "H = 0.8, slab, a = 0.1": ({"hurst": 0.8, "aspect_ratio": 0.1}, 1.981),
+    "H = 0.8, map, p\\* = 0.05": ({"hurst": 0.8, "reduced_pressure": 0.05, "dimension": 2}, 1.82),
 }
 
 
-def scene(hurst, reduced_pressure=0.007, aspect_ratio=np.inf):
+def scene(hurst, reduced_pressure=0.007, aspect_ratio=np.inf, dimension=1):
     return {
+        "dimension": dimension,
         "body": {"poissons_ratio": 0.33, "aspect_ratio": aspect_ratio},
         "roughness": {"method": "psd", "hurst": hurst, "rms_gradient": 0.01},
         "interface": {"hard_wall": {}},

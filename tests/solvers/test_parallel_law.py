@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from gfmd_numba.solvers.preconditioners import parallel_law
+from gfmd_numba.solvers.decays import parallel_law
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid

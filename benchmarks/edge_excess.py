@@ -7,7 +7,7 @@ the body's own symbol, in nodes an edge (maps: a side), and the rms of the last 
 import numpy as np
 
 from gfmd_numba.contact import contact_area
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layer import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse

@@ -10,8 +10,7 @@ from scipy.ndimage import label
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.contact import edges
-from gfmd_numba.contact.once import once
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact, once
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from gfmd_numba.contact.evaluation import gap, measure
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import Observable, recorded
 from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.heights import AXES
@@ -125,8 +125,8 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None:
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
-    if contact.deflected is not None:
-        displacement = displacement + contact.deflected[1]
+    if contact.change.out is not None:
+        displacement = displacement + contact.change.out[0]
     fields = {
         "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
         "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
@@ -171,8 +171,8 @@ def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str
     if tangential is None:
         return {}
     sideways = tangential.displacement[0]
-    if contact.deflected is not None:
-        sideways = sideways + contact.deflected[0]
+    if contact.change.along is not None:
+        sideways = sideways + contact.change.along[0]
     kinds = {
         "displacement": ("height", "tangential displacement of the body", sideways),
         "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),

@@ -21,8 +21,7 @@ from gfmd_numba.contact.contact_area import (
 )
 from gfmd_numba.contact.finiteness import finite_status
 from gfmd_numba.contact.observables import recorded
-from gfmd_numba.contact.once import once
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
 

@@ -20,13 +20,13 @@ from gfmd_numba.contact.dataset import (
     units,
 )
 from gfmd_numba.contact.edges import edge
-from gfmd_numba.contact.load_path import LoadPath
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.path_observables import recorded_along
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
-from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import Contact, Followed, condensed_stiffness
+from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.solution import condensed_stiffness
+from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.scene import Scene
 from gfmd_numba.solvers.status import Status
@@ -39,7 +39,9 @@ FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean p
 _UNKNOWN_EDGES = 0.05  # of the contact area
 
 
-def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact | Pressed]) -> xr.Dataset:
+def path_dataset(
+    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact | Pressed]
+) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
     The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
@@ -47,28 +49,28 @@ def path_dataset(given: ContactInput, path: LoadPath, solved: Iterable[Contact |
     """
     file = given.file
     record, steps = PathRecord(), []
-    for problem, each in zip(path.problems, solved, strict=False):
+    for at_load, each in zip(problem.at_each_load, solved, strict=False):
         contact = each if isinstance(each, Contact) else each.contact
-        steps.append(step_dataset(given, problem, each))
+        steps.append(step_dataset(given, at_load, each))
         is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(problem, each, is_ok)
+            record.add(at_load, each, is_ok)
         if contact.followed is not None:
-            _add_followed(steps[-1], given, problem, contact, contact.followed)
+            _add_followed(steps[-1], given, at_load, contact, contact.followed)
         if not is_ok:
             break
     dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
     if file.path:
         _add_record(dataset, given, record)
     if file.scene.interface.reaches_across:
-        resolution = law_resolution.resolution(path.problems[-1])
+        resolution = law_resolution.resolution(problem)
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
     dataset.attrs |= {
         "scene": file.model_dump_json(),
-        "solver": path.problems[-1].numerics.solver,
-        "dropped_effects": dropped_effects(path.effects),
+        "solver": problem.numerics.solver,
+        "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, path, dataset)))),
+        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
     }
     return dataset
 
@@ -116,14 +118,14 @@ def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) ->
     dataset.update(found)
 
 
-def doubts(given: ContactInput, path: LoadPath, dataset: xr.Dataset) -> str:
+def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
-    coarse = law_resolution.doubt(path.problems[-1], given.file.discretisation)
+    coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
     own = (doubt(given, dataset) for doubt in (_beyond_small_strains, _past_asperities, _overlap, _rounded_heights))
-    short = _short_stretches(path.problems[0], dataset)
+    short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
 
 

@@ -3,7 +3,8 @@
 from collections.abc import Iterable, Iterator
 
 from gfmd_numba.contact.bearable_pressure import at_most, plastic_pressure
-from gfmd_numba.contact.bodies import stiffness_scale
+from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
@@ -15,16 +16,16 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 SLIDING = ("sliding", "sliding_y")
 
 
-def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) -> float | None:
+def reduced_pressure(scene: Scene, rms_gradient: float, modulus: float) -> float | None:
     """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
 
-    A line load acts on the length L_x, a force on the area L_x^2. `contact_modulus` is that of the scene in Pa. Raises
-    ValueError for a load beyond all measure for the gradient and the modulus, or one that a hardness cannot bear.
+    A line load acts on the length L_x, a force on the area L_x^2. `modulus` is the contact modulus of the scene in Pa.
+    Raises ValueError for a load beyond all measure for the gradient and the modulus, or that a hardness cannot bear.
     """
     loading = scene.loading
     if loading.displacement is not None:
         return None
-    true_modulus = contact_modulus / stiffness_scale(scene)
+    true_modulus = modulus / stiffness_scale(scene)
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
     found = load / unit
@@ -36,14 +37,14 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     return rounded(found)
 
 
-def reduced_load(scene: Scene, rms_gradient: float, contact_modulus: float) -> float:
+def reduced_load(scene: Scene, rms_gradient: float, modulus: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
 
     Raises ValueError as `reduced_pressure` does.
     """
     if scene.loading.displacement is not None:
         return reduced_length(scene.loading.displacement, scene, rms_gradient)
-    pressure = reduced_pressure(scene, rms_gradient, contact_modulus)
+    pressure = reduced_pressure(scene, rms_gradient, modulus)
     assert pressure is not None  # a load is prescribed
     return pressure / stiffness_scale(scene)
 
@@ -53,9 +54,13 @@ def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
     return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
 
 
-def reduced_sliding(sliding: Sliding, scene: Scene, rms_gradient: float) -> Sliding:
-    """Tangential displacement of the punch (m or L_x of the scene) in g L_x."""
-    return tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
+def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
+    """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
+
+    Raises ValueError as `reduced_pressure` does.
+    """
+    load = reduced_load(scene, rms_gradient, contact_modulus(scene))
+    return LoadStep(load, tuple(reduced_length(way, scene, rms_gradient) for way in sliding))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

@@ -14,7 +14,7 @@ from gfmd_numba.contact.rough_body import STEEPEST, THICKNESS, RoughBody, change
 from gfmd_numba.contact.rough_body_observables import OF_PUNCH, OF_SUM, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.rough_surfaces import BODIES
 from gfmd_numba.contact.slopes import tractions_on
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, map_topography, topography
 from gfmd_numba.elasticity.map_topography import MapResponse

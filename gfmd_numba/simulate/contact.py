@@ -17,9 +17,8 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
     """
     given = read_contact(file, document)
-    path = load_path(given)
-    solved = solve_path(path)
-    dataset = path_dataset(given, path, solved)
+    problem, effects = load_path(given)
+    dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation))
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=3)
     return dataset
@@ -32,5 +31,5 @@ def doubt(file: SceneFile, document: Document) -> str:
     """
     if not file.scene.interface.reaches_across:
         return ""
-    path = load_path(read_contact(file, document))
-    return law_resolution.doubt(path.problems[-1], file.discretisation)
+    problem, _ = load_path(read_contact(file, document))
+    return law_resolution.doubt(problem, file.discretisation)

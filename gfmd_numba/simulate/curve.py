@@ -154,15 +154,15 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     numbers = implausible(curve.given.file.scene)
     for i in range(curve.realisations):
         given = _given(curve, i)
-        path = load_path(given)
-        steps = zip(path.problems, solve_path(path), strict=True)
+        whole, _ = load_path(given)
+        steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
         for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
             short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)
             scalars = step[list(RECORDED)]
             for name in ("n_iterations", "wall_time"):
                 scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
             scalars["contact_stiffness"] = _stiffness(short, step)
-            sentences = (*numbers, doubts(given, path, step))
+            sentences = (*numbers, doubts(given, whole, step))
             yield scalars.assign_attrs(solver=problem.numerics.solver, validity="\n".join(filter(None, sentences)))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import contact_area, evaluation
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 

@@ -7,7 +7,7 @@ import pytest
 from gfmd_numba.contact import contact_area, evaluation
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import recorded
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 

@@ -14,7 +14,7 @@ from gfmd_numba.contact import contact_area
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid

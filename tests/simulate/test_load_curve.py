@@ -111,10 +111,10 @@ def test_loads_that_fall_give_the_same_curve_backwards():
 def test_the_path_of_a_curve_never_turns_back(monkeypatch, loads):
     followed = []
     solve_path = curve.solve_path
-    monkeypatch.setattr(curve, "solve_path", lambda path: followed.append(path) or solve_path(path))
+    monkeypatch.setattr(curve, "solve_path", lambda *given: followed.append(given) or solve_path(*given))
     load_curve(scene_file(), loads)
-    (path,) = followed
-    pressures = np.array([problem.mean_pressure for problem in path.problems])
+    ((whole, _),) = followed
+    pressures = np.array([problem.mean_pressure for problem in whole.at_each_load])
     np.testing.assert_allclose(pressures[1::2], loads)
     assert (np.diff(pressures) < 0).all() if loads[0] > loads[-1] else (np.diff(pressures) > 0).all()
 

@@ -8,7 +8,7 @@ from finite_elements import Body, graded
 from gfmd_numba.contact import problem
 from gfmd_numba.contact import two_step as rough_bodies
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body import RoughBody
+from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.contact.slopes import Slopes
 from gfmd_numba.contact.state import State
 from gfmd_numba.elasticity import fields, stiffness, topography

@@ -9,7 +9,7 @@ import time
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.contact_area import contact_area_fraction, contact_area_fraction_counted
+from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.state import Contact, LoadStep

@@ -7,7 +7,7 @@ from pydantic import BaseModel, Field
 
 from gfmd_numba.campaign.goal import Variable
 from gfmd_numba.campaign.limits import FixedExponents
-from gfmd_numba.contact.path_observables import LIMITED, PATH_OBSERVABLES, needed_for, recorded_along, unheld
+from gfmd_numba.contact.observables import LIMITED, PATH_OBSERVABLES, needed_for, recorded_along, unheld
 from gfmd_numba.scene import Document, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import RECORD, broken_rule

@@ -8,7 +8,7 @@ from typing import Annotated, Any, cast
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.contact.path_observables import LIMITED, why_no_limit
+from gfmd_numba.contact.observables import LIMITED, why_no_limit
 from gfmd_numba.scene.quantities import broken_rule
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.scene.validation import nearest

@@ -22,8 +22,7 @@ from gfmd_numba.campaign.measured_punches import MeasuredPunch, Punches, measure
 from gfmd_numba.campaign.plausible_numbers import doubt_of_numbers
 from gfmd_numba.campaign.rough_bodies import doubt_of_bodies
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.source import Source

@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from math import pi
 
 from gfmd_numba.campaign.cases import Case
+from gfmd_numba.contact.doubts import too_thin
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
-from gfmd_numba.contact.rough_bodies_dataset import too_thin
-from gfmd_numba.contact.rough_body import STEEPEST, rough_body
+from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.surfaces import SummedSurface
 
 

@@ -26,7 +26,7 @@ from gfmd_numba.campaign.study_points import (
     relative_error,
     sampling_error,
 )
-from gfmd_numba.contact.path_observables import recorded_along
+from gfmd_numba.contact.observables import recorded_along
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.surfaces import SummedSurface

@@ -10,10 +10,8 @@ import numpy.typing as npt
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.observables import Observable, recorded
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body_observables import recorded_of_rough_bodies
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.contact.surfaces import SummedSurface

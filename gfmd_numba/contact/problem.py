@@ -12,9 +12,8 @@ from typing import Any
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.results_version import results_version, rows_without_prose
-from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions

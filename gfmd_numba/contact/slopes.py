@@ -12,7 +12,7 @@ from gfmd_numba.contact import inclined
 from gfmd_numba.contact.evaluation import gap
 from gfmd_numba.contact.inclined import Moved, Pairing
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body import RoughBody
+from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.contact.state import Change, Contact, LoadStep, State
 from gfmd_numba.elasticity import map_topography, topography
 from gfmd_numba.elasticity.map_topography import MapResponse

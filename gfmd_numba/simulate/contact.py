@@ -1,13 +1,11 @@
 """One contact, from its file to a dataset."""
 
-import warnings
-
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.contact_dataset import path_dataset
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path, solve_path
-from gfmd_numba.contact.path_dataset import path_dataset
 from gfmd_numba.scene import Document, SceneFile
 
 
@@ -18,10 +16,7 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     """
     given = read_contact(file, document)
     problem, effects = load_path(given)
-    dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation))
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
-        warnings.warn(sentence, stacklevel=3)
-    return dataset
+    return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
 
 
 def doubt(file: SceneFile, document: Document) -> str:

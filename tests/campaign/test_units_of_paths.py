@@ -11,8 +11,7 @@ import gfmd_numba
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import load_scene
 from support.command_line import gfmd, unfolded
 

@@ -1,35 +1,19 @@
-"""What `gfmd solve` writes of a contact: a dataset of one loading, or of all steps of a path."""
+"""Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
 
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.contact import branch, law_resolution, rough_bodies_dataset
+from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.dataset import (
-    PRESCRIBED,
-    cf_attributes,
-    contact_dataset,
-    dropped_effects,
-    indexed,
-    load_attributes,
-    scales,
-    units,
-)
 from gfmd_numba.contact.edges import edge
-from gfmd_numba.contact.path_measures import PathRecord
-from gfmd_numba.contact.path_observables import recorded_along
-from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
-from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.solution import condensed_stiffness
-from gfmd_numba.contact.state import Contact, Followed
-from gfmd_numba.contact.two_step import Pressed
-from gfmd_numba.scene import Scene
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.roughness import statistics
 from gfmd_numba.text.si_prefix import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
@@ -37,91 +21,13 @@ LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 _UNKNOWN_EDGES = 0.05  # of the contact area
-
-
-def path_dataset(
-    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact | Pressed]
-) -> xr.Dataset:
-    """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
-
-    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
-    attribute `validity` holds the reasons to doubt the result, one sentence a line.
-    """
-    file = given.file
-    record, steps = PathRecord(), []
-    for at_load, each in zip(problem.at_each_load, solved, strict=False):
-        contact = each if isinstance(each, Contact) else each.contact
-        steps.append(step_dataset(given, at_load, each))
-        is_ok = bool(steps[-1]["status"] == Status.ok)
-        if file.path:
-            record.add(at_load, each, is_ok)
-        if contact.followed is not None:
-            _add_followed(steps[-1], given, at_load, contact, contact.followed)
-        if not is_ok:
-            break
-    dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
-    if file.path:
-        _add_record(dataset, given, record)
-    if file.scene.interface.reaches_across:
-        resolution = law_resolution.resolution(problem)
-        dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
-    dataset.attrs |= {
-        "scene": file.model_dump_json(),
-        "solver": problem.numerics.solver,
-        "dropped_effects": dropped_effects(effects),
-        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
-    }
-    return dataset
-
-
-def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
-    """Fields and observables of one step in SI units over x, or (y, x)."""
-    scene, surfaces = given.file.scene, given.surfaces
-    contact = solved if isinstance(solved, Contact) else solved.in_plane
-    step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
-    if isinstance(solved, Pressed) and surfaces.bodies is not None:
-        rough_bodies_dataset.add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)
-    return step
-
-
-def _add_followed(
-    step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
-) -> None:
-    """Add the load at the largest jump of a step of a path, and how stable its end is."""
-    scene = given.file.scene
-    scale, unit = scales(scene, given.surfaces.rms_gradient), units(scene)
-    name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
-    found = {f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at)}
-    if scene.interface.couples:
-        sliding = "tangential displacement of the punch at the largest jump since the last step"
-        found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
-    curvature = branch.stability(problem, contact)
-    if curvature is not None:
-        found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
-    step.update(
-        {
-            key: ((), value * scale[of], cf_attributes(long_name, unit[of]))
-            for key, (of, long_name, value) in found.items()
-        }
-    )
-
-
-def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
-    """Add what is recorded along a path to its dataset."""
-    scene = given.file.scene
-    scale, unit, of_path = scales(scene, given.surfaces.rms_gradient), units(scene), record.of_path()
-    found, of_steps = {}, record.of_steps()
-    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
-        dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
-        found[name] = (dims, values[name] * scale[row.unit], cf_attributes(row.long_name, unit[row.unit]))
-    dataset.update(found)
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 
 
 def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
-    rough = "" if bodies is None else rough_bodies_dataset.doubt(bodies, order, dataset)
+    rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
     own = (doubt(given, dataset) for doubt in (_beyond_small_strains, _past_asperities, _overlap, _rounded_heights))
@@ -235,30 +141,45 @@ def _rounded_heights(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
-    return indexed(
-        xr.concat(
-            steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
-        )
+def doubt_of_bodies(
+    bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
+) -> str:
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
+
+    `displacement` names the normal one in the dataset that was found.
+    """
+    return "\n".join(
+        filter(None, (_of_steep_bodies(bodies, found, displacement), too_thin(bodies) if order == 0 else ""))
     )
 
 
-def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
-    """Return the dataset with the loading of each step of a path as coordinates; a load also as p/(g E*)."""
-    attributes = load_attributes(given.file.scene)
-    found: dict[str, list[float]] = {}
-    for scene, sliding in steps_of(given.file.scene, given.file.path):
-        for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
-            found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if not given.file.path:
-        found = {name: values for name, values in found.items() if name not in SLIDING}
-        return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
-    n = dataset.sizes["step"]
-    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacement: str) -> str:
+    steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
+    if steepest <= STEEPEST:
+        return ""
+    error, unit = float(found["next_order"].max()), found["next_order"].units
+    largest = float(abs(found[displacement]).max()) or 1.0
+    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
+    return (
+        f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
+        f"the next order in the slope would change displacements by up to {off}, and the error is of that size"
+    )
 
 
-def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
-    load = reduced_pressure(scene, rms_gradient, contact_modulus(scene))
-    reduced = {} if load is None else {"reduced_pressure": load}
-    own = {name: float(value) for name, value in scene.loading if value is not None}
-    return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))
+def too_thin(bodies: Sequence[RoughBody]) -> str:
+    """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
+    body = max(bodies, key=change_of_thickness, default=None)
+    change = 0.0 if body is None else change_of_thickness(body)
+    if body is None or change < THICKNESS:
+        return ""
+    if body.elastic.stack is not None:
+        return (
+            f"the roughness of a deformable body changes the thickness of its topmost layer by up to {change:.2g} of "
+            "it, which order 0 leaves out, as if the interface below followed the surface: if it is flat, take a "
+            "numerics.topography_order of 1 or 2"
+        )
+    return (
+        f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
+        f"out: pressures are off by about that share, or twice that near a Poisson's ratio of 1/2; "
+        "take a numerics.topography_order of 1 or 2"
+    )

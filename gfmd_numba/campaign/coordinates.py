@@ -6,7 +6,6 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
 from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import Scene
@@ -41,7 +40,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         for axis in axes:
             columns[axis.coordinate].append(axis.value(scene, case.discretisation))
         if reduced:
-            columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient, contact_modulus(scene)))
+            columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient))
         dimensions.append(scene.dimension)
     return {
         "case_id": [case.problem.identity for case in cases],

@@ -330,7 +330,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
 
 
 def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
-    load = reduced_pressure(scene, rms_gradient, contact_modulus(scene))
+    load = reduced_pressure(scene, rms_gradient)
     reduced = {} if load is None else {"reduced_pressure": load}
     own = {name: float(value) for name, value in scene.loading if value is not None}
     return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

@@ -19,16 +19,16 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 SLIDING = ("sliding", "sliding_y")
 
 
-def reduced_pressure(scene: Scene, rms_gradient: float, modulus: float) -> float | None:
+def reduced_pressure(scene: Scene, rms_gradient: float) -> float | None:
     """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
 
-    A line load acts on the length L_x, a force on the area L_x^2. `modulus` is the contact modulus of the scene in Pa.
-    Raises ValueError for a load beyond all measure for the gradient and the modulus, or that a hardness cannot bear.
+    A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
+    the gradient and the contact modulus, or one that a hardness cannot bear.
     """
     loading = scene.loading
     if loading.displacement is not None:
         return None
-    true_modulus = modulus / stiffness_scale(scene)
+    true_modulus = contact_modulus(scene) / stiffness_scale(scene)
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
     found = load / unit
@@ -40,14 +40,14 @@ def reduced_pressure(scene: Scene, rms_gradient: float, modulus: float) -> float
     return rounded(found)
 
 
-def reduced_load(scene: Scene, rms_gradient: float, modulus: float) -> float:
+def reduced_load(scene: Scene, rms_gradient: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
 
     Raises ValueError as `reduced_pressure` does.
     """
     if scene.loading.displacement is not None:
         return reduced_length(scene.loading.displacement, scene, rms_gradient)
-    pressure = reduced_pressure(scene, rms_gradient, modulus)
+    pressure = reduced_pressure(scene, rms_gradient)
     assert pressure is not None  # a load is prescribed
     return pressure / stiffness_scale(scene)
 
@@ -62,7 +62,7 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
 
     Raises ValueError as `reduced_pressure` does.
     """
-    load = reduced_load(scene, rms_gradient, contact_modulus(scene))
+    load = reduced_load(scene, rms_gradient)
     return LoadStep(load, tuple(reduced_length(way, scene, rms_gradient) for way in sliding))
 
 

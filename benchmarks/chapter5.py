@@ -9,7 +9,9 @@ from inner_fields import inside
 from gfmd_numba.contact import problem
 from gfmd_numba.contact import two_step as rough_bodies
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body import RoughBody
+from gfmd_numba.contact.rough_surfaces import RoughBody
+from gfmd_numba.contact.slopes import Slopes
+from gfmd_numba.contact.state import State
 from gfmd_numba.elasticity import fields, stiffness, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -84,7 +86,8 @@ def two_step(case, order):
     """Surface `[NX]`, what was solved, and the surface from which fields inside follow."""
     profile, gradient = problem.given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
-    pressed = rough_bodies.solve(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order)
+    slopes = Slopes(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order, None)
+    pressed = rough_bodies.solve(asked, State.untouched(profile.heights[np.newaxis], (slopes,)))
     equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name
     pressure = equilibrium.pressure[0] * gradient

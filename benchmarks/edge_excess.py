@@ -6,8 +6,8 @@ the body's own symbol, in nodes an edge (maps: a side), and the rms of the last 
 
 import numpy as np
 
-from gfmd_numba.contact import contact_area
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact import evaluation
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -29,7 +29,7 @@ def pressed(punch, body, load):
     )
     symbols = half_space, body.condensed_stiffness
     made = [Contact(-punch[np.newaxis], punch[np.newaxis], found, stiffness=symbol) for symbol in symbols]
-    areas = [contact_area.contact_area_fraction_counted(made[0]), *map(contact_area.contact_area_fraction, made)]
+    areas = [evaluation.contact_area_fraction_counted(made[0]), *map(evaluation.contact_area_fraction, made)]
     return made[1], np.array(areas)[:, 0], found.status[0] == Status.ok
 
 
@@ -65,13 +65,13 @@ def row(name, make, nx, finer, body, loads, hurst, shortest, seeds):
             if not (ok and fine_ok):
                 print("   not converged:", name, seed, load)
                 continue
-            sides = sum(contact_area.perimeter(made))[0] if coarse.ndim == 2 else 2 * contact_area.n_segments(made)[0]
+            sides = sum(evaluation.perimeter(made))[0] if coarse.ndim == 2 else 2 * evaluation.n_segments(made)[0]
             found.append([*((areas - truth[2]) * coarse.size), sides])
-            said = contact_area.contact_area_fraction_error(made)[0] * coarse.size
+            said = evaluation.contact_area_fraction_error(made)[0] * coarse.size
             if said != 0.0:  # in full contact
                 off.append((areas[1:] - truth[2]) * coarse.size / said)
     found, off = np.array(found), np.sqrt(np.mean(np.square(off), axis=0))
-    made_of = contact_area.edge(made)
+    made_of = evaluation.edge(made)
     excess = made_of.excess if coarse.ndim == 1 else made_of.of_sides[0]
     share = found[:, :3].sum(axis=0) / found[:, 3].sum()
     print(

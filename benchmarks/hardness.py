@@ -9,10 +9,10 @@ import time
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.contact_area import contact_area_fraction, contact_area_fraction_counted
-from gfmd_numba.contact.load_path import solve_steps
+from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact, LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -124,9 +124,11 @@ def along(
 ) -> list[Contact]:
     """The contacts along a path of mean pressures, or of displacements."""
     wall, options = Interactions(True, hardness=hardness), Options(solver)
-    prescribed = ((None, float(load)) if displaced else (float(load), None) for load in loads)
-    problems = [Problem(surface, body, wall, *each, options) for each in prescribed]
-    return [each for each in solve_steps(problems, [(0.0,)] * len(problems), 0) if isinstance(each, Contact)]
+    first, *others = (float(load) for load in loads)
+    path = tuple(LoadStep(load, (0.0,) * len(surface.shape)) for load in others)
+    prescribed = (None, first) if displaced else (first, None)
+    problem = Problem(surface, body, wall, *prescribed, options, path=path)
+    return [each for each in solve_path(problem, 0) if isinstance(each, Contact)]
 
 
 if __name__ == "__main__":

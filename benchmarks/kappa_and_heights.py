@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid

@@ -172,18 +172,18 @@ def follow(kind, seed, solver="auto"):
     scene = random_scene(kind, seed)
     scene["numerics"]["solver"] = solver
     try:
-        path = load_path(read_contact(*load_scene(scene)))
+        whole, _ = load_path(read_contact(*load_scene(scene)))
     except InputError as error:
         known = any(word in str(error) for word in ("resolve", "room", "snap"))  # of what solves none
         return None if known else sys.exit(f"{seed}: {error}")
     before, worst, spent, status = None, 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore", category=UserWarning):
-        for problem, (sliding,), contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
+        for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
             spent.append((int(contact.equilibrium.n_transforms[0]), int(contact.equilibrium.n_iterations[0])))
             if status != Status.ok:
                 break
-            found, rounding = violation(problem, contact, sliding, before)
+            found, rounding = violation(problem, contact, problem.sliding[0], before)
             worst = max(worst, found / (1.01 * problem.numerics.residual + 4.0 * rounding))
             before = contact.equilibrium
     return status, worst, spent

@@ -92,15 +92,15 @@ def follow(kind, seed):
 
 def follow_scene(scene):
     """The same of a given scene; raises InputError."""
-    path = load_path(read_contact(*load_scene(scene)))
+    whole, _ = load_path(read_contact(*load_scene(scene)))
     worst, spent, status = 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore"):
-        for problem, sliding, contact in zip(path.problems, path.sliding, solve_path(path), strict=True):
+        for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):
             status = Status(int(contact.equilibrium.status[0]))
             spent.append(int(contact.equilibrium.n_transforms[0]))
             if status != Status.ok:
                 break
-            found, rounding = violation(problem, contact, sliding)
+            found, rounding = violation(problem, contact, problem.sliding)
             worst = max(worst, found / (1.01 * problem.numerics.residual + 4.0 * rounding))
     return status, worst, spent
 

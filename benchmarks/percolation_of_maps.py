@@ -11,7 +11,7 @@ import numpy as np
 
 from gfmd_numba.analysis.connected_regions import connects
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.contact_area import contact_area_fraction, contact_area_fraction_counted
+from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions

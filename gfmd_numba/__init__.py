@@ -76,7 +76,7 @@ def load_curve(
     """
     from gfmd_numba.scene import load_scene
     from gfmd_numba.scene.scene_file import with_heights
-    from gfmd_numba.simulate.curve_dataset import load_curve as curve_of
+    from gfmd_numba.simulate.curve import load_curve as curve_of
 
     return _warned(
         curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), loads, realisations)

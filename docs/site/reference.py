@@ -133,8 +133,7 @@ def commands_page(group: click.Group) -> str:
 def files_page() -> str:
     """Return the page of what results hold, from the tables of observables and axes."""
     from gfmd_numba.campaign.axes import AXES
-    from gfmd_numba.contact.observables import OBSERVABLES
-    from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+    from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 
     symbols = {"E*/stiffness": "1", "gradient": "1", "height": "m", "pressure": "Pa", "energy": "J m-2"}
 

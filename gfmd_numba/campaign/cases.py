@@ -13,11 +13,11 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
-from gfmd_numba.contact.bodies import contact_modulus
-from gfmd_numba.contact.prescribed_load import reduced_load, reduced_sliding, steps_of
-from gfmd_numba.contact.problem import Effect, LoadStep, Problem, RoughBodies, random_surface
+from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
@@ -212,14 +212,13 @@ def _reduced(
 
 def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
     """Yield the steps of the path after the first loading; raises InputError for a load that cannot be reduced."""
-    modulus = contact_modulus(scene)
     steps = islice(steps_of(scene, campaign.path), 1, None)
     for i, (changed, sliding) in enumerate(steps):
         try:
-            load = reduced_load(changed, rms_gradient, modulus)
+            step = reduced_step(changed, sliding, rms_gradient)
         except ValueError as error:
             raise _irreducible(f"path[{i}]", changed, error) from None
-        yield LoadStep(load, reduced_sliding(sliding, scene, rms_gradient))
+        yield step
 
 
 def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:

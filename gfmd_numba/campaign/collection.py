@@ -29,11 +29,15 @@ from gfmd_numba.contact.dataset import (
     scales,
     units,
 )
-from gfmd_numba.contact.observables import OBSERVABLES, Observable
+from gfmd_numba.contact.observables import (
+    OBSERVABLES,
+    PATH_OBSERVABLES,
+    ROUGH_BODY_OBSERVABLES,
+    Observable,
+    recorded_along,
+)
 from gfmd_numba.contact.path_measures import recorded_of as recorded_of_problem
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES, recorded_along
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
 from gfmd_numba.storage.atomic_file import write_dataset

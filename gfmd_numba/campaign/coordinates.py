@@ -10,15 +10,13 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.grid import Grid
-from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
 from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
-from gfmd_numba.scene.units import quantities
-from gfmd_numba.scene.units import WithUnit
+from gfmd_numba.scene.units import WithUnit, quantities
 from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.si_prefix import si_prefix
 
@@ -51,7 +49,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         for axis in axes:
             columns[axis.coordinate].append(axis.value(scene, case.discretisation))
         if reduced:
-            columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient, contact_modulus(scene)))
+            columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient))
         dimensions.append(scene.dimension)
     return {
         "case_id": [case.problem.identity for case in cases],

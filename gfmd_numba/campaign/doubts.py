@@ -11,9 +11,9 @@ from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.doubts import too_thin
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
-from gfmd_numba.contact.rough_bodies_dataset import too_thin
-from gfmd_numba.contact.rough_body import STEEPEST, rough_body
+from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.scene import Document
 from gfmd_numba.scene.document import Location

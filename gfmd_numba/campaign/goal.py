@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.limits import FixedExponents
-from gfmd_numba.contact.path_observables import (
+from gfmd_numba.contact.observables import (
     LIMITED,
     PATH_OBSERVABLES,
     needed_for,

@@ -20,8 +20,7 @@ from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.grid import doubt_of_numbers
 from gfmd_numba.campaign.measured_surfaces import Measurements, measured_scenes, said_of
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.source import Source

@@ -19,9 +19,10 @@ from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact import path_measures
 from gfmd_numba.contact.dataset import cf_attributes
-from gfmd_numba.contact.path_observables import recorded_along
-from gfmd_numba.contact.problem import LoadStep, Problem
+from gfmd_numba.contact.observables import recorded_along
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
@@ -142,13 +143,13 @@ def measured(problem: Problem, realisations: int) -> Measures:
 
 def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
     """Return the path of a problem with each step divided into equal ones."""
-    steps = [LoadStep(problem.load, (0.0,) * len(problem.surface.shape)), *problem.path]
     return tuple(
         LoadStep(
             before.load + share * (after.load - before.load),
             tuple(old + share * (new - old) for old, new in zip(before.sliding, after.sliding, strict=True)),
+            after.duration / number,
         )
-        for before, after in pairwise(steps)
+        for before, after in pairwise((problem.step, *problem.path))
         for share in (np.arange(1, number + 1) / number).tolist()
     )
 

@@ -36,7 +36,7 @@ def _variable_given(ctx: click.Context, param: click.Parameter, name: str | None
     """Return the name of a quantity that has a limit."""
     if name is None:
         return None
-    from gfmd_numba.contact.path_observables import LIMITED, why_no_limit
+    from gfmd_numba.contact.observables import LIMITED, why_no_limit
 
     if name not in LIMITED:
         allowed = f"one of {', '.join(map(repr, LIMITED))}"

@@ -97,8 +97,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import read_curve, solve_curve
-        from gfmd_numba.simulate.curve_dataset import curve_dataset
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
     picture, table = picture_path(output), companion(output, "table", ".csv")

@@ -163,7 +163,7 @@ def schema(kind: str) -> None:
     Markdown.
     """
     if kind == "combinations":
-        from gfmd_numba.contact.combinations_page import combinations_page
+        from gfmd_numba.contact.combinations import combinations_page
 
         click.echo(combinations_page(), nl=False)
         return

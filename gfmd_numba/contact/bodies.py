@@ -47,9 +47,8 @@ def elastic_body(body: Body, length: float | None) -> ElasticBody:
 
 def contact_modulus(scene: Scene | LoadedBody) -> float:
     """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
-    if isinstance(scene, LoadedBody) or scene.counter_body is None:
-        return effective_modulus(scene.body, scene.has_moduli)
-    return 1.0 / sum(1.0 / effective_modulus(body, in_pascal=True) for body in scene.deformable)
+    own = [effective_modulus(body, scene.has_moduli) for body in scene.deformable]
+    return own[0] if len(own) == 1 else 1.0 / sum(1.0 / each for each in own)
 
 
 def compliance_share(scene: Scene | LoadedBody, body: Body) -> float:
@@ -59,7 +58,7 @@ def compliance_share(scene: Scene | LoadedBody, body: Body) -> float:
 
 def stiffness_scale(scene: Scene | LoadedBody) -> float:
     """Factor by which all that deforms is stiffer than its moduli say."""
-    if isinstance(scene, LoadedBody) or scene.counter_body is None:
+    if len(scene.deformable) == 1:
         return scene.body.stiffness_scale
     softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in scene.deformable)
     return rounded(contact_modulus(scene) * softness)

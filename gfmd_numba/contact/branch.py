@@ -8,9 +8,8 @@ import numpy as np
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
-from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import NOTHING_LOST, Contact, Followed
+from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.stability import smallest_curvature
@@ -28,7 +27,7 @@ _MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 class _Point:
     problem: Problem
     contact: Contact
-    sliding: Sliding
+    after: State
 
     @cached_property
     def balance(self) -> Balance:
@@ -82,19 +81,15 @@ def is_followed(problem: Problem) -> bool:
     return problem.interface.softening > 0.0 and problem.numerics.solver == "truncated_newton"
 
 
-def follow(
-    problem: Problem, realisations: range, before: tuple[Problem, Contact, Sliding] | None, sliding: Sliding
-) -> Contact:
-    """Equilibrium of a problem, reached from that of the one before it if any, with what happened on the way.
-
-    `sliding` is the tangential displacement of the punch.
-    """
-    if before is None:
-        first = _Point(problem, solution.solve(problem, realisations, sliding=sliding), sliding)
-        yielded = float(plastic_work(first.contact)[0])
-        return replace(first.contact, followed=replace(NOTHING_LOST, lost=yielded, least_pressure=first.pressure))
+def follow(problem: Problem, state: State) -> Contact:
+    """Equilibrium of a problem, reached from a state, with what happened on the way."""
+    if state.last is None or state.last.step is None:
+        first = solution.solve(problem, state)
+        yielded, pressure = float(plastic_work(first)[0]), float(first.equilibrium.pressure[0].mean())
+        return replace(first, followed=replace(NOTHING_LOST, lost=yielded, least_pressure=pressure))
     spent: list[_Point] = []
-    point, steps = _advance(_Point(*before), problem, sliding, realisations, _DIVISIONS, 0.0, spent)
+    start = _Point(problem.under(state.last.step), state.last, state)
+    point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
     largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
     counted = {
@@ -108,18 +103,11 @@ def follow(
 
 
 def _advance(
-    start: _Point,
-    problem: Problem,
-    sliding: Sliding,
-    realisations: range,
-    divisions: int,
-    curved: float,
-    spent: list[_Point],
+    start: _Point, problem: Problem, divisions: int, curved: float, spent: list[_Point]
 ) -> tuple[_Point, list[Followed]]:
     """Go from a point to a problem in one step, or in two if it loses energy; `curved` may seem to be lost."""
-    dented = start.contact.plastic_depth
-    contact = solution.solve(problem, realisations, start.contact.equilibrium, sliding, dented=dented)
-    end = _Point(problem, contact, sliding)
+    contact = solution.solve(problem, start.after)
+    end = _Point(problem, contact, contact.after)
     spent.append(end)
     yielded = float(plastic_work(contact)[0])  # is lost for good, jump or not
     gained = end.balance.potential - start.balance.potential + yielded
@@ -129,15 +117,14 @@ def _advance(
         curved = _CURVED * 0.5 * abs(least + most)
     negligible = _LOST * (max(start.adhesion, end.adhesion) or np.inf)
     jumps = least - gained > negligible
-    halfway = 0.5 * (start.problem.load + end.problem.load)
-    middle_of = tuple(0.5 * (here + there) for here, there in zip(start.sliding, sliding, strict=True))
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost + yielded, np.nan)]
+    halfway = start.problem.step.halfway_to(problem.step)
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
-        at = Followed(lost + yielded, halfway, jump_sliding=middle_of[0])
+        at = Followed(lost + yielded, halfway.load, jump_sliding=halfway.sliding[0])
         return end, [at if jumps else Followed(lost + yielded, np.nan)]
-    half = problem.under(halfway)
-    middle, first = _advance(start, half, middle_of, realisations, divisions - 1, curved, spent)
-    end, second = _advance(middle, problem, sliding, realisations, divisions - 1, curved, spent)
+    middle, first = _advance(start, problem.under(halfway), divisions - 1, curved, spent)
+    rest = replace(problem, duration=problem.duration - halfway.duration)
+    end, second = _advance(middle, rest, divisions - 1, curved, spent)
     return end, first + second

@@ -1,21 +1,18 @@
-"""Results as xarray datasets in SI units: one contact, or a whole campaign."""
+"""What all datasets of results are made of: variables in the units of the file, each with its unit and long_name."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus, elastic_body, stiffness_scale
-from gfmd_numba.contact.evaluation import gap, measure
-from gfmd_numba.contact.finiteness import finite_status
-from gfmd_numba.contact.observables import Observable, recorded
-from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.solution import Contact
-from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
+from gfmd_numba.contact.evaluation import finite_status
+from gfmd_numba.contact.observables import Observable
+from gfmd_numba.contact.problem import Effect
+from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
@@ -23,7 +20,6 @@ from gfmd_numba.scene.quantities import (
     MEAN_PRESSURE,
     PUNCH_DISPLACEMENT,
     REDUCED_PRESSURE,
-    RMS_GRADIENT_TARGET,
 )
 from gfmd_numba.solvers import status
 
@@ -67,6 +63,42 @@ def units(scene: Scene | LoadedBody) -> dict[str, str]:
         "force": "N",
         "s": "s",
     }
+
+
+@dataclass(frozen=True)
+class Units:
+    """What each unit of a dimensionless problem is worth in a file, and what it is called there."""
+
+    worth: Mapping[str, float]
+    names: Mapping[str, str]
+
+    @classmethod
+    def of(cls, scene: Scene | LoadedBody, rms_gradient: float) -> "Units":
+        """Units of a scene with heights in units of a gradient."""
+        return cls(scales(scene, rms_gradient), units(scene))
+
+    def variable(
+        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
+    ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
+        """Variable of a dataset, in the unit of its file."""
+        return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+
+    def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
+        """Variable without dims of an observable."""
+        attributes = measure_attributes(name, self.names[row.unit], row.long_name)
+        return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
+
+    def positions(self, shape: tuple[int, ...], profile: str, length: float | None) -> dict[str, Any]:
+        """Coordinates of the nodes of a whole period; `profile` says along what those of a profile lie."""
+        ways = {1: (profile,), 2: AXES}[len(shape)]
+        return {
+            dim: (
+                dim,
+                np.arange(nodes) / nodes * (length or 1.0),
+                cf_attributes(f"position along {way}", self.names["height"]) | {POINTS: nodes},
+            )
+            for dim, way, nodes in zip(AXES[-len(shape) :], ways, shape, strict=True)
+        }
 
 
 def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
@@ -115,80 +147,6 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
     return attributes
 
 
-def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
-    """Fields over x, or (y, x), and scalars of the first realisation of a contact.
-
-    Displacements count from the unloaded body on a slab, and from their own mean on a half-space, whose mean
-    displacement has no reference.
-    """
-    scale, unit = scales(scene, rms_gradient), units(scene)
-    displacement = contact.equilibrium.displacement[0]
-    if problem.displacement is None:
-        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
-    if contact.deflected is not None:
-        displacement = displacement + contact.deflected[1]
-    fields = {
-        "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
-        "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
-        "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
-        "gap": ("height", "gap between the surfaces", gap(contact)[0]),
-    }
-    if problem.interface.hardness is not None:
-        of_punch = "depth by which the punch has been flattened, kept when it is unloaded"
-        fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
-    fields |= _tangential_fields(contact, problem.interface.friction is not None)
-    if problem.tractions is not None:
-        given = *problem.tractions.tangential, problem.tractions.normal
-        for component, values in zip(COMPONENTS[scene.dimension], given, strict=True):
-            long_name = f"prescribed traction on the body, {component.way}"
-            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
-    dims, along = AXES[-scene.dimension :], {1: ("the interface",), 2: AXES}[scene.dimension]
-    coordinates: dict[str, Any] = {}
-    for dim, way, nodes in zip(dims, along, contact.heights.shape[1:], strict=True):
-        attributes = cf_attributes(f"position along {way}", unit["height"]) | {POINTS: nodes}
-        coordinates[dim] = (dim, np.arange(nodes) / nodes * (scene.length or 1.0), attributes)
-    coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
-    variables: dict[str, Any] = {
-        name: (dims, values * scale[kind], cf_attributes(long_name, unit[kind]))
-        for name, (kind, long_name, values) in fields.items()
-    }
-    measures = measure(contact)
-    for name, row in recorded(problem.interface.hardness is not None).items():
-        attributes = measure_attributes(name, unit[row.unit], row.long_name)
-        variables[name] = ((), scaled(measures[name][0], scale[row.unit]), attributes)
-    if contact.equilibrium.growing_wave is not None:
-        attributes = measure_attributes("growing_wave", "1", "index of the wave that grew most before it was unstable")
-        variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
-    attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
-    dataset = xr.Dataset(variables, coordinates, attrs)  # at once: each addition aligns what is there
-    refuse_nonfinite(dataset)
-    return dataset
-
-
-def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
-    """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
-    tangential = contact.equilibrium.tangential
-    if tangential is None:
-        return {}
-    sideways = tangential.displacement[0]
-    if contact.deflected is not None:
-        sideways = sideways + contact.deflected[0]
-    kinds = {
-        "displacement": ("height", "tangential displacement of the body", sideways),
-        "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
-    }
-    ways = {"": " along x", "_y": " along y"} if len(sideways) > 1 else {"": ""}
-    fields = {
-        f"tangential_{kind}{suffix}": (unit, f"{long_name}{way}", values[i])
-        for kind, (unit, long_name, values) in kinds.items()
-        for i, (suffix, way) in enumerate(ways.items())
-    }
-    if rubs:
-        slid = vector_slip.length(tangential.slip[0])
-        fields["slip"] = ("height", "way a touching node has slid in this step, 0 where it sticks", slid)
-    return fields
-
-
 def refuse_nonfinite(dataset: xr.Dataset) -> None:
     """Change a status that is ok where a result of one run, in its units, is not finite."""
     results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
@@ -198,11 +156,6 @@ def refuse_nonfinite(dataset: xr.Dataset) -> None:
 def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
     """Values in file units; counts and flags keep their integer type."""
     return values if factor == 1.0 else values * factor
-
-
-def _uniform_compression(scene: Scene, problem: Problem) -> float:
-    uniform = float(elastic_body(scene.body, scene.length).condensed_stiffness(np.zeros(1))[0])
-    return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
 
 
 def campaign_dataset(

@@ -8,7 +8,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import elastic_energy, gap
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.interface import vector_slip
 
 

@@ -1,62 +1,35 @@
-"""The problems that a scene reduces to, one for each step of its loading, and their solution one after another."""
+"""The problem that a scene with its loading path reduces to, and its solution: a fold over the steps of the path."""
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from itertools import islice
 
 from gfmd_numba.contact import branch, solution, two_step
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.prescribed_load import Sliding, reduced_sliding, steps_of
+from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.two_step import Pressed
 
 
-@dataclass(frozen=True)
-class LoadPath:
-    """Problems in g L_x and g E* for one realisation, each with the tangential displacement of its punch.
-
-    `effects` says which effects of the scene are on, off, condensed or dropped.
-    """
-
-    problems: tuple[Problem, ...]
-    sliding: tuple[Sliding, ...]
-    realisation: int
-    effects: tuple[Effect, ...]
+def load_path(given: ContactInput) -> tuple[Problem, tuple[Effect, ...]]:
+    """Dimensionless problem of a scene with the steps of its path, and what became of each of its effects."""
+    file, surfaces, gradient = given.file, given.surfaces, given.surfaces.rms_gradient
+    problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, given.tractions, surfaces.rough)
+    steps = islice(steps_of(file.scene, file.path), 1, None)
+    return replace(problem, path=tuple(reduced_step(*step, gradient) for step in steps)), effects
 
 
-def load_path(given: ContactInput) -> LoadPath:
-    """Dimensionless problems of a scene at its own loading, then after each change of its path."""
-    file, surfaces = given.file, given.surfaces
-    steps = list(steps_of(file.scene, file.path))
-    reduced = [
-        reduce(scene, surfaces.surface, surfaces.rms_gradient, file.numerics, given.tractions, surfaces.rough)
-        for scene, _ in steps
-    ]
-    problems = tuple(problem for problem, _ in reduced)
-    sliding = tuple(reduced_sliding(sliding, file.scene, surfaces.rms_gradient) for _, sliding in steps)
-    return LoadPath(problems, sliding, file.realisation, reduced[-1][1])
-
-
-def solve_path(path: LoadPath) -> Iterator[Contact | Pressed]:
-    """Equilibrium of each step, begun where the last one ended."""
-    yield from solve_steps(path.problems, path.sliding, path.realisation)
-
-
-def solve_steps(
-    problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int
-) -> Iterator[Contact | Pressed]:
-    """Equilibrium at each of several loads of a realisation, begun where the last one ended."""
-    if problems[0].rough is not None:
-        yield from two_step.solve_steps(problems, sliding, realisation)
-        return
-    one = range(realisation, realisation + 1)
-    last: tuple[Problem, Contact, Sliding] | None = None
-    for problem, slid in zip(problems, sliding, strict=True):
-        if len(problems) > 1 and branch.is_followed(problem):
-            contact = branch.follow(problem, one, last, slid)
-        else:
-            before, dented = (None, 0.0) if last is None else (last[1].equilibrium, last[1].plastic_depth)
-            contact = solution.solve(problem, one, before, slid, dented=dented)
-        last = problem, contact, slid
-        yield contact
+def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed]:
+    """Equilibrium of a realisation at each load of a path, begun in the state that the last step has left."""
+    solve: Callable[[Problem, State], Contact | Pressed] = solution.solve
+    if problem.rough is not None:
+        state, solve = two_step.begin(problem, realisation), two_step.solve
+    else:
+        state = solution.begin(problem, range(realisation, realisation + 1))
+        solve = branch.follow if problem.path and branch.is_followed(problem) else solution.solve
+    for at_load in problem.at_each_load:
+        solved = solve(at_load, state)
+        yield solved
+        state = solved.after

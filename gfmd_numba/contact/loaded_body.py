@@ -1,26 +1,49 @@
-"""A body that is loaded and displaced without a punch: what its file prescribes, as a dimensionless problem."""
+"""A body that is loaded and displaced without a punch: from its file to a problem, its solution and a dataset.
 
-from dataclasses import dataclass
+A rough body is the flat one, and what its topography adds.
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
+import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.bodies import contact_modulus, elastic_body
+from gfmd_numba.contact.contact_dataset import forming_tractions
 from gfmd_numba.contact.contact_input import check_rules, with_measured
+from gfmd_numba.contact.dataset import (
+    CONVENTIONS,
+    Units,
+    modulus_attributes,
+    refuse_nonfinite,
+)
+from gfmd_numba.contact.doubts import doubt_of_bodies
+from gfmd_numba.contact.observables import OBSERVABLES, ROUGH_BODY_OBSERVABLES
+from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_body import RoughBody
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
 from gfmd_numba.contact.tractions import balanced, read_boundary
+from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
 from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.memory import arrays_of_a_loaded_body, beyond_memory
+from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import able
 
 Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa and m, or E* and L_x
+
+_MOST_ROUNDS = 30
+_TOLD = {
+    "residual": "largest unbalanced traction over the largest traction",
+    "n_transforms": "fast Fourier transforms of the surface",
+}
 
 
 @dataclass(frozen=True)
@@ -113,3 +136,102 @@ def _check_memory(document: Document, place: Location, shape: tuple[int, ...], f
     arrays = arrays_of_a_loaded_body(len(shape), file.slope_order)
     if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays):
         raise document.error(place, document.value(place), allowed)
+
+
+@dataclass(frozen=True)
+class Loaded:
+    """Displacements and tractions of the surface, and what the next order would add to any displacement (L_x).
+
+    Tractions count per area of the mean plane. The error of a flat body is 0.
+    """
+
+    deformed: Deformed
+    next_order: float = 0.0
+
+
+def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
+    """Displacements and tractions of the surface.
+
+    A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
+    are prescribed, that repeats until it stands still to the residual of the problem, or the run is not converged.
+    """
+    response, given = problem.body.response(problem.traction.shape[1:]), problem.displacement
+    if problem.heights is None:
+        return Loaded(deform(response, problem.traction, given, problem.options))
+    held, added = ~np.isnan(given), np.zeros_like(given)
+    spent: list[tuple[int, int, float]] = []
+    for _ in range(_MOST_ROUNDS):
+        flat = deform(response, problem.traction, given - added, problem.options)
+        spent.append((flat.n_iterations, flat.n_transforms, flat.wall_time))
+        new, _ = _response(problem, problem.heights, flat.traction, problem.order)
+        total = np.where(held, given, flat.displacement + new)
+        enough = problem.options.residual * float(abs(total).max())
+        is_still = not held.any() or float(abs(new - added)[held].max()) <= enough
+        if is_still or flat.status != Status.ok:
+            break
+        added = new
+    status = flat.status if is_still or flat.status != Status.ok else Status.too_steep
+    iterations, transforms, seconds = (sum(of_rounds) for of_rounds in zip(*spent, strict=True))
+    deformed = replace(
+        flat,
+        displacement=total,
+        status=status,
+        n_iterations=int(iterations),
+        n_transforms=int(transforms),
+        wall_time=float(seconds),
+    )
+    _, next_order = _response(problem, problem.heights, flat.traction, problem.order + 1)
+    return Loaded(deformed, next_order)
+
+
+def _response(problem: BoundaryValueProblem, heights: Reals, traction: Reals, order: int) -> tuple[Reals, float]:
+    """What the topography adds to the displacement `[component, (y,) x]`, and the part of the highest order."""
+    found = topography.respond(-traction[-1], heights, problem.body, order, traction[:-1])
+    assert found.along is not None  # as tractions along the surface are given
+    return np.stack([*found.along, found.u3]), found.highest_order
+
+
+def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
+
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
+    """
+    file, deformed, scene = given.file, loaded.deformed, given.file.scene
+    unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
+    found = {}
+    for kind, quantity, values in (
+        ("height", "displacement", deformed.displacement),
+        ("pressure", "traction", deformed.traction),
+    ):
+        for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
+            long_name = f"{component.name} {quantity} of the body, {component.way}"
+            found[component.key(quantity)] = unit.variable(dims, kind, long_name, of_nodes)
+    if given.rough is not None:
+        outwards = "topography of the body, peaks outwards"
+        found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
+        for name, kind, long_name, values in forming_tractions(given.rough, problem.order):
+            found[name] = unit.variable(dims, kind, long_name.format("body"), values)
+        row = ROUGH_BODY_OBSERVABLES["next_order"]
+        found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
+    for name, value in (
+        ("status", np.int8(deformed.status)),
+        ("residual", deformed.residual),
+        ("n_iterations", deformed.n_iterations),
+        ("n_transforms", deformed.n_transforms),
+        ("wall_time", deformed.wall_time),
+    ):
+        row = OBSERVABLES[name]
+        told = replace(row, long_name=_TOLD.get(name, row.long_name))
+        found[name] = unit.measure(name, told, value)
+    attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
+    attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
+    positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
+    dataset = xr.Dataset(found, positions, attributes)
+    refuse_nonfinite(dataset)
+    sentences = implausible(scene)
+    if given.rough is not None:
+        sentences += [sentence for surface in given.measured for sentence in surface.doubts]
+        sentences.append(doubt_of_bodies((given.rough,), problem.order, dataset, "normal_displacement"))
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+    dataset.attrs["validity"] = "\n".join(filter(None, sentences))
+    return dataset

@@ -1,7 +1,13 @@
-"""The table of observables: what is recorded of every contact, with units and meaning; pure data."""
+"""The tables of observables: what is recorded of contacts, of rough bodies and along paths, with units and meaning.
 
-from dataclasses import dataclass
+Pure data, and what it says of a scene.
+"""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
+
+from gfmd_numba.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -9,9 +15,10 @@ class Observable:
     """A recorded quantity: what it tells of, its unit and its meaning.
 
     Units are 1, g, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a `stiffness_scale`.
-    `function` is "module:function" of a contact, None for what its equilibrium says under that name. One that is
-    `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One
-    that `needs_hardness` is recorded of contacts with a hardness alone.
+    `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a run the equilibrium
+    has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0,
+    or unknown on maps. One that `needs_hardness` is recorded of contacts with a hardness alone, and one of a path where
+    what it `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
@@ -26,6 +33,7 @@ class Observable:
     needs_hardness: bool = False
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
+    needs: Literal["", "drag", "drag of maps", "friction", "loss", "tension"] = ""
 
     @property
     def without_limit(self) -> str:
@@ -35,21 +43,18 @@ class Observable:
 
 _ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
 _OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
-_AREA, _CONTACT = "gfmd_numba.contact.contact_area", "gfmd_numba.contact.evaluation"
 
 OBSERVABLES = {
     "kappa": Observable(
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area corrected for its edges",
-        f"{_CONTACT}:kappa",
         undefined_at_times=True,
     ),
     "kappa_residual_error": Observable(
         "contact",
         "E*/stiffness",
         "largest change of kappa to expect from the residual of the solver",
-        f"{_CONTACT}:kappa_residual_error",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
@@ -57,62 +62,41 @@ OBSERVABLES = {
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
-        f"{_CONTACT}:kappa_counted",
         undefined_at_times=True,
     ),
     "kappa_r": Observable(
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
-        f"{_CONTACT}:kappa_r",
         undefined_at_times=True,
     ),
     "contact_area_fraction": Observable(
-        "contact",
-        "1",
-        "contact length over L_x, or area over L_x^2, corrected for its edges",
-        f"{_AREA}:contact_area_fraction",
-        held="load",
+        "contact", "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
     ),
-    "contact_area_fraction_counted": Observable(
-        "contact", "1", "touching nodes over all nodes", f"{_AREA}:contact_area_fraction_counted", held="load"
-    ),
+    "contact_area_fraction_counted": Observable("contact", "1", "touching nodes over all nodes", held="load"),
     "contact_area_fraction_error": Observable(
         "contact",
         "1",
         "standard deviation of contact_area_fraction by edges between the nodes of profiles",
-        f"{_AREA}:contact_area_fraction_error",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
     "plastic_area_fraction": Observable(
-        "contact",
-        "1",
-        "nodes at the hardness over all nodes",
-        f"{_AREA}:plastic_area_fraction",
-        needs_hardness=True,
-        held="gradient",
+        "contact", "1", "nodes at the hardness over all nodes", needs_hardness=True, held="gradient"
     ),
     "mean_plastic_depth": Observable(
-        "contact",
-        "height",
-        "mean depth by which the punch has been flattened",
-        f"{_CONTACT}:mean_plastic_depth",
-        needs_hardness=True,
-        held="height",
+        "contact", "height", "mean depth by which the punch has been flattened", needs_hardness=True, held="height"
     ),
     "kappa_edges": Observable(
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
-        f"{_CONTACT}:kappa_edges",
         undefined_at_times=True,
     ),
     "kappa_edges_error": Observable(
         "contact",
         "E*/stiffness",
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
-        f"{_CONTACT}:kappa_edges_error",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
@@ -120,14 +104,12 @@ OBSERVABLES = {
         "contact",
         "1",
         "number of separate stretches of contact, or clusters of a map",
-        f"{_AREA}:n_segments",
         no_limit="contacts become ever more as eps_f and eps_t go to 0",
     ),
     "mean_segment_length": Observable(
         "contact",
         "1",
         "mean length of a stretch of contact over L_x, corrected for its edges",
-        f"{_AREA}:mean_segment_length",
         undefined_at_times=True,
         no_limit="contacts become ever smaller as eps_f and eps_t go to 0",
     ),
@@ -135,34 +117,26 @@ OBSERVABLES = {
         "contact",
         "energy",
         "elastic energy per nominal area of the deformation by the punch, beyond uniform compression",
-        f"{_CONTACT}:elastic_energy",
         held="height",
     ),
     "mean_pressure": Observable(
         "contact",
         "pressure",
         "mean contact pressure",
-        f"{_CONTACT}:mean_pressure",
         no_limit="the loading prescribes it, or a displacement does, for which its laws are not known",
     ),
     "peak_pressure": Observable(
         "contact",
         "pressure",
         "largest contact pressure",
-        f"{_CONTACT}:peak_pressure",
         no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
     ),
-    "mean_gap": Observable("contact", "height", "mean gap between the surfaces", f"{_CONTACT}:mean_gap", held="height"),
-    "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch", f"{_CONTACT}:rms_gradient"),
+    "mean_gap": Observable("contact", "height", "mean gap between the surfaces", held="height"),
+    "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
-        "contact",
-        "gradient",
-        "rms gradient of the punch over the contact",
-        f"{_CONTACT}:rms_gradient_contact",
-        undefined_at_times=True,
-        held="gradient",
+        "contact", "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
-    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", f"{_CONTACT}:nayak"),
+    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch"),
     "full_contact_pressure": Observable(
         "surface", "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)"
     ),
@@ -174,8 +148,118 @@ OBSERVABLES = {
     "n_transforms": Observable("run", "1", "fast Fourier transforms of the whole grid"),
     "wall_time": Observable("run", "s", "time spent in the solver"),
 }
+PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
+    "mean_tangential_traction": Observable(
+        "contact", "pressure", "mean tangential traction along x of the punch on the body", needs="drag"
+    ),
+    "mean_tangential_traction_y": Observable(
+        "contact", "pressure", "mean tangential traction along y of the punch on the body", needs="drag of maps"
+    ),
+    "stick_fraction": Observable(
+        "contact", "1", "touching nodes that stick over all touching nodes", undefined_at_times=True, needs="friction"
+    ),
+    "energy_lost": Observable(
+        "contact",
+        "energy",
+        "work since the last step less stored energy, per area; of friction, what slipping nodes lose",
+        needs="loss",
+    ),
+    "hysteresis": Observable(
+        "path", "energy", "energy lost along the path per area, of a closed path the area of its loop", needs="loss"
+    ),
+    "pull_off_pressure": Observable(
+        "path",
+        "pressure",
+        "largest mean tension while the punch is withdrawn, unknown where the path ends before it falls",
+        undefined_at_times=True,
+        needs="tension",
+    ),
+}
+ROUGH_BODY_OBSERVABLES = {
+    "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
+}
+OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
+LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
 def recorded(hardness: bool) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness."""
     return {name: row for name, row in OBSERVABLES.items() if hardness or not row.needs_hardness}
+
+
+def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:
+    """Rows of a contact as those of rough bodies: the surface is the sum of theirs, and an error is expected."""
+    named = {name: replace(row, long_name=row.long_name.replace(OF_PUNCH, OF_SUM)) for name, row in rows.items()}
+    return named | ROUGH_BODY_OBSERVABLES
+
+
+def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
+    """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
+
+    The energy is known of flat bodies, and of rough or two elastic bodies where order 0 is all there is. What a
+    hardness takes where nothing attracts is plastic work, which is always known.
+    """
+    interface = scene.interface
+    higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
+    attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
+    has = {
+        "drag": interface.couples,
+        "drag of maps": interface.couples and scene.dimension == 2,
+        "friction": interface.friction is not None,
+        "loss": ((interface.couples or attracts) and not higher_orders)
+        or (interface.hardness is not None and not attracts),
+        "tension": attracts and scene.loading.displacement is not None,
+    }
+    return {name: row for name, row in PATH_OBSERVABLES.items() if has[row.needs]}
+
+
+def needed_for(name: str) -> str:
+    """What a path needs to have a quantity that is recorded along it."""
+    return {
+        "drag": "a punch is dragged against friction or a law that holds sideways",
+        "drag of maps": "a punch is dragged along y on a map, against friction or a law that holds sideways",
+        "friction": "nodes stick or slip where there is friction",
+        "loss": "energy is lost by friction or attraction, and not known with a boundary or at a topography_order "
+        "above 0",
+        "tension": "a punch is pulled off against attraction by a prescribed displacement",
+    }[PATH_OBSERVABLES[name].needs]
+
+
+def why_no_limit(name: str) -> str:
+    """Why a recorded quantity never has a limit, as a clause with its name; nothing of any other name."""
+    row = (OBSERVABLES | PATH_OBSERVABLES).get(name)
+    return f"{name} has no limit, because {row.without_limit}" if row is not None and row.without_limit else ""
+
+
+def unheld(row: Observable, scene: Scene, varied: Collection[str]) -> str:
+    """Why a quantity becomes 0 or infinite in the limits of a scene that are varied; nothing where it does not.
+
+    With heights or gradients fixed, self-affine roughness keeps one of the two while eps_f and eps_t go to 0. A
+    hardness is a pressure, which has to keep its ratio to g E*.
+    """
+    if not {"eps_f", "eps_t"} & set(varied):
+        return ""
+    by_height = any(getattr(surface, "rms_height", None) is not None for surface in scene.surfaces.values())
+    control, held = scene.loading.control, row.held
+    if held in ("", "load") and scene.interface.hardness is not None:
+        held = "gradient"
+    grows = "with a fixed rms_height the gradient g grows without bound as eps_f and eps_t go to 0"
+    if held == "gradient" and by_height:
+        return f"{grows}; give the roughness an rms_gradient"
+    if held == "load" and by_height and control != "reduced_pressure":
+        return f"{grows}, and p / (g E*) falls to 0; give the roughness an rms_gradient"
+    if by_height and control == "reduced_pressure" and row.unit in ("pressure", "energy", "height"):
+        return "with a fixed rms_height and reduced_pressure the pressure grows with the gradient; give a pressure"
+    if held != "height":
+        return ""
+    if not by_height:
+        return (
+            "with a fixed rms_gradient the heights vanish as eps_f and eps_t go to 0; give the roughness an rms_height "
+            "and the load as a pressure, and vary eps_c and eps_f alone"
+        )
+    if "eps_t" in varied:
+        return (
+            "with a fixed rms_height the roughness becomes ever steeper as eps_t goes to 0; give a reference, and "
+            "limits without eps_t"
+        )
+    return ""

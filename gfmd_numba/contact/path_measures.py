@@ -9,12 +9,11 @@ import numpy.typing as npt
 
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
-from gfmd_numba.contact.load_path import solve_steps
-from gfmd_numba.contact.observables import Observable, recorded
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body_observables import recorded_of_rough_bodies
-from gfmd_numba.contact.solution import Contact, solve
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
@@ -119,7 +118,7 @@ def measured(problem: Problem, realisations: range) -> Measures:
         return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
     if problem.rough is None:
         return measure(solve(problem, realisations))
-    found = [_measure(problem, next(solve_steps([problem], [()], realisation))) for realisation in realisations]
+    found = [_measure(problem, next(solve_path(problem, realisation))) for realisation in realisations]
     return {name: np.concatenate([each[name] for each in found]) for name in found[0]}
 
 
@@ -141,10 +140,8 @@ def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
 
 def _along(problem: Problem, realisation: int) -> Measures:
     """Measures of one realisation: `[step]` of the contact, `[]` of all else."""
-    problems = loads_of(problem)
-    sliding = ((0.0,) * len(problem.surface.shape), *(step.sliding for step in problem.path))
     record, found = PathRecord(), []
-    for one, solved in zip(problems, solve_steps(problems, sliding, realisation), strict=False):
+    for one, solved in zip(problem.at_each_load, solve_path(problem, realisation), strict=False):
         found.append(_measure(one, solved))
         is_ok = bool(found[-1]["status"][0] == Status.ok)
         record.add(one, solved, is_ok)
@@ -163,8 +160,3 @@ def _along(problem: Problem, realisation: int) -> Measures:
 def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:
     """Values of the first of so many steps, not-a-number for the others."""
     return np.concatenate([values, np.full(steps - len(values), nan)])
-
-
-def loads_of(problem: Problem) -> tuple[Problem, ...]:
-    """The problem at each load of its path, without the path."""
-    return tuple(problem.under(load) for load in (problem.load, *(step.load for step in problem.path)))

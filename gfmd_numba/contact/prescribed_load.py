@@ -1,10 +1,14 @@
-"""What a loading prescribes at each step: the mean pressure in units of g E*, whatever units it is given in."""
+"""What a loading prescribes at each step, in units of g E* and g L_x, and what mean pressure a hardness bears.
 
-from collections.abc import Iterable, Iterator
+That is less than the pressure at which every node would be plastic.
+"""
 
-from gfmd_numba.contact.bearable_pressure import at_most, plastic_pressure
-from gfmd_numba.contact.bodies import stiffness_scale
-from gfmd_numba.scene import Scene
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
+from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.scene import Document, Interface, Random, Scene
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_unit_of, quantities, rounded
@@ -14,16 +18,16 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 SLIDING = ("sliding", "sliding_y")
 
 
-def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) -> float | None:
+def reduced_pressure(scene: Scene, rms_gradient: float) -> float | None:
     """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
 
-    A line load acts on the length L_x, a force on the area L_x^2. `contact_modulus` is that of the scene in Pa. Raises
-    ValueError for a load beyond all measure for the gradient and the modulus, or one that a hardness cannot bear.
+    A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
+    the gradient and the contact modulus, or one that a hardness cannot bear.
     """
     loading = scene.loading
     if loading.displacement is not None:
         return None
-    true_modulus = contact_modulus / stiffness_scale(scene)
+    true_modulus = contact_modulus(scene) / stiffness_scale(scene)
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
     found = load / unit
@@ -35,14 +39,14 @@ def reduced_pressure(scene: Scene, rms_gradient: float, contact_modulus: float) 
     return rounded(found)
 
 
-def reduced_load(scene: Scene, rms_gradient: float, contact_modulus: float) -> float:
+def reduced_load(scene: Scene, rms_gradient: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
 
     Raises ValueError as `reduced_pressure` does.
     """
     if scene.loading.displacement is not None:
         return reduced_length(scene.loading.displacement, scene, rms_gradient)
-    pressure = reduced_pressure(scene, rms_gradient, contact_modulus)
+    pressure = reduced_pressure(scene, rms_gradient)
     assert pressure is not None  # a load is prescribed
     return pressure / stiffness_scale(scene)
 
@@ -52,9 +56,13 @@ def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
     return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
 
 
-def reduced_sliding(sliding: Sliding, scene: Scene, rms_gradient: float) -> Sliding:
-    """Tangential displacement of the punch (m or L_x of the scene) in g L_x."""
-    return tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
+def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
+    """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
+
+    Raises ValueError as `reduced_pressure` does.
+    """
+    load = reduced_load(scene, rms_gradient)
+    return LoadStep(load, tuple(reduced_length(way, scene, rms_gradient) for way in sliding))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:
@@ -67,3 +75,66 @@ def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Slidin
         sliding = asked[: scene.dimension]
         scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
         yield scene, sliding
+
+
+def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] | None = None) -> float | None:
+    """Pressure of a plastic spot in Pa (E* without moduli): the hardness less what a law pulls at no gap.
+
+    The least one of a grid; None without a hardness.
+    """
+    grid, law = grid or {}, interface.exponential
+    hardnesses = grid.get("hardness", () if interface.hardness is None else (interface.hardness,))
+    if not hardnesses:
+        return None
+    if law is None:
+        return min(hardnesses)
+    works, ranges = grid.get("work_of_adhesion", (law.work_of_adhesion,)), grid.get("interaction_range", (law.range,))
+    return min(hardnesses) - max(max(works) / length for length in (min(ranges), max(ranges)))
+
+
+def at_most(interface: Interface) -> str:
+    """Say what the mean pressure of a wholly plastic contact is."""
+    less = "" if interface.exponential is None else ", less what the exponential law pulls at no gap"
+    return f"the mean pressure is the hardness itself{less}"
+
+
+def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]) -> None:
+    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness cannot bear.
+
+    Surfaces of an rms height have no gradient before they are made: reduction refuses their reduced pressures.
+    """
+    plastic = plastic_pressure(scene.interface, grid)
+    if plastic is None:
+        return
+    for location, pressure in _prescribed("pressure", scene, path, grid):
+        if pressure >= plastic:
+            allowed = f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {at_most(scene.interface)}"
+            raise document.error(location, document.value(location), allowed)
+    own = scene.roughness.rms_gradient if isinstance(scene.roughness, Random) else None
+    gradients = grid.get("rms_gradient", () if own is None else (own,))
+    if not gradients:
+        return
+    stiffest = max(contact_modulus(each) for each in _bodies(scene, grid.get("poissons_ratio", ())))
+    most = plastic * stiffness_scale(scene) / (max(gradients) * stiffest)
+    for location, pressure in _prescribed("reduced_pressure", scene, path, grid):
+        if pressure >= most:
+            raise document.error(location, pressure, f"below {most:.6g}, at which {at_most(scene.interface)}")
+
+
+def _bodies(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
+    """The scene with each Poisson's ratio of a grid."""
+    bodies = (scene.body.model_copy(update={"poissons_ratio": ratio}) for ratio in ratios)
+    return [scene.model_copy(update={"body": body}) for body in bodies] or [scene]
+
+
+def _prescribed(
+    name: str, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]
+) -> Iterator[tuple[Location, float]]:
+    """The pressures of this name, and where they stand in the file."""
+    for i, value in enumerate(grid.get(name, ())):
+        yield ("grid", name, i), value
+    if name not in grid and getattr(scene.loading, name) is not None:
+        yield ("scene", "loading", name), getattr(scene.loading, name)
+    for i, step in enumerate(path):
+        if getattr(step, name) is not None:
+            yield ("path", i, name), getattr(step, name)

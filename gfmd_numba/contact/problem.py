@@ -7,14 +7,14 @@ import hashlib
 import json
 import math
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.results_version import results_version, rows_without_prose
-from gfmd_numba.contact.rough_body_observables import ROUGH_BODY_OBSERVABLES
+from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
@@ -65,19 +65,13 @@ class Effect:
     reason: str
 
 
-class LoadStep(NamedTuple):
-    """A change of the loading: what is prescribed, a mean pressure or a displacement, and the sliding of the punch."""
-
-    load: float
-    sliding: tuple[float, ...]
-
-
 @dataclass(frozen=True, slots=True)  # there may be a million
 class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None.
 
     `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
-    has the bodies, and the surface is the sum of theirs.
+    has the bodies, and the surface is the sum of theirs. `processes` happen in addition to what a hardness and the
+    tractions do. `sliding` of the punch (none: 0) and `duration` are those of the load, as in a `LoadStep`.
     """
 
     surface: Surface
@@ -90,6 +84,9 @@ class Problem:
     counter: CounterBody | None = None
     path: tuple[LoadStep, ...] = ()
     rough: RoughBodies | None = None
+    processes: tuple[Process, ...] = ()
+    sliding: tuple[float, ...] = ()
+    duration: float = 0.0
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -111,11 +108,21 @@ class Problem:
         assert load is not None  # one of the two is given
         return load
 
-    def under(self, load: float) -> "Problem":
-        """The same problem under another load of the same kind, without a path."""
-        if self.displacement is None:
-            return replace(self, mean_pressure=load, path=())
-        return replace(self, displacement=load, path=())
+    @property
+    def step(self) -> LoadStep:
+        """The load before the path, with the sliding of the punch."""
+        return LoadStep(self.load, self.sliding or (0.0,) * len(self.surface.shape), self.duration)
+
+    @property
+    def at_each_load(self) -> tuple["Problem", ...]:
+        """The problem at its own load, and at each one of its path, without the path."""
+        return tuple(self.under(step) for step in (self.step, *self.path))
+
+    def under(self, step: LoadStep) -> "Problem":
+        """The same problem at another load of the same kind, without a path."""
+        pressure, displacement = (step.load, None) if self.displacement is None else (None, step.load)
+        moved = replace(self, sliding=step.sliding, duration=step.duration, path=())
+        return replace(moved, mean_pressure=pressure, displacement=displacement)
 
     def _hash(self) -> str:
         content: dict[str, Any] = {
@@ -131,6 +138,10 @@ class Problem:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
+        if self.processes:
+            content["processes"] = [repr(each) for each in self.processes]
+        if any(self.sliding) or self.duration:
+            content["step"] = self.step
         if self.path:
             content["path"] = self.path, rows_without_prose(PATH_OBSERVABLES)
         if self.rough is not None:

@@ -44,7 +44,7 @@ def reduce(
     """
     loading = scene.loading
     period, modulus = scene.length or 1.0, contact_modulus(scene)
-    load = reduced_load(scene, rms_gradient, modulus)
+    load = reduced_load(scene, rms_gradient)
     displacement, pressure = (None, load) if loading.displacement is None else (load, None)
     given = elastic_body(scene.body, scene.length)
     facing = None

@@ -6,7 +6,7 @@ from math import isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import REFUSALS, Refusal
-from gfmd_numba.scene import COMPONENTS, Body, Boundary, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surfaces import Random
@@ -39,7 +39,7 @@ def check_combination(
         raise document.error(("numerics", "solver"), numerics.solver, listed, hint)
     _raise(document, refusals(scene, numerics, path, grid))
     if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
-        from gfmd_numba.contact.bearable_pressure import check_bearable  # numbers, which the tables do without
+        from gfmd_numba.contact.prescribed_load import check_bearable  # numbers, which the tables do without
 
         check_bearable(document, scene, path, grid or {})
 
@@ -75,7 +75,7 @@ def _features(
     scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
 ) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
-    parts = [_of_numerics(numerics)]
+    parts = [_of_numerics(numerics), _of_bodies(scene)]
     if isinstance(scene, LoadedBody):
         parts.append(_of_loaded_body(scene))
     else:
@@ -98,32 +98,28 @@ def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
     yield "prescribed", ("scene", "boundary")
     if all(getattr(scene.boundary, each.key("displacement")) is None for each in COMPONENTS[2]):
         yield "loaded by tractions alone", ("scene", "boundary")
-    if not scene.follows_topography:
-        yield "smooth bodies", ("scene", "body")
-    if getattr(scene.body.roughness, "anisotropy", None) is not None:
-        yield "anisotropy", ("scene", "body", "roughness", "anisotropy")
-    yield from _models_of_maps(scene)
+
+
+def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
+    """What the bodies and their surfaces are, with a punch or without."""
     yield f"dimension {scene.dimension}", ("scene", "dimension")
     if scene.body.state == "plane_stress":
         yield "plane stress", ("scene", "body", "state")
-    yield from _along_y(scene.boundary)
-
-
-def _models_of_maps(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
+    if not scene.follows_topography:
+        yield "smooth bodies", ("scene", "body")
     for place, surface in scene.surfaces.items():
+        if getattr(surface, "anisotropy", None) is not None:
+            yield "anisotropy", ("scene", *place, "anisotropy")
+        if isinstance(surface, Measured) and isinstance(scene, Scene):
+            yield "measured surface", ("scene", *place, "method")
         if isinstance(surface, Random) and surface.of_maps:
             yield "model of maps", ("scene", *place, surface.named_by)
-
-
-def _along_y(boundary: Boundary) -> Iterator[tuple[str, Location]]:
-    """What a boundary prescribes along y."""
-    given = [name for name, value in boundary if value is not None and name.endswith("_y")]
-    yield from (("boundary along y", ("scene", "boundary", name)) for name in given)
+    along_y = [name for name, value in scene.boundary or () if value is not None and name.endswith("_y")]
+    yield from (("boundary along y", ("scene", "boundary", name)) for name in along_y)
 
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
     yield "punch", ("scene",)
-    yield f"dimension {scene.dimension}", ("scene", "dimension")
     for name, law in scene.interface.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
             yield feature, ("scene", "interface", name)
@@ -134,9 +130,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
-    yield from _of_bodies(scene, grid)
-    if not scene.follows_topography:
-        yield "smooth bodies", ("scene", "body")
+    yield from _half_spaces(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
         if value < 0.0:
@@ -184,34 +178,16 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     if scene.boundary is not None:
         given = [name for name, value in scene.boundary if isinstance(value, str)]
         yield from (("tractions of a file", ("scene", "boundary", name)) for name in given)
-        yield from _along_y(scene.boundary)
         names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
         given = [name for name in names if getattr(scene.boundary, name) is not None]
         yield from (("prescribed displacement", ("scene", "boundary", name)) for name in given[:1])
 
 
-def _of_bodies(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """What the bodies and their surfaces are."""
-    if getattr(scene.roughness, "anisotropy", None) is not None:
-        yield "anisotropy", ("scene", "roughness", "anisotropy")
-    for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured):
-            yield "measured surface", ("scene", *place, "method")
-    yield from _models_of_maps(scene)
-    if scene.body.state == "plane_stress":
-        yield "plane stress", ("scene", "body", "state")
-    bodies: dict[str, Body | None] = {"body": scene.body, "counter_body": scene.counter_body}
-    for name, body in bodies.items():
-        if body is None:
-            continue
-        if getattr(body.roughness, "anisotropy", None) is not None:
-            yield "anisotropy", ("scene", name, "roughness", "anisotropy")
-        if body.is_half_space and _ASPECT_RATIO[name] not in grid:
-            whole = body.layers is None
-            yield (
-                "half-space" if whole else "layers on a half-space",
-                ("scene", name, "aspect_ratio" if whole else "base"),
-            )
+def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    for (name, axis), body in zip(_ASPECT_RATIO.items(), scene.deformable, strict=False):
+        if body.is_half_space and axis not in grid:
+            feature, key = ("half-space", "aspect_ratio") if body.layers is None else ("layers on a half-space", "base")
+            yield feature, ("scene", name, key)
     for axis in _ASPECT_RATIO.values():
         for i, value in enumerate(grid.get(axis, ())):
             if isinf(value):

@@ -1,7 +1,7 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, prod
 
@@ -11,8 +11,9 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
 from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
-from gfmd_numba.contact.rough_body import RoughBody, allowed_topography, rough_body
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import generators
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
@@ -24,7 +25,21 @@ MeasuredSurfaces = Mapping[Place, MeasuredSurface]
 
 BODIES = ("body", "counter_body")
 _UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
+STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
+
+
+@dataclass(frozen=True)
+class RoughBody:
+    """A deformable body, its stress-free topography `[(y,) x]` of zero mean in L_x, and its part E*/E_i* of 1/E*.
+
+    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
+    """
+
+    elastic: ElasticBody
+    heights: Reals
+    share: float
+    side: int = 1
 
 
 @dataclass(frozen=True)
@@ -237,3 +252,41 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
 def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
     allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
     return InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed))
+
+
+def rough_body(body: DeformableBody, drawn: Sequence[Reals], order: int) -> RoughBody:
+    """A deformable body, the surfaces `[(y,) x]` having `drawn` these heights (L_x).
+
+    Raises ValueError for a topography that reaches through it, or at an order above 0 through its topmost layer.
+    """
+    heights = np.zeros_like(drawn[0]) if body.part is None else drawn[body.part]
+    if allowed := allowed_topography(heights, body.elastic, order):
+        span = f"from {heights.min():.3g} to {heights.max():.3g} L_x"
+        raise ValueError(f"a topography {span} in place of {allowed}")
+    return RoughBody(body.elastic, heights, body.share, body.side)
+
+
+def allowed_topography(heights: Reals, body: ElasticBody, order: int) -> str:
+    """What is allowed in place of heights `[(y,) x]` that a body has no room for; nothing if it has."""
+    lowest, highest = float(heights.min()), float(heights.max())
+    if body.aspect_ratio is not None and max(-lowest, highest) >= body.aspect_ratio:
+        return f"one within the height of the body, {body.aspect_ratio:g} L_x, of its mean plane"
+    if order > 0 and body.stack is not None and -lowest >= -body.top.base:
+        return (
+            f"valleys above the lower side of the topmost layer, {body.top.base:g} L_x, or a numerics.topography_order "
+            "of 0, as interfaces are flat at higher orders"
+        )
+    return ""
+
+
+def change_of_thickness(body: RoughBody) -> float:
+    """Largest height over the thickness in waves so long that the body is a film to them, q z_m <= 1; 0 if none are.
+
+    Of a layered body the film is the topmost layer.
+    """
+    thickness = body.elastic.top.aspect_ratio
+    if thickness is None:
+        return 0.0
+    waves = grid.coefficients(body.heights, body.heights.ndim)
+    waves[grid.magnitudes(body.heights.shape) * thickness > 1.0] = 0.0
+    return float(abs(grid.signal(waves, *body.heights.shape)).max()) / thickness

@@ -2,6 +2,8 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -10,8 +12,8 @@ from gfmd_numba.contact import inclined
 from gfmd_numba.contact.evaluation import gap
 from gfmd_numba.contact.inclined import Moved, Pairing
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_body import RoughBody
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.rough_surfaces import RoughBody
+from gfmd_numba.contact.state import Change, Contact, LoadStep, State
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.topography import Response
 
@@ -23,12 +25,14 @@ class SlopeCorrection:
     """What slopes add to the contact of flat bodies (g L_x, g E*).
 
     They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted`
-    `[component, (y,) x]`, which is 0 where nothing rubs. Tangential tractions bear `lifted` of the mean pressure.
-    `pairing` tells where inclined surfaces touch at orders above 0; None between level ones.
+    `[component, (y,) x]`, which is 0 where nothing rubs; slip counts from where they had carried them by `since`.
+    Tangential tractions bear `lifted` of the mean pressure. `pairing` tells where inclined surfaces touch at orders
+    above 0; None between level ones.
     """
 
     raised: Reals
     shifted: Reals
+    since: Reals
     lifted: float = 0.0
     pairing: Pairing | None = None
 
@@ -64,8 +68,8 @@ class SlopeCorrection:
 class Slopes:
     """Rough bodies in contact, followed to an order in the slope; heights of the problem are in units of `gradient`.
 
-    `punch` are the heights `[(y,) x]` of a rough rigid one (L_x), None for a level one or none, and `sliding`
-    `[component]` is how far the punch, or the base of the counter body, has moved along the plane (L_x).
+    `punch` are the heights `[(y,) x]` of a rough rigid one (L_x), None for a level one or none. It is a process that
+    remembers a `SlopeCorrection`, which rounds bring to rest within each step (`two_step`).
     """
 
     problem: Problem
@@ -73,7 +77,24 @@ class Slopes:
     gradient: float
     order: int
     punch: Reals | None
-    sliding: Reals
+    name: ClassVar[str] = "slopes"
+
+    def begin(self, shape: tuple[int, ...]) -> SlopeCorrection:
+        """What slopes add before there is a contact."""
+        return self.untouched
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """Surfaces are closer, nodes are carried along, and tangential tractions bear a part of the load."""
+        found: SlopeCorrection = state.memory[self.name]
+        carried = (found.shifted - found.since)[np.newaxis] if self.rub else None
+        return Change(wall=-found.raised[np.newaxis], carried=carried, lifted=found.lifted)
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> SlopeCorrection:
+        """What the first round of the next step takes for granted: what the last round has, if it matters."""
+        found: SlopeCorrection = state.memory[self.name]
+        if not self.rub and found.pairing is None:
+            return self.untouched
+        return replace(found, since=(found if self.problem.interface.cohesive is None else self.untouched).shifted)
 
     @property
     def rub(self) -> bool:
@@ -85,6 +106,7 @@ class Slopes:
         """Whether the surfaces that touch are: all but those of a rough body under a level rigid punch."""
         return self.punch is not None or len(self.bodies) > 1
 
+    @cached_property
     def untouched(self) -> SlopeCorrection:
         """What they add before there is a contact: what prescribed tractions do, which the punch then meets."""
         shape, tractions = self.problem.surface.shape, self.problem.tractions
@@ -96,9 +118,9 @@ class Slopes:
             raised = self._raised(responses)
             shifted = self._shifted(responses) if self.rub else shifted
         if self.order == 0 or not self.are_inclined:
-            return SlopeCorrection(raised, shifted)
+            return SlopeCorrection(raised, shifted, shifted)
         pairing = Pairing.before_contact(shape)
-        return SlopeCorrection(raised, shifted, pairing=replace(pairing, shifted=self.gradient * shifted))
+        return SlopeCorrection(raised, shifted, shifted, pairing=replace(pairing, shifted=self.gradient * shifted))
 
     def responses(self, contact: Contact, pairing: Pairing | None, order: int) -> Responses:
         """Response of each body to the tractions of a contact."""
@@ -107,7 +129,8 @@ class Slopes:
     def after(self, contact: Contact, responses: Responses, last: SlopeCorrection) -> SlopeCorrection:
         """What they add, found from a contact that what they added `last` has led to."""
         if last.pairing is None:
-            return SlopeCorrection(self._raised(responses), self._shifted(responses) if self.rub else last.shifted)
+            shifted = self._shifted(responses) if self.rub else last.shifted
+            return replace(last, raised=self._raised(responses), shifted=shifted)
         met = self._met(contact, responses, last.pairing)
         if self.problem.interface.cohesive is not None:
             met = met.held_across(self.gradient * gap(contact)[0])
@@ -116,7 +139,7 @@ class Slopes:
             shifted = met.shifted / self.gradient
             if self.problem.mean_pressure is not None:
                 lifted = float(contact.equilibrium.pressure[0].mean() - in_plane(contact, met)[1].mean())
-        return SlopeCorrection(met.raised / self.gradient, shifted, lifted, met)
+        return SlopeCorrection(met.raised / self.gradient, shifted, last.since, lifted, met)
 
     def next_order(self, contact: Contact, responses: Responses, pairing: Pairing | None) -> float:
         """What the next order would add to any displacement (L_x)."""
@@ -131,8 +154,9 @@ class Slopes:
         return error
 
     def _met(self, contact: Contact, responses: Responses, last: Pairing) -> Pairing:
-        moved = self._moved(contact, responses, last)
-        return inclined.pair(self.bodies, self.punch, self.sliding, moved, last)
+        assert contact.step is not None
+        sliding = self.gradient * np.asarray(contact.step.sliding)
+        return inclined.pair(self.bodies, self.punch, sliding, self._moved(contact, responses, last), last)
 
     def _moved(self, contact: Contact, responses: Responses, pairing: Pairing) -> list[Moved]:
         """How the surface of each body has moved (L_x)."""

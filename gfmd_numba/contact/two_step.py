@@ -1,6 +1,5 @@
 """Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,12 +7,11 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.prescribed_load import Sliding
 from gfmd_numba.contact.problem import Problem, given_surface
-from gfmd_numba.contact.rough_body import RoughBody, rough_body
-from gfmd_numba.contact.rounds import Rounds
+from gfmd_numba.contact.processes import processes_of
+from gfmd_numba.contact.rough_surfaces import rough_body
 from gfmd_numba.contact.slopes import Responses, SlopeCorrection, Slopes, in_plane
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.solvers.status import Status
 
@@ -21,6 +19,8 @@ Spent = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]  # iterations
 
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
+_PLAIN = 8  # rounds after which plain ones count as slow
+_DEPTH = 5  # differences of rounds that are kept
 _HALF = 0.5  # of the largest displacement, which the next order may add
 _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; rounds that may come no closer
 
@@ -39,6 +39,11 @@ class Pressed:
     correction: SlopeCorrection
 
     @property
+    def after(self) -> State:
+        """State in which the next step begins."""
+        return self.contact.after
+
+    @property
     def in_plane(self) -> Contact:
         """The contact with its tractions along the plane and its pressure out of it, as the load counts them.
 
@@ -54,44 +59,43 @@ class Pressed:
         return replace(self.contact, equilibrium=turned)
 
 
-def solve(
-    problem: Problem,
-    bodies: tuple[RoughBody, ...],
-    gradient: float,
-    order: int,
-    before: Pressed | None = None,
-    sliding: Sequence[float] | None = None,
-    punch: Reals | None = None,
-) -> Pressed:
-    """Press rough bodies together; the surface of the problem is the sum of all heights, in units of `gradient`.
+def begin(problem: Problem, realisation: int) -> State:
+    """State of the surfaces of one realisation before the first step.
 
-    `punch` are the heights `[(y,) x]` of a rough rigid one (L_x).
+    Raises ValueError as `rough_body` does, and for surfaces that add up to nothing.
+    """
+    assert isinstance(problem.surface, SummedSurface)  # the promise of the reduction
+    assert problem.rough is not None
+    drawn, order = problem.surface.drawn(realisation), problem.rough.order
+    bodies = tuple(rough_body(each, drawn, order) for each in problem.rough.bodies)
+    of_bodies = {each.part for each in problem.rough.bodies}
+    punch = next((heights for part, heights in enumerate(drawn) if part not in of_bodies), None)
+    together, gradient = given_surface(np.sum(drawn, axis=0), problem.surface.rms_gradient)
+    slopes = Slopes(problem, bodies, gradient, order, punch)
+    return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes))
+
+
+def solve(problem: Problem, state: State) -> Pressed:
+    """Press rough bodies together, from the state that the last step has left.
 
     Flat bodies are pressed against walls moved by what their slopes add, until that stands still to the residual of the
     problem; where it does not, they are too steep. With friction or a cohesive law each round begins where the
     last step ended, and slopes carry the nodes along the surface, too. Nodes may then be held elsewhere in each round,
     as they stick in one and not in the next: where rounds come no closer, nodes stay where the last one has held them.
     """
-    start, dented = (None, 0.0) if before is None else (before.contact.equilibrium, before.contact.plastic_depth)
-    slid = gradient * np.asarray(sliding or (0.0,) * len(problem.surface.shape))
-    slopes = Slopes(problem, bodies, gradient, order, punch, slid)
-    untouched = slopes.untouched()
-    is_inclined = untouched.pairing is not None
-    correction = untouched if before is None or not (slopes.rub or is_inclined) else before.correction
-    since = untouched if problem.interface.cohesive is not None else correction  # from where slip counts
-    again, nearest, patience = None, np.inf, _PATIENCE
+    slopes = next(each for each in state.processes if isinstance(each, Slopes))
+    gradient, has_friction = slopes.gradient, problem.interface.friction is not None
+    correction: SlopeCorrection = state.memory[slopes.name]
+    began, nearest, patience = state, np.inf, _PATIENCE
     spent: list[Spent] = []
-    rounds, most = Rounds(), _MOST_ROUNDS_INCLINED if is_inclined else _MOST_ROUNDS
+    rounds, most = Rounds(), _MOST_ROUNDS if correction.pairing is None else _MOST_ROUNDS_INCLINED
     for round_ in range(most):
-        way = (correction.shifted - since.shifted)[np.newaxis] if slopes.rub else None
-        pressed = problem if problem.mean_pressure is None else problem.under(problem.mean_pressure + correction.lifted)
-        raised = correction.raised[np.newaxis]
-        solved = solution.solve(pressed, range(1), start, sliding, raised, way, dented, again)
+        solved = solution.solve(problem, state)
         found = solved.equilibrium
         if not slopes.rub:
-            start = found
+            state = state.begun_at(solved)
         spent.append((found.n_iterations, found.n_transforms, found.wall_time))
-        responses = slopes.responses(solved, correction.pairing, order)
+        responses = slopes.responses(solved, correction.pairing, slopes.order)
         new = slopes.after(solved, responses, correction)
         moved = new.difference(correction, gradient, solved)
         enough = problem.numerics.residual * float(abs(found.displacement).max())
@@ -99,18 +103,21 @@ def solve(
             break
         patience -= moved > _CLOSER * nearest
         nearest = min(moved, nearest)
-        if slopes.rub and problem.interface.friction is not None and patience <= 0:
-            since, again = correction, found
+        if slopes.rub and has_friction and patience <= 0:
+            state = state.begun_at(solved, repeats=True)
+            new = replace(new, since=correction.shifted)
         if round_ == most - 1:
             continue
-        if problem.interface.friction is None:  # else they depend on how they were reached
+        if not has_friction:  # else they depend on how they were reached
             new = new.of_state(rounds.following(correction.state(gradient), new.state(gradient)), gradient)
         correction = new
+        state = state.remembering(slopes.name, correction)
     else:
         solved = _failed(solved)
-    solved = _of_all_rounds(solved, spent)
+    solved = replace(_of_all_rounds(solved, spent), before=began.remembering(slopes.name, correction))
     error = slopes.next_order(solved, responses, correction.pairing)
-    moved_by_all = found.displacement if solved.deflected is None else found.displacement + solved.deflected[1]
+    out = solved.change.out
+    moved_by_all = found.displacement if out is None else found.displacement + out
     if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
     return Pressed(solved, responses, error, correction)
@@ -129,21 +136,31 @@ def _failed(contact: Contact) -> Contact:
     return replace(contact, equilibrium=replace(contact.equilibrium, status=failed))
 
 
-def solve_steps(problems: Sequence[Problem], sliding: Sequence[Sliding], realisation: int) -> Iterator[Pressed]:
-    """Press the rough bodies of a problem together at each of several loads, each begun where the last one ended.
+class Rounds:
+    """Rounds that each take a state of some arrays to another one, until both are the same; slow ones are extrapolated.
 
-    Raises ValueError as `rough_body` does, and for surfaces that add up to nothing.
+    Anderson's method (J. ACM 12:547, 1965), as in Walker and Ni (SIAM J. Numer. Anal. 49:1715, 2011).
+    Rounds that move apart on one side are not extrapolated: where a topography is too steep for its order, a solution
+    that all of them leave behind would mean nothing. Those that jump to and fro have it between them.
     """
-    first = problems[0]
-    assert isinstance(first.surface, SummedSurface)  # the promise of the reduction
-    assert first.rough is not None
-    drawn = first.surface.drawn(realisation)
-    bodies = tuple(rough_body(each, drawn, first.rough.order) for each in first.rough.bodies)
-    of_bodies = {each.part for each in first.rough.bodies}
-    punch = next((heights for part, heights in enumerate(drawn) if part not in of_bodies), None)
-    together, gradient = given_surface(np.sum(drawn, axis=0), first.surface.rms_gradient)
-    before: Pressed | None = None
-    for problem, slid in zip(problems, sliding, strict=True):
-        together_now = replace(problem, surface=together)
-        before = solve(together_now, bodies, gradient, first.rough.order, before, slid, punch)
-        yield before
+
+    def __init__(self) -> None:
+        self._count, self._approaches = 0, True
+        self._found: list[Reals] = []
+        self._change: list[Reals] = []
+
+    def following(self, given: tuple[Reals, ...], found: tuple[Reals, ...]) -> tuple[Reals, ...]:
+        """State that the next round begins with, from what the last one was given and has found."""
+        before, after = (np.concatenate([part.ravel() for part in state]) for state in (given, found))
+        self._count += 1
+        self._found = [*self._found[-_DEPTH:], after]
+        self._change = [*self._change[-_DEPTH:], after - before]
+        if self._count == _PLAIN:
+            back = float(self._change[-1] @ self._change[-2]) < 0.0
+            self._approaches = back or bool(abs(self._change[-1]).max() < abs(self._change[-3]).max())
+        if self._count <= _PLAIN or not self._approaches:
+            return found
+        changes, moves = (np.diff(np.array(each), axis=0).T for each in (self._change, self._found))
+        weights = np.linalg.lstsq(changes, self._change[-1], rcond=1e-12)[0]
+        parts = np.split(after - moves @ weights, np.cumsum([part.size for part in found])[:-1])
+        return tuple(part.reshape(each.shape) for part, each in zip(parts, found, strict=True))

@@ -1,13 +1,11 @@
 """One contact, from its file to a dataset."""
 
-import warnings
-
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.contact_dataset import path_dataset
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path, solve_path
-from gfmd_numba.contact.path_dataset import path_dataset
 from gfmd_numba.scene import Document, SceneFile
 
 
@@ -17,12 +15,8 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
     """
     given = read_contact(file, document)
-    path = load_path(given)
-    solved = solve_path(path)
-    dataset = path_dataset(given, path, solved)
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
-        warnings.warn(sentence, stacklevel=3)
-    return dataset
+    problem, effects = load_path(given)
+    return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
 
 
 def doubt(file: SceneFile, document: Document) -> str:
@@ -32,5 +26,5 @@ def doubt(file: SceneFile, document: Document) -> str:
     """
     if not file.scene.interface.reaches_across:
         return ""
-    path = load_path(read_contact(file, document))
-    return law_resolution.doubt(path.problems[-1], file.discretisation)
+    problem, _ = load_path(read_contact(file, document))
+    return law_resolution.doubt(problem, file.discretisation)

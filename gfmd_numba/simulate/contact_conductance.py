@@ -5,7 +5,7 @@ import xarray as xr
 from scipy.sparse.linalg import LinearOperator, cg
 
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, POINTS
+from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, cf_attributes
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.scene import InputError
@@ -36,16 +36,13 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
         _reduced, touching, input_core_dims=[nodes], output_core_dims=[[], nodes], vectorize=True
     )
     spacing = float(contact["x"][1] - contact["x"][0])
+    unit = str(contact["x"].attrs.get("units", "1"))
+    long_name = "contact conductance per nominal area over the harmonic mean of the conductivities"
     result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
     result["conductance"] = reduced / (spacing * contact.sizes["x"])
-    unit = str(contact["x"].attrs.get("units", "1"))
-    described = {
-        "long_name": "contact conductance per nominal area over the harmonic mean of the conductivities",
-        "units": "1" if unit == "1" else f"{unit}-1",
-    }
-    result["conductance"].attrs = described
+    result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density
-    result["current_density"].attrs = {"long_name": "current through a node over the mean of all nodes", "units": "1"}
+    result["current_density"].attrs = cf_attributes("current through a node over the mean of all nodes")
     result.attrs["validity"] = _OF_RIDGES if len(nodes) == 1 else ""
     return result
 

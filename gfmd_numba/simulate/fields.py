@@ -1,20 +1,85 @@
-"""Fields inside the body under a solved contact, as a dataset."""
+"""Fields inside the body under a solved contact, as a dataset: of profiles, and of maps on a section or on planes."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import elastic_body
+from gfmd_numba.contact.bodies import effective_modulus, elastic_body
+from gfmd_numba.contact.dataset import CONVENTIONS, Units, cf_attributes
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES, Axis, Largest, LoadedSurface
 from gfmd_numba.scene import Body, InputError, LoadedBody
-from gfmd_numba.simulate import map_fields
-from gfmd_numba.simulate.fields_dataset import OF_PROFILES, Scales, add_fields, add_formed, add_von_mises, begun
+from gfmd_numba.scene.memory import beyond_memory
 from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
+_NAMES = DISPLACEMENTS + STRAINS + STRESSES
+_ARRAYS = 40  # of the size of the map that fields of one plane take
+_ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
+_ARRAYS_OF_A_PLANE = 2 * 20  # that stay in memory, and are joined
+
+_ALONG, _OF_PLANES = ("x", "y", "z"), ("y and z", "x and z", "x and y")  # in Voigt's order
+_OF_MAPS = {
+    **{f"u{i}": f"displacement along {way}" for i, way in enumerate(_ALONG, 1)},
+    "u3": "displacement along z, out of the body",
+    **{f"strain{i}": f"strain along {way}" for i, way in enumerate(_ALONG, 1)},
+    **{f"strain{i}": f"engineering shear strain of {plane}" for i, plane in enumerate(_OF_PLANES, 4)},
+    **{f"stress{i}": f"stress along {way}, tension positive" for i, way in enumerate(_ALONG, 1)},
+    **{f"stress{i}": f"shear stress of {plane}" for i, plane in enumerate(_OF_PLANES, 4)},
+}
+_OF_PROFILES = _OF_MAPS | {
+    "strain5": "engineering shear strain in the plane",
+    "stress2": "stress out of the plane, tension positive",
+    "stress5": "shear stress in the plane",
+}
+_IN_PLANE = ("u1", "u3", "strain1", "strain3", "strain5", "stress1", "stress2", "stress3", "stress5")  # of profiles
+_LONG_NAMES = {1: _OF_PROFILES, 2: _OF_MAPS}
+_QUANTITIES = {"u": ("displacement", "length"), "strain": ("strain", "1"), "stress": ("stress", "stress")}
+
+
+@dataclass(frozen=True)
+class _Inside:
+    """One body of a solved contact: its `name`, record and elasticity, and the order its topography is followed to.
+
+    `units` are what lengths in L_x and stresses in its E* are worth in the file, and `nodes` the dims of its nodes.
+    """
+
+    name: str
+    record: Body
+    elastic: ElasticBody
+    order: int
+    units: Units
+    nodes: tuple[str, ...]
+
+    @property
+    def length(self) -> float:
+        """Period in the unit of the file."""
+        return self.units.worth["length"]
+
+    def tractions(self, step: xr.Dataset) -> Reals:
+        """Tractions `[component, (y,) x]` on the body, in its E*."""
+        return tractions_on(self.name, step, self.nodes) / self.units.worth["stress"]
+
+    def heights(self, step: xr.Dataset) -> Reals | None:
+        """Topography `[(y,) x]` in L_x, None for a flat body."""
+        name = f"{self.name}_height"
+        return step[name].values / self.length if name in step else None
+
+
+@dataclass(frozen=True)
+class _Wanted:
+    """Heights z in the unit of x, and the section x = ... or y = ... through them, or whole planes."""
+
+    z: Reals
+    x: float | None
+    y: float | None
+    planes: bool
 
 
 def body_fields(
@@ -52,12 +117,12 @@ def body_fields(
     unit = "L_x" if scene.length is None else "m"
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
-    if len(nodes_of(scene)) == 2:
-        wanted = map_fields.Wanted(heights, x, y, planes is not None)
-        steps = map_fields.of_steps(whole, asked, body, elastic, length, order, wanted)
+    every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
+    inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene))
+    if scene.dimension == 2:
+        steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
     elif x is None and y is None and planes is None:
-        every = (whole.isel(step=i) for i in range(whole.sizes["step"]))
-        steps = [_one(asked, elastic, length, order, step, heights, body) for step in every]
+        steps = [_of_profile(step, inside, heights) for step in every]
     else:
         argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
         raise InputError(
@@ -69,6 +134,12 @@ def body_fields(
         return steps[0]
     joined = xr.concat(steps, "step", data_vars="all", coords="minimal", compat="override", join="exact")
     return joined.assign_coords({name: given for name, given in contact.coords.items() if given.dims == ("step",)})
+
+
+def _units(contact: xr.Dataset, body: Body, length: float) -> Units:
+    stress = (contact["pressure"] if "pressure" in contact else contact["normal_traction"]).attrs["units"]
+    worth = {"length": length, "stress": effective_modulus(body, stress != "1"), "1": 1.0}
+    return Units(worth, {"length": contact["x"].attrs["units"], "stress": stress, "1": "1"})
 
 
 def _levels(body: ElasticBody, length: float) -> Reals:
@@ -91,22 +162,145 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
     return z
 
 
-def _one(
-    body: Body, elastic: ElasticBody, length: float, order: int, contact: xr.Dataset, z: Reals, name: str
-) -> xr.Dataset:
-    scales, names = Scales.of(contact, body, length), tuple(OF_PROFILES)
-    tractions, height = tractions_on(name, contact, ("x",)), f"{name}_height"
-    dataset = begun(contact, z, scales)
-    surface: fields.LoadedSurface = fields.surface_under_tractions(tractions / scales.worth["stress"], elastic)
-    if height in contact:
-        heights = contact[height].values / length
-        surface = topography.rough_surface(tractions / scales.worth["stress"], heights, elastic, order)
-        formed = topography.formed_at(heights, z / length, elastic, order, ("u1", "u3"))
-        add_formed(dataset, ("z", "x"), dict(zip(("formed_1", "formed_3"), formed, strict=True)), scales)
-    values = dict(zip(names, fields.section(surface, z / length, elastic, names), strict=True))
-    if body.state == "plane_stress":
+def _of_profile(step: xr.Dataset, inside: _Inside, z: Reals) -> xr.Dataset:
+    elastic, order, depths, names = inside.elastic, inside.order, z / inside.length, _IN_PLANE
+    tractions, heights = inside.tractions(step), inside.heights(step)
+    surface: LoadedSurface = fields.surface_under_tractions(tractions, elastic)
+    formed: tuple[Reals, ...] = ()
+    if heights is not None:
+        surface = topography.rough_surface(tractions, heights, elastic, order)
+        formed = tuple(topography.formed_at(heights, depths, elastic, order, ("u1", "u3")))
+    values = dict(zip(names, fields.section(surface, depths, elastic, names), strict=True))
+    if inside.record.state == "plane_stress":
         values["stress2"] = np.zeros_like(values["stress2"])
-    add_fields(dataset, ("z", "x"), values, OF_PROFILES, scales, int(contact["status"]) != 0)
-    add_von_mises(dataset, ("z", "x"), scales)
-    dataset["pressure"] = ("x", -tractions[-1], scales.attributes("stress", "pressure on the surface"))
+    return _dataset(step, inside, z, values, dict(zip(("formed_1", "formed_3"), formed, strict=False)), {})
+
+
+def _dataset(
+    step: xr.Dataset,
+    inside: _Inside,
+    z: Reals,
+    values: Mapping[str, Reals],
+    formed: Mapping[str, Reals],
+    cut: Mapping[str, int],
+) -> xr.Dataset:
+    """Dataset of named fields (L_x, E*) at heights z and the nodes of a cut, and of what forms the topography (L_x).
+
+    Fields are not-a-number where the run failed. Raises InputError for any that are not finite.
+    """
+    section, units, long_names = step.isel(cut), inside.units, _LONG_NAMES[len(inside.nodes)]
+    nodes = sorted(inside.nodes, key=lambda dim: dim in cut)
+    dims = ("z", *(dim for dim in nodes if dim not in cut))
+    coordinates = {"z": ("z", z, cf_attributes("height above the undeformed surface", units.names["length"]))}
+    dataset = xr.Dataset(
+        coords=coordinates | {dim: section[dim] for dim in nodes},
+        attrs={"Conventions": CONVENTIONS, "scene": step.attrs["scene"]},
+    )
+    failed = int(step["status"]) != 0
+    for name, field in values.items():
+        quantity, kind = _QUANTITIES[name[:-1]]
+        scaled = np.full_like(field, np.nan) if failed else field * units.worth[kind]
+        if not failed and not np.isfinite(scaled).all():
+            raise InputError(
+                "contact: you gave a contact whose fields are not finite; gfmd allows what gfmd_numba.solve returns"
+            )
+        dataset[f"{quantity}_{name[-1]}"] = dims, scaled, cf_attributes(long_names[name], units.names[kind])
+    stresses = (dataset[f"stress_{i}"].values for i in range(1, 7) if f"stress_{i}" in dataset)
+    attributes = cf_attributes("von Mises's equivalent stress", units.names["stress"])
+    dataset["von_mises"] = dims, fields.von_mises(*stresses), attributes
+    for name, moved in formed.items():
+        dataset[name] = units.variable(dims, "length", "displacement that forms the topography", moved)
+    borne = xr.DataArray(-tractions_on(inside.name, step, inside.nodes)[-1], dims=inside.nodes).isel(cut)
+    dataset["pressure"] = dims[1:], borne.values, cf_attributes("pressure on the surface", units.names["stress"])
     return dataset
+
+
+def _of_map(steps: Sequence[xr.Dataset], inside: _Inside, wanted: _Wanted) -> list[xr.Dataset]:
+    """Fields of each step of a map's contact; raises InputError for what is wanted of it that cannot be had."""
+    order, z, topographies = inside.order, wanted.z / inside.length, [inside.heights(step) for step in steps]
+    is_followed = order > 0 and any(heights is not None and heights.any() for heights in topographies)
+    _check(
+        steps[0], len(steps), inside, wanted, _ARRAYS + is_followed * (_ARRAYS_OF_TOPOGRAPHY + order * _ARRAYS_OF_ORDER)
+    )
+
+    def surface(step: xr.Dataset) -> LoadedSurface:
+        heights = inside.heights(step)
+        if heights is None or not is_followed:
+            return fields.surface_under_tractions(inside.tractions(step), inside.elastic)
+        return topography.rough_surface(inside.tractions(step), heights, inside.elastic, order)
+
+    largest = [fields.largest_von_mises(surface(step), z, inside.elastic) for step in steps]
+    if wanted.planes:
+        found = [_planes(step, surface(step), wanted.z, inside) for step in steps]
+    else:
+        place = _place(steps, largest, inside.length, wanted)
+        found = [_section(step, surface(step), wanted.z, inside, place) for step in steps]
+    for step, dataset, peaks in zip(steps, found, largest, strict=True):
+        _add_peaks(dataset, peaks, inside.units, int(step["status"]) != 0)
+    return found
+
+
+def _check(step: xr.Dataset, n_steps: int, inside: _Inside, wanted: _Wanted, arrays: int) -> None:
+    for name, given in (("x", wanted.x), ("y", wanted.y)):
+        if given is None:
+            continue
+        if wanted.planes or (name == "y" and wanted.x is not None):
+            other = "planes" if wanted.planes else "x"
+            raise InputError(
+                f"{name}: you gave {brief(given)} in addition to {other}; gfmd allows one section x, y, or planes"
+            )
+        number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
+        if not number or not 0.0 <= given <= inside.length:
+            unit = "m" if inside.units.names["length"] == "m" else "L_x"
+            raise InputError(
+                f"{name}: you gave {brief(given)}; gfmd allows a number from 0 to {inside.length:g}, in {unit}"
+            )
+    ny, nx, levels = step.sizes["y"], step.sizes["x"], wanted.z.size
+    if allowed := beyond_memory(ny * nx, arrays, "a section below it"):
+        raise InputError(f"contact: you gave {ny} x {nx} nodes; gfmd allows {allowed}")
+    kept = arrays + _ARRAYS_OF_A_PLANE * levels * n_steps
+    if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
+        raise InputError(f"planes: you gave {levels} heights; gfmd allows fewer, or {allowed}")
+
+
+def _place(steps: Sequence[xr.Dataset], largest: Sequence[Largest], length: float, wanted: _Wanted) -> tuple[Axis, int]:
+    """Axis across a section and the nearest of its nodes; without either, the section has the largest stress of all."""
+    across: Axis = "y" if wanted.x is None else "x"
+    nodes = steps[0].sizes[across]
+    given = wanted.y if wanted.x is None else wanted.x
+    if given is None:
+        found = [(peak.von_mises.max(), peak.y[peak.von_mises.argmax()]) for peak in largest]
+        ok = [each for each, step in zip(found, steps, strict=True) if int(step["status"]) == 0]
+        place = max(ok, default=(0.0, 0.0))[1]
+    else:
+        place = given / length
+    return across, round(place * nodes) % nodes
+
+
+def _section(
+    step: xr.Dataset, surface: LoadedSurface, z: Reals, inside: _Inside, place: tuple[Axis, int]
+) -> xr.Dataset:
+    across, node = place
+    depths, at, heights = z / inside.length, node / step.sizes[across], inside.heights(step)
+    values = fields.section(surface, depths, inside.elastic, _NAMES, across, at)
+    formed: Iterable[Reals] = ()
+    if heights is not None:
+        formed = topography.formed_at(heights, depths, inside.elastic, inside.order, DISPLACEMENTS, across, at)
+    by_name = {f"formed_{i}": moved for i, moved in enumerate(formed, 1)}
+    return _dataset(step, inside, z, dict(zip(_NAMES, values, strict=True)), by_name, {across: node})
+
+
+def _planes(step: xr.Dataset, surface: LoadedSurface, z: Reals, inside: _Inside) -> xr.Dataset:
+    planes = [fields.plane(surface, float(depth), inside.elastic, _NAMES) for depth in z / inside.length]
+    return _dataset(step, inside, z, dict(zip(_NAMES, np.stack(planes, axis=1), strict=True)), {}, {})
+
+
+def _add_peaks(dataset: xr.Dataset, largest: Largest, units: Units, failed: bool) -> None:
+    """Add the largest von Mises stress of each whole plane and where it is."""
+    for variable, kind, values, long_name in (
+        ("peak_von_mises", "stress", largest.von_mises, "largest von Mises stress of the whole plane"),
+        ("peak_x", "length", largest.x, "position along x of the largest von Mises stress of the plane"),
+        ("peak_y", "length", largest.y, "position along y of the largest von Mises stress of the plane"),
+    ):
+        scaled = np.full_like(values, np.nan) if failed else values * units.worth[kind]
+        dataset[variable] = ("z", scaled, cf_attributes(long_name, units.names[kind]))

@@ -1,14 +1,13 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory."""
 
 import warnings
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import CONVENTIONS
+from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import correlation, distribution, spectral, statistics
 from gfmd_numba.roughness.one_surface import Made, make
@@ -58,84 +57,77 @@ def made_surface(file: SurfaceFile, document: Document) -> Made:
 
 
 def _described(made: Made) -> xr.Dataset:
-    unit = made.unit
-    heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
-    dims = AXES[-dimension:]
+    heights, lengths = made.heights, made.lengths
+    dims = AXES[-len(lengths) :]
     dataset = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "rough surface"})
     for dim, n, length in zip(dims, heights.shape, lengths, strict=True):
-        dataset.coords[dim] = (dim, np.arange(n) / n * length, {"long_name": f"position along {dim}", "units": unit})
-    dataset["height"] = (dims, heights, {"long_name": "height, peaks towards the body", "units": unit})
+        dataset.coords[dim] = (dim, np.arange(n) / n * length, cf_attributes(f"position along {dim}", made.unit))
+    dataset["height"] = (dims, heights, cf_attributes("height, peaks towards the body", made.unit))
     dataset.attrs["processing"] = "\n".join(made.done)
-    _add_scalars(dataset, made, unit)
-    _add_spectrum(dataset, made, unit)
-    _add_correlation(dataset, made, unit)
+    _add_scalars(dataset, made)
+    _add_spectrum(dataset, made)
+    _add_correlation(dataset, made)
     _add_distribution(dataset, made)
     return dataset
 
 
-def _add_scalars(dataset: xr.Dataset, made: Made, unit: str) -> None:
+def _power(unit: str, exponent: int) -> str:
+    """Name of a power of a unit of length, m or 1."""
+    return f"{unit}{exponent}" if unit != "1" else unit
+
+
+def _add_scalars(dataset: xr.Dataset, made: Made) -> None:
     heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
-    per_length = "m-1" if unit == "m" else "1"
-    scalars: dict[str, tuple[Any, str, str]] = {
-        "rms_height": (statistics.rms_height(heights, lengths), unit, "rms height"),
-        "rms_gradient": (statistics.rms_gradient(heights, lengths), "1", "rms gradient"),
-        "rms_curvature": (statistics.rms_curvature(heights, lengths), per_length, "rms second derivative or Laplacian"),
-        "nayak": (statistics.nayak(heights, lengths), "1", "Nayak's parameter m0 m4 / m2^2"),
-        "typical_slope": (
-            statistics.typical_slope(heights, lengths[-1]).mean(),
-            "rad",
-            "standard deviation of the slope angle along x",
-        ),
-        "skewness": (distribution.skewness(heights, dimension), "1", "skewness of the heights"),
-        "kurtosis": (distribution.kurtosis(heights, dimension), "1", "kurtosis of the heights, 3 if Gaussian"),
-        "gaussian_distance": (
-            distribution.gaussian_distance(heights, dimension),
-            "1",
-            "largest difference of the cumulative height distribution from a Gaussian one",
-        ),
-    }
-    for name, (value, units, long_name) in scalars.items():
-        dataset[name] = ((), float(value), {"long_name": long_name, "units": units})
+    slope = statistics.typical_slope(heights, lengths[-1]).mean()
+    per_length, curvature = _power(made.unit, -1), statistics.rms_curvature(heights, lengths)
+    skewness, kurtosis = distribution.skewness(heights, dimension), distribution.kurtosis(heights, dimension)
+    distance = distribution.gaussian_distance(heights, dimension)
+    off = "largest difference of the cumulative height distribution from a Gaussian one"
+    for name, value, units, long_name in (
+        ("rms_height", statistics.rms_height(heights, lengths), made.unit, "rms height"),
+        ("rms_gradient", statistics.rms_gradient(heights, lengths), "1", "rms gradient"),
+        ("rms_curvature", curvature, per_length, "rms second derivative or Laplacian"),
+        ("nayak", statistics.nayak(heights, lengths), "1", "Nayak's parameter m0 m4 / m2^2"),
+        ("typical_slope", slope, "rad", "standard deviation of the slope angle along x"),
+        ("skewness", skewness, "1", "skewness of the heights"),
+        ("kurtosis", kurtosis, "1", "kurtosis of the heights, 3 if Gaussian"),
+        ("gaussian_distance", distance, "1", off),
+    ):
+        dataset[name] = ((), float(value), cf_attributes(long_name, units))
 
 
 def _add_hurst_exponent(dataset: xr.Dataset, wavelengths: HurstRange, made: Made) -> None:
     ends = (2.0 * np.pi / wavelengths.longest, 2.0 * np.pi / wavelengths.shortest)
     hurst, error = correlation.hurst_exponent(made.heights, *ends, made.lengths)
-    attributes = {"long_name": "Hurst exponent of the most likely power law", "units": "1"}
-    dataset["hurst_exponent"] = ((), hurst, attributes)
-    dataset["hurst_exponent_error"] = ((), error, {"long_name": "standard error of the Hurst exponent", "units": "1"})
+    dataset["hurst_exponent"] = ((), hurst, cf_attributes("Hurst exponent of the most likely power law"))
+    dataset["hurst_exponent_error"] = ((), error, cf_attributes("standard error of the Hurst exponent"))
 
 
-def _add_spectrum(dataset: xr.Dataset, made: Made, unit: str) -> None:
-    dimension = len(made.lengths)
+def _add_spectrum(dataset: xr.Dataset, made: Made) -> None:
     q, density, waves = correlation.spectral_density(made.heights, made.lengths)
-    attributes = {"long_name": "two-sided spectral density", "units": f"m{dimension + 2}" if unit == "m" else "1"}
-    dataset.coords["wavenumber"] = (
-        "wavenumber",
-        q,
-        {"long_name": "wave number", "units": "m-1" if unit == "m" else "1"},
-    )
+    attributes = cf_attributes("two-sided spectral density", _power(made.unit, len(made.lengths) + 2))
+    dataset.coords["wavenumber"] = ("wavenumber", q, cf_attributes("wave number", _power(made.unit, -1)))
     dataset["spectral_density"] = ("wavenumber", density, attributes)
-    dataset["waves"] = ("wavenumber", waves, {"long_name": "independent waves in the bin", "units": "1"})
+    dataset["waves"] = ("wavenumber", waves, cf_attributes("independent waves in the bin"))
     if made.power is not None:
         even = spectral.periodic_autocorrelation(np.sqrt(made.power), made.heights.shape[-1])
         theory = correlation.spectral_density(even, made.lengths)[1]
         dataset["spectral_density_theory"] = ("wavenumber", theory, attributes)
 
 
-def _add_correlation(dataset: xr.Dataset, made: Made, unit: str) -> None:
+def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
     distance, found = _along_distance(correlation.autocorrelation(made.heights, made.lengths), made.lengths)
     variance = statistics.rms_height(made.heights, made.lengths) ** 2
-    attributes = {"long_name": "autocorrelation", "units": "1"}
-    squares = {"long_name": "mean square height difference", "units": "m2" if unit == "m" else "1"}
-    dataset.coords["distance"] = ("distance", distance, {"long_name": "distance", "units": unit})
+    attributes = cf_attributes("autocorrelation")
+    squares = cf_attributes("mean square height difference", _power(made.unit, 2))
+    dataset.coords["distance"] = ("distance", distance, cf_attributes("distance", made.unit))
     dataset["autocorrelation"] = ("distance", found, attributes)
     dataset["height_height_correlation"] = ("distance", 2.0 * variance * (1.0 - found), squares)
     if made.power is not None:
         periodic = spectral.periodic_autocorrelation(made.power, made.heights.shape[-1])
-        _, theory = _along_distance(periodic / periodic.flat[0], made.lengths)
-        dataset["autocorrelation_theory"] = ("distance", theory, attributes)
         total = periodic.flat[0]
+        _, theory = _along_distance(periodic / total, made.lengths)
+        dataset["autocorrelation_theory"] = ("distance", theory, attributes)
         dataset["height_height_correlation_theory"] = ("distance", 2.0 * total * (1.0 - theory), squares)
 
 
@@ -150,7 +142,7 @@ def _add_distribution(dataset: xr.Dataset, made: Made) -> None:
     unit = distribution.standardised(made.heights, len(made.lengths)).ravel()
     density = np.histogram(unit, _LEVELS)[0] / unit.size / np.diff(_LEVELS)
     centre = 0.5 * (_LEVELS[1:] + _LEVELS[:-1])
-    attributes = {"long_name": "density of heights over the rms height", "units": "1"}
-    dataset.coords["level"] = ("level", centre, {"long_name": "height over the rms height", "units": "1"})
+    attributes = cf_attributes("density of heights over the rms height")
+    dataset.coords["level"] = ("level", centre, cf_attributes("height over the rms height"))
     dataset["height_density"] = ("level", density, attributes)
     dataset["height_density_gaussian"] = ("level", norm.pdf(centre), attributes)

@@ -21,8 +21,7 @@ from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.status import verify
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd
 from support.friction_losses import slipping_losses

@@ -11,8 +11,7 @@ import gfmd_numba
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import load_path
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import load_scene
 from support.command_line import gfmd, unfolded
 
@@ -98,7 +97,7 @@ def test_a_path_has_one_identity_and_one_result(effect):
     found = {}
     for system in SYSTEMS:
         file = contact(system, effect)
-        problems = load_path(read_contact(*load_scene(file))).problems
+        problem, _ = load_path(read_contact(*load_scene(file)))
         solved = gfmd_numba.solve(file)
         assert (solved["status"] == 0).all()
         period, young, gradient = SYSTEMS[system]
@@ -107,7 +106,7 @@ def test_a_path_has_one_identity_and_one_result(effect):
         rows = {name: row.unit for name, row in PATH_OBSERVABLES.items() if name in solved}
         rows |= {name: OBSERVABLES[name].unit for name in ("mean_pressure", "mean_gap", "contact_area_fraction")}
         found[system] = (
-            [problem.identity for problem in problems],
+            [each.identity for each in (problem, *problem.at_each_load)],
             {name: solved[name].values / scale[unit] for name, unit in rows.items()},
         )
     identities, values = found.pop("reduced")
@@ -175,7 +174,7 @@ def test_bodies_have_one_identity_and_no_stiffness_scale_that_nobody_asks_for(ki
     for period, modulus in ((1.0, 1.0), (1e-4, 1e9), (3.7, 2.3e-3), (30.0, 1.3e4)):
         acts = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.2}}, "loading": {"reduced_pressure": 0.05}}
         scene = {"length": period, **bodies(kind, period, modulus), **acts}
-        path = load_path(read_contact(*load_scene({"scene": scene, "discretisation": EPS, "seed": 4})))
-        assert "stiffness scale" not in {effect.name for effect in path.effects}
-        identities.update(problem.identity for problem in path.problems)
+        problem, effects = load_path(read_contact(*load_scene({"scene": scene, "discretisation": EPS, "seed": 4})))
+        assert "stiffness scale" not in {effect.name for effect in effects}
+        identities.add(problem.identity)
     assert len(identities) == 1

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.contact import contact_area, evaluation
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact import evaluation
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 
@@ -33,7 +33,7 @@ def flooded(flags):
 def test_clusters_are_those_of_a_flood_around_the_period(density):
     rng = np.random.default_rng(int(100 * density))
     maps = rng.random((20, 24, 24)) * (rng.random((20, 24, 24)) < density)
-    assert contact_area.n_segments(contact(maps)).tolist() == [flooded(each > 0) for each in maps]
+    assert evaluation.n_segments(contact(maps)).tolist() == [flooded(each > 0) for each in maps]
 
 
 @pytest.mark.parametrize("shape", [(3, 40), (3, 12, 12)])

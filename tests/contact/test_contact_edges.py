@@ -7,8 +7,9 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 import gfmd_numba
-from gfmd_numba.contact import contact_area, solution
+from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.edges import HALF_SPACE, contact_length, edge
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
@@ -117,8 +118,8 @@ def test_edges_on_thin_bodies_lie_where_a_finer_grid_has_them(name):
         punch = (np.arange(nx) / nx - 0.5 + positions[:, np.newaxis]) ** 2 / 2
         found = equilibrate(punch, SpectralResponse.of_normal(stiff), load, Options("active_set_newton"))
         assert (found.status == 0).all()
-        made = solution.Contact(-punch, punch, found, stiffness=body.condensed_stiffness)
-        return contact_area.contact_area_fraction(made) * nx, contact_area.contact_area_fraction_edges(made) * nx
+        made = Contact(-punch, punch, found, stiffness=body.condensed_stiffness)
+        return evaluation.contact_area_fraction(made) * nx, evaluation.contact_area_fraction_edges(made) * nx
 
     stiff = body.condensed_stiffness(np.array([np.pi / half_width]))[0]  # a load for about the width
     load, positions = stiff * half_width**3 / 3.0, np.arange(16) / 16 / nx
@@ -185,8 +186,8 @@ def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
         lifted = load * images / (4.0 * np.pi)
         punch = (along_b + lifted) * (x + x0) ** 2 + (along_a + lifted) * (x + y0)[:, np.newaxis] ** 2
         found = equilibrate(punch[np.newaxis], SpectralResponse.of_normal(stiff), load, Options("active_set_newton"))
-        made = solution.Contact(-punch[np.newaxis], punch[np.newaxis], found)
-        left += contact_area.contact_area_fraction(made)[0] - np.pi * a * b
-        excess += contact_area.contact_area_fraction_counted(made)[0] - np.pi * a * b
+        made = Contact(-punch[np.newaxis], punch[np.newaxis], found)
+        left += evaluation.contact_area_fraction(made)[0] - np.pi * a * b
+        excess += evaluation.contact_area_fraction_counted(made)[0] - np.pi * a * b
     assert excess > 0.0
     assert abs(left) < 0.1 * excess

@@ -106,20 +106,20 @@ def described(name, how):
 
 def reduced_results(file):
     """Identities of the problems of a scene, and their dimensionless results."""
-    path = load_path(read_contact(*load_scene(file)))
-    solved = list(solve_path(path))
+    problem, _ = load_path(read_contact(*load_scene(file)))
+    solved = list(solve_path(problem, 0))
     fields = [np.stack([each.heights[0], each.equilibrium.pressure[0]]) for each in solved]
-    return [problem.identity for problem in path.problems], path.sliding, fields
+    return [each.identity for each in problem.at_each_load], problem.path, fields
 
 
 @pytest.mark.parametrize("name", SCENES)
 def test_one_problem_has_one_identity_and_one_result_in_all_units(name):
     found = {how: reduced_results(described(name, how)) for how in WRITTEN}
-    identities, sliding, fields = found["plain"]
+    identities, path, fields = found["plain"]
     assert max(np.abs(field[1]).max() for field in fields) > 0.0
     for how in ("with units", "reduced"):
         assert found[how][0] == identities, how
-        assert found[how][1] == sliding, how
+        assert found[how][1] == path, how
         assert all(np.array_equal(one, other) for one, other in zip(found[how][2], fields, strict=True)), how
 
 

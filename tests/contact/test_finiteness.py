@@ -10,8 +10,8 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run
-from gfmd_numba.contact import loaded_rough_body, solution
-from gfmd_numba.contact.finiteness import finite_status
+from gfmd_numba.contact import loaded_body, solution
+from gfmd_numba.contact.evaluation import finite_status
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.status import Status
 from support.campaigns import campaign
@@ -141,9 +141,9 @@ def test_a_spoiled_rough_body_is_not_ok(monkeypatch):
 
 
 def test_a_spoiled_loaded_body_is_not_ok(monkeypatch):
-    deform = loaded_rough_body.deform
+    deform = loaded_body.deform
     monkeypatch.setattr(
-        loaded_rough_body,
+        loaded_body,
         "deform",
         lambda *a: replace(found := deform(*a), displacement=np.full_like(found.displacement, np.inf)),
     )

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.contact import contact_area, evaluation, solution
+from gfmd_numba.contact import evaluation, solution
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine, statistics
@@ -46,7 +47,7 @@ def test_a_paraboloid_makes_the_point_contact_of_hertz():
     load = 4.0 / 3.0 * a**3
     found = press(punch, load)
     assert found.pressure.max() == pytest.approx(1.5 * load / (np.pi * a**2), rel=0.01)
-    assert contact_area.n_segments(solution.Contact(-punch, punch, found))[0] == 1
+    assert evaluation.n_segments(Contact(-punch, punch, found))[0] == 1
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
@@ -107,17 +108,17 @@ def test_clusters_and_perimeter_are_counted_on_the_torus():
     flags[0, 2, 1] = True
     pressure = flags.astype(float)
     equilibrium = press(np.zeros((1, 8, 8)), 1.0)
-    made = solution.Contact(pressure, pressure, type(equilibrium)(**{**vars(equilibrium), "touching": flags}))
-    assert contact_area.n_segments(made).tolist() == [3]
-    assert [sides.tolist() for sides in contact_area.perimeter(made)] == [[6 + 2 + 2], [6 + 4 + 2]]
+    made = Contact(pressure, pressure, type(equilibrium)(**{**vars(equilibrium), "touching": flags}))
+    assert evaluation.n_segments(made).tolist() == [3]
+    assert [sides.tolist() for sides in evaluation.perimeter(made)] == [[6 + 2 + 2], [6 + 4 + 2]]
 
 
 def test_rms_gradient_over_the_contact_is_that_of_the_surface_in_full_contact():
     made = solution.solve(problem(load=20.0), range(1))
     assert made.equilibrium.touching.all()
     assert evaluation.rms_gradient_contact(made) == pytest.approx(evaluation.rms_gradient(made), rel=1e-12)
-    assert contact_area.contact_area_fraction(made) == 1.0
-    assert contact_area.n_segments(made) == 0
+    assert evaluation.contact_area_fraction(made) == 1.0
+    assert evaluation.n_segments(made) == 0
 
 
 def test_tamaas_finds_the_same_contact_of_a_map():

@@ -4,10 +4,10 @@ import mpmath
 import numpy as np
 import pytest
 
-from gfmd_numba.contact import contact_area, evaluation
+from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import recorded
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
@@ -51,10 +51,10 @@ def test_edge_bias_is_the_wiener_hopf_constant():
 def test_segments_are_counted_around_the_period(nodes, segments):
     touching = np.array([int(c) for c in nodes])
     c = contact(touching)
-    assert contact_area.n_segments(c)[0] == segments
-    assert contact_area.contact_area_fraction_counted(c)[0] == touching.mean()
+    assert evaluation.n_segments(c)[0] == segments
+    assert evaluation.contact_area_fraction_counted(c)[0] == touching.mean()
     corrected = (touching.sum() - 2 * HALF_SPACE.excess * segments) / 8
-    assert contact_area.contact_area_fraction(c)[0] == pytest.approx(corrected)
+    assert evaluation.contact_area_fraction(c)[0] == pytest.approx(corrected)
 
 
 def test_kappa_and_gradient_are_those_over_the_contact():
@@ -82,7 +82,7 @@ def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
 
 def test_observables_share_what_they_have_in_common(monkeypatch):
     calls = []
-    for module, name in ((evaluation.statistics, "power"), (contact_area.edges, "contact_length")):
+    for module, name in ((evaluation.statistics, "power"), (evaluation.edges, "contact_length")):
         original = getattr(module, name)
         monkeypatch.setattr(
             module, name, lambda *given, name=name, original=original: calls.append(name) or original(*given)

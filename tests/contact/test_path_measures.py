@@ -80,8 +80,8 @@ def test_the_energy_is_that_of_the_waves_without_friction(loading, path):
     """Here the waves of the displacement add up; the balance has tractions times displacements (Clapeyron)."""
     law = {"exponential": {"work_of_adhesion": 2e-5, "range": 1e-3}}
     scene = SCENE | {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "interface": {"hard_wall": {}} | law}
-    followed = load_path(read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})))
-    for problem, contact in zip(followed.problems, solve_path(followed), strict=True):
+    whole, _ = load_path(read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})))
+    for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):
         balance, u, p = (
             Balance.of(problem, contact),
             contact.equilibrium.displacement[0],

@@ -7,10 +7,11 @@ from scipy.optimize import brentq, lsq_linear
 import gfmd_numba
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.load_path import solve_steps
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.refusal import check_combination
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
@@ -31,11 +32,12 @@ def steps(heights, loads, hardness, body=SLAB, displaced=False, solver="active_s
     """The contacts along a path of mean pressures, or of displacements of the punch."""
     surface, _ = given_surface(heights, 1.0)
     wall, options = Interactions(True, hardness=hardness), Options(solver, residual=1e-10, max_iterations=2000)
-    prescribed = ((None, load) if displaced else (load, None) for load in loads)
-    problems = [Problem(surface, body, wall, *each, options) for each in prescribed]
-    found = list(solve_steps(problems, [(0.0,)] * len(problems), 0))
+    first = (None, loads[0]) if displaced else (loads[0], None)
+    path = tuple(LoadStep(load, (0.0,) * heights.ndim) for load in loads[1:])
+    problem = Problem(surface, body, wall, *first, options, path=path)
+    found = list(solve_path(problem, 0))
     assert all((each.equilibrium.status == 0).all() for each in found)
-    return problems, found
+    return problem.at_each_load, found
 
 
 def losses(problems, found):

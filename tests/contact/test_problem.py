@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.contact_area import contact_area_fraction
+from gfmd_numba.contact.evaluation import contact_area_fraction
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.solution import solve

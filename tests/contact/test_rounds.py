@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.rounds import Rounds
+from gfmd_numba.contact.two_step import Rounds
 
 RNG = np.random.default_rng(3)
 SIZE = 12

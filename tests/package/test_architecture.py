@@ -8,6 +8,7 @@ import gfmd_numba
 PACKAGE = Path(gfmd_numba.__file__).parent
 PAGE = (PACKAGE.parent / "docs" / "architecture.md").read_text()
 TO_WRITE = {
+    "contact/your_process.py",
     "elasticity/your_body.py",
     "interface/your_law.py",
     "roughness/your_generator.py",

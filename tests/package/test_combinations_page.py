@@ -5,8 +5,7 @@ from pathlib import Path
 from click.testing import CliRunner
 
 from gfmd_numba.cli import main
-from gfmd_numba.contact.combinations import REFUSALS
-from gfmd_numba.contact.combinations_page import PHRASES, combinations_page
+from gfmd_numba.contact.combinations import PHRASES, REFUSALS, combinations_page
 from gfmd_numba.solvers.table import ABILITIES
 
 ROOT = Path(__file__).parents[2]

@@ -14,8 +14,7 @@ from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.cli import main
 from gfmd_numba.cli.inspection import schemas
-from gfmd_numba.contact.observables import OBSERVABLES
-from gfmd_numba.contact.path_observables import PATH_OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import BoundaryFile, SceneFile
 from gfmd_numba.scene.surface_file import SurfaceFile
 from support.command_line import gfmd

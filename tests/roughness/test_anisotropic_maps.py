@@ -7,7 +7,7 @@ import gfmd_numba
 from gfmd_numba import fit_tfc, run
 from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
-from gfmd_numba.contact import contact_area, solution
+from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem, given_surface, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -87,7 +87,7 @@ def test_ridges_along_y_are_pressed_like_the_profile_across_them():
     ridges = pressed(RandomSurface(waves, nx=80, seed=3, dimension=2))
     assert np.ptp(ridges.heights, axis=1).max() < 1e-15
     across = pressed(given_surface(ridges.heights[0, 0])[0])
-    for area in (contact_area.contact_area_fraction_counted, contact_area.contact_area_fraction):
+    for area in (evaluation.contact_area_fraction_counted, evaluation.contact_area_fraction):
         assert area(ridges)[0] == pytest.approx(area(across)[0], rel=1e-12)
 
 

@@ -10,11 +10,11 @@ from gfmd_numba.campaign.axes import AXES
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.work_precision import study_of
 from gfmd_numba.cli import main
-from gfmd_numba.contact import contact_area
+from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.solution import Contact
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
@@ -132,10 +132,10 @@ def test_the_area_of_a_flattened_sinusoid_does_not_depend_on_the_grid(dimension,
     fine, coarse = ((2**14, 128), (512, 64))[dimension - 1]
     for share in shares:
         hardness = share * 2.0 * np.sqrt(load) if dimension == 1 else 0.5 * share
-        exact = contact_area.contact_area_fraction(flattened(fine, dimension, load, hardness, [0.3])).mean()
+        exact = evaluation.contact_area_fraction(flattened(fine, dimension, load, hardness, [0.3])).mean()
         made = flattened(coarse, dimension, load, hardness, shifts)
-        counted = contact_area.contact_area_fraction_counted(made).mean() - exact
-        corrected = contact_area.contact_area_fraction(made).mean() - exact
+        counted = evaluation.contact_area_fraction_counted(made).mean() - exact
+        corrected = evaluation.contact_area_fraction(made).mean() - exact
         assert counted > 0.0
         assert abs(corrected) < 0.5 * counted, share
 

@@ -7,7 +7,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba import InputError, load_curve, solve
 from gfmd_numba.fourier import grid
-from gfmd_numba.simulate import curve, curve_dataset
+from gfmd_numba.simulate import curve
 from gfmd_numba.theory import closed_forms
 from support.contacts import scene_file
 from support.waves import AMPLITUDE, FULL, GRADIENT, wave
@@ -111,10 +111,10 @@ def test_loads_that_fall_give_the_same_curve_backwards():
 def test_the_path_of_a_curve_never_turns_back(monkeypatch, loads):
     followed = []
     solve_path = curve.solve_path
-    monkeypatch.setattr(curve, "solve_path", lambda path: followed.append(path) or solve_path(path))
+    monkeypatch.setattr(curve, "solve_path", lambda *given: followed.append(given) or solve_path(*given))
     load_curve(scene_file(), loads)
-    (path,) = followed
-    pressures = np.array([problem.mean_pressure for problem in path.problems])
+    ((whole, _),) = followed
+    pressures = np.array([problem.mean_pressure for problem in whole.at_each_load])
     np.testing.assert_allclose(pressures[1::2], loads)
     assert (np.diff(pressures) < 0).all() if loads[0] > loads[-1] else (np.diff(pressures) > 0).all()
 
@@ -233,7 +233,7 @@ def test_surfaces_that_fail_are_left_out_of_the_mean(monkeypatch):
             yield step.where(not failed).assign(status=step["status"] + failed)
 
     whole = load_curve(scene_file(), [0.05, 0.1])
-    monkeypatch.setattr(curve_dataset, "solve_curve", failing)
+    monkeypatch.setattr(curve, "solve_curve", failing)
     found = load_curve(scene_file(), [0.05, 0.1], 3)
     assert found["n_realisations"].values.tolist() == [1, 0]
     assert found["status"].values.tolist() == [1, 1]

@@ -12,8 +12,7 @@ from finite_elements import Body, graded
 import gfmd_numba
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path, solve_steps
-from gfmd_numba.contact.problem import given_surface
+from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.scene import load_scene
 from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
 
@@ -129,23 +128,15 @@ def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dime
 def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes(dimension, friction, law):
     """Dynamics anchor a node where it touches down, which Newton's method is then told, under the same topography."""
     file, document = load_scene(scene(dimension, 2, friction, law=LAWS.get(law), solver="verlet"))
-    given = load_path(read_contact(file, document))
-    (problem,), (sliding,) = given.problems, given.sliding
-    (found,) = solve_steps([problem], [sliding], 0)
+    problem, _ = load_path(read_contact(file, document))
+    (found,) = solve_path(problem, 0)
     dynamics = found.contact.equilibrium
     assert dynamics.status[0] == 0
-    together, _ = given_surface(problem.surface.drawn(0)[0], problem.surface.rms_gradient)
     newton = replace(problem.numerics, solver="frictional_newton", time_step=None, damping=None)
     carried = found.correction.shifted[np.newaxis]
-    same = solution.solve(
-        replace(problem, surface=together, numerics=newton),
-        range(1),
-        None,
-        sliding,
-        found.correction.raised[np.newaxis],
-        0.0 * carried,
-        again=dynamics,
-    ).equilibrium
+    held = replace(found.correction, since=found.correction.shifted)
+    again = found.contact.before.remembering("slopes", held).begun_at(found.contact, repeats=True)
+    same = solution.solve(replace(problem, numerics=newton), again).equilibrium
     assert same.status[0] == 0
     peak, most = dynamics.pressure.max(), abs(dynamics.tangential.displacement).max()
     assert abs(carried).max() > 1e-3 * most

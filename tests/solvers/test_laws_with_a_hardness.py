@@ -6,9 +6,10 @@ from scipy.optimize import lsq_linear
 
 import gfmd_numba
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.load_path import solve_steps
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
@@ -131,11 +132,12 @@ def test_a_load_that_the_law_pulls_beyond_the_hardness_is_refused():
 def loop(law, hardness, depths, solver="truncated_newton"):
     surface = given_surface(rough((128,)), 1.0)[0]
     wall, options = Interactions(True, normal_law=law, hardness=hardness), Options(solver, residual=1e-10)
-    problems = [Problem(surface, SLAB, wall, None, depth, options) for depth in depths]
-    found = list(solve_steps(problems, [(0.0,)] * len(problems), 0))
+    path = tuple(LoadStep(depth, (0.0,)) for depth in depths[1:])
+    whole = Problem(surface, SLAB, wall, None, depths[0], options, path=path)
+    found = list(solve_path(whole, 0))
     assert all(each.equilibrium.status[0] == Status.ok for each in found)
     record = PathRecord()
-    for problem, contact in zip(problems, found, strict=True):
+    for problem, contact in zip(whole.at_each_load, found, strict=True):
         record.add(problem, contact, True)
     return record.of_steps()["energy_lost"], found
 

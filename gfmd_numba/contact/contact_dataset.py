@@ -1,0 +1,317 @@
+"""What `gfmd solve` writes of a contact: a dataset of one loading, or of all steps of a path, in SI units."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact import branch, law_resolution
+from gfmd_numba.contact.bodies import contact_modulus, elastic_body
+from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.dataset import (
+    CONVENTIONS,
+    PRESCRIBED,
+    Units,
+    cf_attributes,
+    dropped_effects,
+    indexed,
+    load_attributes,
+    modulus_attributes,
+    refuse_nonfinite,
+    units,
+)
+from gfmd_numba.contact.doubts import doubts
+from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.observables import (
+    OF_PUNCH,
+    OF_SUM,
+    ROUGH_BODY_OBSERVABLES,
+    recorded,
+    recorded_along,
+)
+from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
+from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
+from gfmd_numba.contact.slopes import tractions_on
+from gfmd_numba.contact.state import Contact, Followed
+from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity.topography import Response
+from gfmd_numba.interface import vector_slip
+from gfmd_numba.scene import COMPONENTS, Scene
+from gfmd_numba.scene.measured_record import AXES
+from gfmd_numba.scene.quantities import RMS_GRADIENT_TARGET
+from gfmd_numba.solvers.status import Status
+
+
+def path_dataset(
+    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact | Pressed]
+) -> xr.Dataset:
+    """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
+
+    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
+    attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    """
+    file = given.file
+    record, steps = PathRecord(), []
+    for at_load, each in zip(problem.at_each_load, solved, strict=False):
+        contact = each if isinstance(each, Contact) else each.contact
+        steps.append(step_dataset(given, at_load, each))
+        is_ok = bool(steps[-1]["status"] == Status.ok)
+        if file.path:
+            record.add(at_load, each, is_ok)
+        if contact.followed is not None:
+            _add_followed(steps[-1], given, at_load, contact, contact.followed)
+        if not is_ok:
+            break
+    dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
+    if file.path:
+        _add_record(dataset, given, record)
+    if file.scene.interface.reaches_across:
+        resolution = law_resolution.resolution(problem)
+        dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
+    dataset.attrs |= {
+        "scene": file.model_dump_json(),
+        "solver": problem.numerics.solver,
+        "dropped_effects": dropped_effects(effects),
+        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
+        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
+    }
+    return dataset
+
+
+def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
+    """Fields and observables of one step in SI units over x, or (y, x)."""
+    scene, surfaces = given.file.scene, given.surfaces
+    contact = solved if isinstance(solved, Contact) else solved.in_plane
+    step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
+    if isinstance(solved, Pressed) and surfaces.bodies is not None:
+        _add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)
+    return step
+
+
+def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
+    """Fields over x, or (y, x), and scalars of the first realisation of a contact.
+
+    Displacements count from the unloaded body on a slab, and from their own mean on a half-space, whose mean
+    displacement has no reference.
+    """
+    unit = Units.of(scene, rms_gradient)
+    displacement = contact.equilibrium.displacement[0]
+    if problem.displacement is None:
+        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
+    if contact.change.out is not None:
+        displacement = displacement + contact.change.out[0]
+    fields = {
+        "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
+        "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
+        "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
+        "gap": ("height", "gap between the surfaces", gap(contact)[0]),
+    }
+    if problem.interface.hardness is not None:
+        of_punch = "depth by which the punch has been flattened, kept when it is unloaded"
+        fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
+    fields |= _tangential_fields(contact, problem.interface.friction is not None)
+    if problem.tractions is not None:
+        given = *problem.tractions.tangential, problem.tractions.normal
+        for component, values in zip(COMPONENTS[scene.dimension], given, strict=True):
+            long_name = f"prescribed traction on the body, {component.way}"
+            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
+    dims = AXES[-scene.dimension :]
+    coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length)
+    coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
+    variables: dict[str, Any] = {
+        name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
+    }
+    measures = measure(contact)
+    for name, row in recorded(problem.interface.hardness is not None).items():
+        variables[name] = unit.measure(name, row, measures[name][0])
+    if contact.equilibrium.growing_wave is not None:
+        attributes = cf_attributes("index of the wave that grew most before it was unstable")
+        variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
+    attrs = {"Conventions": CONVENTIONS, "title": "rough contact"} | modulus_attributes(scene)
+    dataset = xr.Dataset(variables, coordinates, attrs)  # at once: each addition aligns what is there
+    refuse_nonfinite(dataset)
+    return dataset
+
+
+def _uniform_compression(scene: Scene, problem: Problem) -> float:
+    uniform = float(elastic_body(scene.body, scene.length).condensed_stiffness(np.zeros(1))[0])
+    return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
+
+
+def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
+    """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
+    tangential = contact.equilibrium.tangential
+    if tangential is None:
+        return {}
+    sideways = tangential.displacement[0]
+    if contact.change.along is not None:
+        sideways = sideways + contact.change.along[0]
+    kinds = {
+        "displacement": ("height", "tangential displacement of the body", sideways),
+        "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
+    }
+    ways = {"": " along x", "_y": " along y"} if len(sideways) > 1 else {"": ""}
+    fields = {
+        f"tangential_{kind}{suffix}": (unit, f"{long_name}{way}", values[i])
+        for kind, (unit, long_name, values) in kinds.items()
+        for i, (suffix, way) in enumerate(ways.items())
+    }
+    if rubs:
+        slid = vector_slip.length(tangential.slip[0])
+        fields["slip"] = ("height", "way a touching node has slid in this step, 0 where it sticks", slid)
+    return fields
+
+
+def _add_bodies(
+    found: xr.Dataset,
+    scene: Scene,
+    bodies: tuple[RoughBody, ...],
+    rms_gradient: float,
+    problem: Problem,
+    pressed: Pressed,
+) -> None:
+    """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
+    found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
+        attributes = found[name].attrs
+        attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
+    dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
+    assert problem.rough is not None  # as its bodies are
+    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+        prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
+        worth = {"height": scene.length or 1.0, "pressure": contact_modulus(scene) / body.share}
+        unit = Units(worth, units(scene))
+        outwards = f"topography of the {whose}, peaks outwards"
+        found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
+        along, pressure = tractions_on(body, problem, contact, rms_gradient, pairing)
+        own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
+        for variable, kind, long_name, values in own:
+            found[prefix + variable] = unit.variable(dims, kind, long_name.format(whose), values)
+        if pairing is None:
+            continue
+        without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
+        along, pressure = tractions_on(body, without, contact, rms_gradient, pairing)
+        assert along is not None  # between inclined surfaces
+        for variable, long_name, values in _of_inclined(along, pressure, prefix):
+            found[prefix + variable] = unit.variable(dims, "pressure", long_name.format(whose), values)
+    whole = Units.of(scene, rms_gradient)
+    if pairing is not None and problem.interface.couples:
+        for variable, long_name, values in _on_surface(contact):
+            found[variable] = whole.variable(dims, "pressure", long_name, values)
+    row = ROUGH_BODY_OBSERVABLES["next_order"]
+    found["next_order"] = Units.of(scene, 1.0).variable((), "height", row.long_name, pressed.next_order)
+    refuse_nonfinite(found)
+
+
+def _moved(
+    body: RoughBody, response: Response, along: Reals | None, pressure: Reals
+) -> Iterator[tuple[str, str, str, Reals]]:
+    sideways = np.zeros((pressure.ndim, *pressure.shape)) if along is None else along
+    flat = body.elastic.response(pressure.shape).apply(np.stack((*sideways, -pressure)))
+    yield "displacement", "height", "normal displacement of the {}, out of it", flat[-1] + response.u3
+    if response.along is not None:
+        way = "tangential displacement of the {}"
+        for name, long_name, values in _by_axis("tangential_displacement", way, flat[:-1] + response.along):
+            yield name, "height", long_name, values
+
+
+def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, str, Reals]]:
+    """Name, kind of unit, description and values (E*) of the tractions that form the topography; none of maps.
+
+    `order` is that in the slope to which the topography is then followed.
+    """
+    if body.heights.ndim > 1:
+        return
+    former = topography.forming(body.elastic, order)
+    formed = topography.formed_surface(body.heights, former)
+    tangential, normal = fields.plane(formed, 0.0, former, ("stress5", "stress3"))[:, 0]
+    forms = "traction that forms the topography of the {} from flat (5.15)"
+    yield "forming_traction", "pressure", f"normal {forms}", normal
+    yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
+
+
+def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[str, str, Reals]]:
+    """Tractions on the places of a body; the pressure on the lower one is that of the contact."""
+    if prefix:
+        yield "pressure", "contact pressure on the {}", pressure
+    yield from _by_axis("tangential_traction", "tangential traction of the contact on the {}, along the plane", along)
+
+
+def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
+    """What a contact of inclined surfaces bears on their own axes, which friction compares."""
+    found = contact.equilibrium
+    assert found.tangential is not None  # where something rubs
+    yield "surface_pressure", "contact pressure along the normal of the touching surface", found.pressure[0]
+    yield from _by_axis(
+        "surface_traction", "traction on the body along the touching surface", found.tangential.traction[0]
+    )
+
+
+def _by_axis(name: str, long_name: str, along: Reals) -> Iterator[tuple[str, str, Reals]]:
+    """A tangential field `[component, (y,) x]`, on maps one along x and one along y."""
+    ways = {"": ", along x", "_y": ", along y"} if len(along) > 1 else {"": ""}
+    for values, (suffix, way) in zip(along, ways.items(), strict=True):
+        yield f"{name}{suffix}", f"{long_name}{way}", values
+
+
+def _add_followed(
+    step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
+) -> None:
+    """Add the load at the largest jump of a step of a path, and how stable its end is."""
+    scene = given.file.scene
+    unit = Units.of(scene, given.surfaces.rms_gradient)
+    name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
+    found = {f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at)}
+    if scene.interface.couples:
+        sliding = "tangential displacement of the punch at the largest jump since the last step"
+        found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
+    curvature = branch.stability(problem, contact)
+    if curvature is not None:
+        found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
+    step.update({key: unit.variable((), *variable) for key, variable in found.items()})
+
+
+def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
+    """Add what is recorded along a path to its dataset."""
+    scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
+    unit, found = Units.of(scene, given.surfaces.rms_gradient), {}
+    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
+        dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
+        found[name] = unit.variable(dims, row.unit, row.long_name, values[name])
+    dataset.update(found)
+
+
+def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
+    return indexed(
+        xr.concat(
+            steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
+        )
+    )
+
+
+def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
+    """Return the dataset with the loading of each step of a path as coordinates; a load also as p/(g E*)."""
+    attributes = load_attributes(given.file.scene)
+    found: dict[str, list[float]] = {}
+    for scene, sliding in steps_of(given.file.scene, given.file.path):
+        for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
+            found.setdefault(PRESCRIBED.get(name, name), []).append(value)
+    if not given.file.path:
+        found = {name: values for name, values in found.items() if name not in SLIDING}
+        return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
+    n = dataset.sizes["step"]
+    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+
+
+def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
+    load = reduced_pressure(scene, rms_gradient)
+    reduced = {} if load is None else {"reduced_pressure": load}
+    own = {name: float(value) for name, value in scene.loading if value is not None}
+    return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

@@ -1,0 +1,185 @@
+"""Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
+
+from collections.abc import Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.bodies import contact_modulus
+from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.edges import edge
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
+from gfmd_numba.contact.solution import condensed_stiffness
+from gfmd_numba.roughness import statistics
+from gfmd_numba.text.si_prefix import si_prefix
+
+# of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
+LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
+FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
+
+_UNKNOWN_EDGES = 0.05  # of the contact area
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
+
+
+def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
+    """Return the reasons to doubt the steps of a path, one sentence a line."""
+    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
+    rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
+    coarse = law_resolution.doubt(problem, given.file.discretisation)
+    of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
+    own = (doubt(given, dataset) for doubt in (_beyond_small_strains, _past_asperities, _overlap, _rounded_heights))
+    short = _short_stretches(problem, dataset)
+    return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
+
+
+def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
+    """Return a warning about contacts of few nodes on a thin body, whose edges are not known; else nothing."""
+    shape = problem.surface.shape
+    short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
+    touching = dataset["contact_area_fraction_counted"] * np.prod(shape)
+    across = (touching / dataset["n_segments"].where(touching > 0)) ** (1.0 / len(shape))
+    unknown = float((2.0 * len(shape) * short / across**2).max())
+    if not unknown > _UNKNOWN_EDGES:
+        return ""
+    return (
+        f"contacts are {float(across.min()):.2g} node spacings wide on average, on a body thin against these: the "
+        f"correction for their edges leaves {100.0 * unknown:.2g} % of the contact area unknown, so refine the grid"
+    )
+
+
+def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning where the pressure or the slope of much of the contact is beyond the theory of small strains.
+
+    Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
+    """
+    scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
+    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
+    touching = dataset["gap"] <= 0.0
+    steep = _slopes(dataset, nodes).where(touching, 0.0)
+    beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
+    shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
+    share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
+    has_scale = scene.length is not None or scene.has_moduli
+    if not (float(ratios.mean(nodes).max()) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
+        return ""
+    return (
+        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
+        f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
+        "linear elasticity is off by as much: check load, moduli and heights"
+    )
+
+
+def _slopes(dataset: xr.Dataset, nodes: list[str]) -> xr.DataArray:
+    """Size of the gradient of the heights between the neighbours of each node."""
+    squares = [
+        ((dataset["height"].roll({dim: -1}) - dataset["height"].roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
+        for dim in nodes
+    ]
+    found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
+    return found
+
+
+def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about sliding so far that asperities would meet others, nothing for less.
+
+    Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
+    """
+    if "sliding" not in dataset or "tangential_displacement" not in dataset:
+        return ""
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    ends = ("", "_y")[: len(nodes)]
+    ways = [abs(dataset[f"sliding{end}"] - dataset[f"tangential_displacement{end}"]) for end in ends]
+    touching = dataset["gap"] <= 0.0
+    apart = sum(way**2 for way in ways) ** 0.5
+    slid = float(apart.where(touching | ~touching.any(nodes)).max())
+    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
+    distance = 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    if not slid > FARTHEST * distance:
+        return ""
+    unit = "m" if given.file.scene.length else "L_x"
+    way, peaks = (_with_prefix(value, unit) for value in (slid, distance))
+    return (
+        f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
+        f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
+        "real surfaces meet at other places"
+    )
+
+
+def _with_prefix(value: float, unit: str) -> str:
+    factor, name = si_prefix(value, unit)
+    return f"{factor * value:.3g} {name}"
+
+
+def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
+    law = given.file.scene.interface.cohesive
+    deepest = 0.0 if law is None else -float(dataset["gap"].min()) / law.normal_length
+    if not deepest > 1.0:
+        return ""
+    return (
+        f"the surfaces overlap by up to {deepest:.3g} times normal_length, and without a hard_wall no area counts as "
+        "contact: add one to the interface unless you mean that"
+    )
+
+
+def _rounded_heights(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about heights that single precision rounds too much for a law of a short range, else nothing."""
+    numerics, laws = given.file.numerics, given.file.scene.interface.laws.values()
+    acting = [law for law in laws if law.across_open_gap]
+    lengths = [value for law in acting for name, value in law if name != "work_of_adhesion"]
+    if numerics.precision == "double" or not lengths:
+        return ""
+    rounding = 0.5 * float(np.finfo(np.float32).eps) * float(np.ptp(dataset["height"].values)) / min(lengths)
+    if rounding <= numerics.residual:
+        return ""
+    return (
+        f"single precision rounds the heights, and with them the gaps, by up to {rounding:.2g} of the shortest length "
+        "of the interaction law, and its tractions as much: take numerics.precision double"
+    )
+
+
+def doubt_of_bodies(
+    bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
+) -> str:
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
+
+    `displacement` names the normal one in the dataset that was found.
+    """
+    return "\n".join(
+        filter(None, (_of_steep_bodies(bodies, found, displacement), too_thin(bodies) if order == 0 else ""))
+    )
+
+
+def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacement: str) -> str:
+    steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
+    if steepest <= STEEPEST:
+        return ""
+    error, unit = float(found["next_order"].max()), found["next_order"].units
+    largest = float(abs(found[displacement]).max()) or 1.0
+    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
+    return (
+        f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
+        f"the next order in the slope would change displacements by up to {off}, and the error is of that size"
+    )
+
+
+def too_thin(bodies: Sequence[RoughBody]) -> str:
+    """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
+    body = max(bodies, key=change_of_thickness, default=None)
+    change = 0.0 if body is None else change_of_thickness(body)
+    if body is None or change < THICKNESS:
+        return ""
+    if body.elastic.stack is not None:
+        return (
+            f"the roughness of a deformable body changes the thickness of its topmost layer by up to {change:.2g} of "
+            "it, which order 0 leaves out, as if the interface below followed the surface: if it is flat, take a "
+            "numerics.topography_order of 1 or 2"
+        )
+    return (
+        f"the roughness of a deformable body changes its thickness by up to {change:.2g} of it, which order 0 leaves "
+        f"out: pressures are off by about that share, or twice that near a Poisson's ratio of 1/2; "
+        "take a numerics.topography_order of 1 or 2"
+    )

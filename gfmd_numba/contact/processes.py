@@ -1,0 +1,75 @@
+"""The processes of scenes: what a hardness and prescribed tractions do to the steps of a path."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
+
+
+@dataclass(frozen=True)
+class Dents:
+    """Flattening of a punch of finite hardness; it remembers how far the punch is flattened `[realisation, (y,) x]`."""
+
+    name: ClassVar[str] = "dents"
+
+    def begin(self, shape: tuple[int, ...]) -> Reals | float:
+        """No dent yet."""
+        return 0.0
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """The wall is lower where it is dented."""
+        return Change(wall=state.memory[self.name])
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals | float:
+        """Dents grow by what plastic nodes penetrate."""
+        depth: Reals | float = state.memory[self.name] + solved.flattened
+        return depth
+
+
+@dataclass(frozen=True)
+class Deflection:
+    """Displacement of the body by prescribed tractions, which the punch then meets undeformed, as the body is linear.
+
+    It remembers that displacement `[component, (y,) x]`, the normal one last, which no step changes.
+    """
+
+    problem: Problem
+    name: ClassVar[str] = "deflection"
+
+    def begin(self, shape: tuple[int, ...]) -> Reals:
+        """What the tractions do to the body."""
+        tractions, counter = self.problem.tractions, self.problem.counter
+        assert tractions is not None
+        share = 1.0 if counter is None else 1.0 - counter.share  # of E* in that of the body
+        given = np.stack((*tractions.tangential, tractions.normal))
+        return self.problem.body.response(given.shape[1:]).apply(share * given)
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """Displacements count from the deflected surface."""
+        *along, out = state.memory[self.name]
+        return Change(out=out[np.newaxis], along=np.asarray(along)[np.newaxis])
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
+        """Tractions stay."""
+        moved: Reals = state.memory[self.name]
+        return moved
+
+
+def processes_of(problem: Problem) -> tuple[Process, ...]:
+    """All that happens to the steps of a problem, and its own processes last."""
+    dents = () if problem.interface.hardness is None else (Dents(),)
+    deflection = () if problem.tractions is None else (Deflection(problem),)
+    return *dents, *deflection, *problem.processes
+
+
+def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:
+    """Nodes `[realisation, (y,) x]` of earlier dents that bear the hardness again, to within the residual."""
+    assert problem.interface.hardness is not None
+    law = problem.interface.normal_law
+    wall = pressure if law is None else pressure + law.traction(np.zeros(1))
+    bears = touching & (wall >= (1.0 - problem.numerics.residual) * problem.interface.hardness)
+    return np.asarray(bears & (np.asarray(state.memory["dents"]) > 0.0))

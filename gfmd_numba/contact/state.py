@@ -1,0 +1,209 @@
+"""What happened before a step of the loading, what makes it happen, and the contact that the step ends with.
+
+A process remembers something between steps, and changes a step by what it remembers. A load path is a fold over steps:
+each begins in the state that the last one has left. Lengths are in g L_x, stresses in g E*.
+"""
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property, wraps
+from math import dist, prod
+from typing import Any, NamedTuple, Protocol, TypeVar
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity import stiffness
+from gfmd_numba.solvers.equilibrium import Equilibrium
+
+Found = TypeVar("Found")
+
+
+class LoadStep(NamedTuple):
+    """What a step of the loading ends with: a mean pressure or a displacement, and the sliding of the punch.
+
+    `sliding` is along x, on maps also along y, since the first touch. `duration` is the time that the step takes, in
+    the unit of the processes that know one.
+    """
+
+    load: float
+    sliding: tuple[float, ...]
+    duration: float = 0.0
+
+    def halfway_to(self, end: "LoadStep") -> "LoadStep":
+        """First half of the step from here to an end."""
+        sliding = tuple(0.5 * (here + there) for here, there in zip(self.sliding, end.sliding, strict=True))
+        return LoadStep(0.5 * (self.load + end.load), sliding, 0.5 * end.duration)
+
+
+@dataclass(frozen=True)
+class Change:
+    """What a process does to a step; None is nothing, and costs nothing.
+
+    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material. The
+    surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
+    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`.
+    The nodes have been carried along what they meet by `carried`, of the shape of `along`, and tangential tractions
+    bear `lifted` of the mean pressure.
+    """
+
+    wall: Reals | float | None = None
+    out: Reals | None = None
+    along: Reals | None = None
+    factor: float = 1.0
+    carried: Reals | None = None
+    lifted: float = 0.0
+
+    @classmethod
+    def of_all(cls, changes: Iterable["Change"]) -> "Change":
+        """What several processes do together."""
+        every = list(changes)
+        if not every:
+            return NO_CHANGE
+        wall, out, along, carried = (
+            _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
+        )
+        return cls(wall, out, along, prod(each.factor for each in every), carried, sum(each.lifted for each in every))
+
+
+NO_CHANGE = Change()
+
+
+def _sum(parts: Iterable[Any]) -> Any:
+    given = [part for part in parts if part is not None]
+    return sum(given[1:], given[0]) if given else None
+
+
+class Process(Protocol):
+    """Something that happens to a contact besides its load, like wear: it is named, and remembers what it likes."""
+
+    @property
+    def name(self) -> str:
+        """Key of what it remembers, in the memory of a state."""
+        ...
+
+    def begin(self, shape: tuple[int, ...]) -> Any:
+        """What it remembers before the first step, of heights of a shape (realisation, (y,) x)."""
+        ...
+
+    def split(self, state: "State", step: LoadStep) -> Change:
+        """What it does to a step that begins in a state."""
+        ...
+
+    def advance(self, state: "State", solved: "Contact", step: LoadStep) -> Any:
+        """What it remembers after a step that began in a state, and has led to a contact."""
+        ...
+
+
+@dataclass(frozen=True)
+class State:
+    """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
+
+    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. A step that
+    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    """
+
+    heights: Reals
+    processes: tuple[Process, ...] = ()
+    memory: Mapping[str, Any] = field(default_factory=dict)
+    last: "Contact | None" = None
+    repeats: bool = False
+
+    @classmethod
+    def untouched(cls, heights: Reals, processes: tuple[Process, ...]) -> "State":
+        """State of surfaces before the first step."""
+        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes})
+
+    def change(self, step: LoadStep) -> Change:
+        """What all processes do to the next step."""
+        return Change.of_all(each.split(self, step) for each in self.processes)
+
+    def way(self, step: LoadStep) -> float:
+        """Distance that the punch slides in the next step."""
+        before = None if self.last is None else self.last.step
+        return dist(step.sliding, (0.0,) * len(step.sliding) if before is None else before.sliding)
+
+    def remembering(self, name: str, memory: Any) -> "State":
+        """The same, but for what one process remembers."""
+        return replace(self, memory={**self.memory, name: memory})
+
+    def after(self, solved: "Contact", step: LoadStep) -> "State":
+        """State that a step leaves."""
+        memory = {each.name: each.advance(self, solved, step) for each in self.processes}
+        return replace(self.begun_at(solved), memory=memory)
+
+    def begun_at(self, solved: "Contact", repeats: bool = False) -> "State":
+        """The same, but begun where another contact is."""
+        return replace(self, last=replace(solved, before=None), repeats=repeats)
+
+
+@dataclass(frozen=True)
+class Followed:
+    """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
+
+    The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
+    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
+    displacement of the punch along x at the jump (g L_x).
+    """
+
+    lost: float
+    jump_at: float
+    least_pressure: float = np.nan
+    jump_sliding: float = np.nan
+
+
+NOTHING_LOST = Followed(0.0, np.nan)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Heights `[realisation, (y,) x]` of the punch, peaks towards the body, and the equilibrium of the body under it.
+
+    `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
+    displacement below it) at zero, moved by what processes do to this step (`change`). `before` is the state in which
+    the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
+    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). `found` is what observables have found.
+    """
+
+    heights: Reals
+    punch: Reals
+    equilibrium: Equilibrium
+    before: State | None = None
+    step: LoadStep | None = None
+    change: Change = NO_CHANGE
+    followed: Followed | None = None
+    stiffness: Callable[[Reals], Reals] = stiffness.half_space
+    found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @cached_property
+    def after(self) -> State:
+        """State in which the next step begins."""
+        assert self.before is not None  # of what was solved
+        assert self.step is not None
+        return self.before.after(self, self.step)
+
+    @property
+    def flattened(self) -> Reals | float:
+        """How far the punch is flattened in this step (g L_x): what plastic nodes penetrate."""
+        if self.equilibrium.plastic is None:
+            return 0.0
+        return np.maximum(self.equilibrium.displacement - self.punch, 0.0)
+
+    @property
+    def plastic_depth(self) -> Reals | float:
+        """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
+        depth: Reals | float = self.after.memory.get("dents", 0.0)
+        return depth
+
+
+def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
+    """Compute a function of a contact once, and keep what it has found with the contact; nobody changes that."""
+
+    @wraps(function)
+    def found(contact: Contact) -> Found:
+        if function not in contact.found:
+            contact.found[function] = function(contact)
+        known: Found = contact.found[function]
+        return known
+
+    return found

@@ -10,7 +10,7 @@ from gfmd_numba.campaign.axes import AXES
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.coordinates import coordinates
 from gfmd_numba.campaign.grid import Grid
-from gfmd_numba.contact.dataset import units
+from gfmd_numba.contact.dataset import Units
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import plain_scalar
 from gfmd_numba.scene.reduced_units import quantities
@@ -38,7 +38,7 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             hint = nearest(name, names)
             raise InputError(f"--only: you gave {name}; gfmd allows {', '.join(names)}{f'; {hint}' if hint else ''}")
         axis = next((axis for axis in keys.values() if name in (axis.name, axis.coordinate)), None)
-        unit = "1" if axis is None else units(cases[0].scene)[axis.unit]
+        unit = "1" if axis is None else Units.of(cases[0].scene).names[axis.unit]
         value = given if isinstance(column[0], str) else _number(name, given, axis.name if axis else "", unit)
         found = {i for i, held in enumerate(column) if held == value}
         if not found and isinstance(value, float):

@@ -6,7 +6,7 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
+from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
 from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import Scene
 from gfmd_numba.scene.loading import Step
@@ -81,7 +81,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
 
     An axis of names has these, and numbers that stand for them: an index whose attribute `names` is a list in JSON.
     """
-    unit = units(scene)
+    unit = Units.of(scene).names
     attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
     for rank, axis in enumerate(AXES):
         attributes[axis.coordinate] = cf_attributes(axis.long_name, unit[axis.unit]) | {

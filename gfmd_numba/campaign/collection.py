@@ -21,13 +21,12 @@ from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.dataset import (
+    Units,
     campaign_dataset,
     cf_attributes,
     dropped_effects,
     modulus_attributes,
     scaled,
-    scales,
-    units,
 )
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
@@ -100,7 +99,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     values = [in_file_units(case, rows, measured[case.problem.identity]) for case in planned.cases]
     scene = planned.cases[0].scene  # measured ones tell their period
     coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
-    dataset = campaign_dataset(coordinates, rows, values, units(scene))
+    dataset = campaign_dataset(coordinates, rows, values, Units.of(scene).names)
     dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
@@ -156,7 +155,7 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
 
 def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
     """Return the measures of a case in the units of the file, from those of its dimensionless problem."""
-    scale = scales(case.scene, case.rms_gradient)
+    scale = Units.of(case.scene, case.rms_gradient).worth
     return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 

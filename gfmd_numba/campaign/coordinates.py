@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.grid import Grid
-from gfmd_numba.contact.dataset import PRESCRIBED, cf_attributes, load_attributes, units
+from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
 from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import plain_scalar
@@ -68,7 +68,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
 
     An axis of names also has an index of numbers, whose attribute `names` is a JSON list of the names.
     """
-    unit = units(scene)
+    unit = Units.of(scene).names
     attributes: dict[str, dict[str, Any]] = {name: cf_attributes(long_name) for name, long_name in _OTHERS.items()}
     for rank, axis in enumerate(AXES):
         attributes[axis.coordinate] = cf_attributes(axis.long_name, unit[axis.unit]) | {
@@ -131,7 +131,7 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             hint = nearest(name, names)
             raise InputError(f"--only: you gave {name}; gfmd allows {', '.join(names)}{f'; {hint}' if hint else ''}")
         axis = next((axis for axis in keys.values() if name in (axis.name, axis.coordinate)), None)
-        unit = "1" if axis is None else units(cases[0].scene)[axis.unit]
+        unit = "1" if axis is None else Units.of(cases[0].scene).names[axis.unit]
         value = given if isinstance(column[0], str) else _number(name, given, axis.name if axis else "", unit)
         found = {i for i, held in enumerate(column) if held == value}
         if not found and isinstance(value, float):

@@ -21,7 +21,6 @@ from gfmd_numba.contact.dataset import (
     load_attributes,
     modulus_attributes,
     refuse_nonfinite,
-    units,
 )
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.evaluation import gap, measure
@@ -184,10 +183,11 @@ def _add_bodies(
         attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
     assert problem.rough is not None  # as its bodies are
+    whole = Units.of(scene, rms_gradient)
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         worth = {"height": scene.length or 1.0, "pressure": contact_modulus(scene) / body.share}
-        unit = Units(worth, units(scene))
+        unit = Units(worth, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         along, pressure = tractions_on(body, problem, contact, rms_gradient, pairing)
@@ -201,7 +201,6 @@ def _add_bodies(
         assert along is not None  # between inclined surfaces
         for variable, long_name, values in _of_inclined(along, pressure, prefix):
             found[prefix + variable] = unit.variable(dims, "pressure", long_name.format(whose), values)
-    whole = Units.of(scene, rms_gradient)
     if pairing is not None and problem.interface.couples:
         for variable, long_name, values in _on_surface(contact):
             found[variable] = whole.variable(dims, "pressure", long_name, values)

@@ -34,37 +34,6 @@ INDICES = {
 }
 
 
-def scales(scene: Scene | LoadedBody, rms_gradient: float) -> dict[str, float]:
-    """What each unit of the dimensionless problem is worth: lengths in m (or L_x), stresses in Pa (or E*)."""
-    height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
-    return {
-        "1": 1.0,
-        "E*/stiffness": 1.0 / stiffness_scale(scene),
-        "gradient": rms_gradient,
-        "height": height,
-        "pressure": pressure,
-        "energy": pressure * height,
-        "s": 1.0,
-    }
-
-
-def units(scene: Scene | LoadedBody) -> dict[str, str]:
-    """Name of each unit in the files; L_x and E* count as 1 where the scene leaves them open."""
-    height, pressure = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
-    named = [unit for unit in (pressure, height) if unit != "1"]
-    return {
-        "1": "1",
-        "E*/stiffness": "1",
-        "gradient": "1",
-        "height": height,
-        "pressure": pressure,
-        "energy": "J m-2" if len(named) == 2 else "".join(named) or "1",
-        "force per length": "N m-1",
-        "force": "N",
-        "s": "s",
-    }
-
-
 @dataclass(frozen=True)
 class Units:
     """What each unit of a dimensionless problem is worth in a file, and what it is called there."""
@@ -73,9 +42,25 @@ class Units:
     names: Mapping[str, str]
 
     @classmethod
-    def of(cls, scene: Scene | LoadedBody, rms_gradient: float) -> "Units":
-        """Units of a scene with heights in units of a gradient."""
-        return cls(scales(scene, rms_gradient), units(scene))
+    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+        """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
+        height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
+        metre, pascal = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
+        both = [unit for unit in (pascal, metre) if unit != "1"]
+        each = {
+            "1": (1.0, "1"),
+            "E*/stiffness": (1.0 / stiffness_scale(scene), "1"),
+            "gradient": (rms_gradient, "1"),
+            "height": (height, metre),
+            "pressure": (pressure, pascal),
+            "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
+            "s": (1.0, "s"),
+        }
+        named_alone = {"force per length": "N m-1", "force": "N"}
+        return cls(
+            {kind: worth for kind, (worth, _) in each.items()},
+            {kind: name for kind, (_, name) in each.items()} | named_alone,
+        )
 
     def variable(
         self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
@@ -113,7 +98,7 @@ def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     """CF attributes of what a loading prescribes, by the name of its coordinate."""
-    height = units(scene)["height"]
+    height = Units.of(scene).names["height"]
     return {
         "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
         "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),

@@ -12,7 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes, scales, units
+from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, Units, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
@@ -288,7 +288,7 @@ def _standard_error(values: xr.DataArray) -> xr.DataArray:
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     """Add what the path and the size of the period make of the recorded scalars."""
     scene = curve.given.file.scene
-    one = scales(scene, curve.given.surfaces.rms_gradient)["pressure"]
+    one = Units.of(scene, curve.given.surfaces.rms_gradient).worth["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
@@ -298,7 +298,7 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
 
 
 def _stiffness_attributes(scene: Scene) -> dict[str, Any]:
-    unit = units(scene)
+    unit = Units.of(scene).names
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"

@@ -4,6 +4,8 @@ The energy of a law is that of the length r of the slip s = r e. So it drags alo
 is that of r along e, and the drag over r across it.
 """
 
+from functools import reduce
+
 import numpy as np
 
 from gfmd_numba.arrays import Reals
@@ -12,13 +14,11 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 
 def length(slip: Reals) -> Reals:
     """Length of a slip `[component, ...]`."""
-    return np.asarray(np.abs(slip[0]) if len(slip) == 1 else np.hypot(*slip))
+    return reduce(np.hypot, slip, np.zeros(()))
 
 
 def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
     """Traction `[component, ...]` that drags the body along with the punch."""
-    if len(slip) == 1:
-        return law.tangential_traction(gap, slip)
     r = length(slip)
     return law.tangential_traction(gap, r) * _direction(slip, r)
 

@@ -20,13 +20,6 @@ def autocorrelation(heights: Reals, lengths: tuple[float, ...] = statistics.UNIT
     return np.asarray(found / found[mean])
 
 
-def height_height_correlation(heights: Reals, lengths: tuple[float, ...] = statistics.UNIT) -> Reals:
-    """Mean square height difference <(h(r) - h(r + rho))^2>, laid out like `autocorrelation`, in height^2."""
-    axes = tuple(range(-len(lengths), 0))
-    variance = np.expand_dims(statistics.rms_height(heights, lengths) ** 2, axes)
-    return np.asarray(2.0 * variance * (1.0 - autocorrelation(heights, lengths)))
-
-
 def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals, Reals]:
     """Distances and means over rings of one spacing's width of a map of shifts `[ny, nx]`, up to half a period."""
     spacing = [length / n for length, n in zip(lengths, correlation.shape, strict=True)]

@@ -1,13 +1,9 @@
-"""Distribution of heights: moments, and how far and how surely it is from a Gaussian one (thesis 3.5.3)."""
-
-from typing import Any
+"""Distribution of heights: moments, and how far it is from a Gaussian one (thesis 3.5.3)."""
 
 import numpy as np
 from scipy import stats
 
 from gfmd_numba.arrays import Reals
-
-_FEWEST = 20  # heights for which the limiting distribution of the test still holds
 
 
 def standardised(heights: Reals, dimension: int = 1) -> Reals:
@@ -37,17 +33,3 @@ def gaussian_distance(heights: Reals, dimension: int = 1) -> Reals:
     expected = stats.norm.cdf(ordered)
     above = (np.arange(1, n + 1) / n - expected).max(axis=-1)
     return np.asarray(np.maximum(above, (expected - np.arange(n) / n).max(axis=-1)))
-
-
-def gaussian_p_value(heights: Reals, apart: int, dimension: int = 1) -> Reals:
-    """Probability `[...]` of skewness and kurtosis at least as unlike a Gaussian's (D'Agostino and Pearson).
-
-    Every `apart`-th height in each direction enters; they have to be uncorrelated, so `apart` spacings several times
-    the correlation length. Raises ValueError if fewer than 20 heights remain.
-    """
-    every: tuple[Any, ...] = (..., *(slice(None, None, apart),) * dimension)
-    thinned = heights[every]
-    flat = thinned.reshape(*thinned.shape[:-dimension], -1)
-    if flat.shape[-1] < _FEWEST:
-        raise ValueError(f"{flat.shape[-1]} independent heights, not at least {_FEWEST}")
-    return np.asarray(stats.normaltest(flat, axis=-1).pvalue)

@@ -138,6 +138,39 @@ def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
     return tuple(found)
 
 
+def offsets(level: Reals) -> list[tuple[int, int, float]]:
+    """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
+    if level.ndim == 1:
+        return [(0, int(i), float(step)) for i, step in _of_line(level, float(level.std()))]
+    found = []
+    for axis in range(level.ndim):
+        other = 1 - axis
+        line = np.append(0.0, np.cumsum(np.median(np.diff(level, axis=axis), axis=other)))
+        found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
+    return found
+
+
+def repeated(heights: Reals) -> list[Repeated]:
+    """Heights of a field that occur too often, the most frequent first; missing ones are not-a-number."""
+    values, counts = np.unique(heights[~np.isnan(heights)], return_counts=True)
+    if len(values) < _LEVELS or is_design(heights):
+        return []
+    least = max(_FEWEST_EQUAL, _EQUAL_SHARE * heights.size)
+    found = []
+    for i in np.flatnonzero(counts >= least):
+        nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
+        if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
+            found.append(_described(heights, values, int(i)))
+    return sorted(found, key=lambda each: -each.count)
+
+
+def is_design(heights: Reals) -> bool:
+    """Whether a surface has no roughness at all: its second difference along x hardly changes between neighbours."""
+    second = np.diff(heights, 2, axis=-1)
+    rounding = 64.0 * float(np.finfo(np.float64).eps * np.nanmax(abs(heights)))
+    return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
+
+
 def _filled(share: float) -> str:
     if share <= FILLED:
         return ""
@@ -264,18 +297,6 @@ def _range(heights: Reals, lengths: tuple[float, ...]) -> str:
     return f"heights that range over {found / min(lengths):.3g} periods: check the units of the file, and the length"
 
 
-def offsets(level: Reals) -> list[tuple[int, int, float]]:
-    """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
-    if level.ndim == 1:
-        return [(0, int(i), float(step)) for i, step in _of_line(level, float(level.std()))]
-    found = []
-    for axis in range(level.ndim):
-        other = 1 - axis
-        line = np.append(0.0, np.cumsum(np.median(np.diff(level, axis=axis), axis=other)))
-        found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
-    return found
-
-
 def _of_line(line: Reals, rms: float) -> list[tuple[int, float]]:
     n = len(line)
     sums = np.append(0.0, np.cumsum(line))
@@ -312,27 +333,6 @@ def _lasting(line: Reals, i: int) -> float:
     step = float(np.median(after) - np.median(before))
     sharp = float(abs(np.diff(line[max(i - 1, 0) : i + 4])).max())
     return step if sharp > 0.5 * abs(step) and abs(step) > 0.5 * abs(line[i + 1] - line[i]) else 0.0
-
-
-def repeated(heights: Reals) -> list[Repeated]:
-    """Heights of a field that occur too often, the most frequent first; missing ones are not-a-number."""
-    values, counts = np.unique(heights[~np.isnan(heights)], return_counts=True)
-    if len(values) < _LEVELS or is_design(heights):
-        return []
-    least = max(_FEWEST_EQUAL, _EQUAL_SHARE * heights.size)
-    found = []
-    for i in np.flatnonzero(counts >= least):
-        nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
-        if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
-            found.append(_described(heights, values, int(i)))
-    return sorted(found, key=lambda each: -each.count)
-
-
-def is_design(heights: Reals) -> bool:
-    """Whether a surface has no roughness at all: its second difference along x hardly changes between neighbours."""
-    second = np.diff(heights, 2, axis=-1)
-    rounding = 64.0 * float(np.finfo(np.float64).eps * np.nanmax(abs(heights)))
-    return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
 
 
 def _described(heights: Reals, values: Reals, i: int) -> Repeated:

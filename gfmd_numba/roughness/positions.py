@@ -68,23 +68,6 @@ def interpolated(heights: Reals, x: Reals) -> Reals:
     return np.interp(np.linspace(x[0], x[-1], len(x)), x, heights)
 
 
-def _uneven(x: Reals, name: str) -> Line:
-    """A line of positions in any order, all of them distinct."""
-    ordered = np.sort(x)
-    steps = np.diff(ordered)
-    if not (steps > 0.0).all():
-        raise ValueError(f"the position {name} = {ordered[int((steps <= 0.0).argmax())]:g} twice")
-    mean = (ordered[-1] - ordered[0]) / (len(x) - 1)
-    said = f"interpolated linearly from uneven positions {name}, at most {steps.max() / mean:.4g} mean spacings apart"
-    return Line(name, mean * len(x), uneven=x, said=said)
-
-
-def _turn(steps: Reals) -> int:
-    """Index of the first position after which the direction changes."""
-    sign = np.sign(steps)
-    return int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
-
-
 def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
     """Heights `[ny, nx]` of a table, and the positions along x and y if its first row and first column are axes.
 
@@ -108,29 +91,6 @@ def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
                 "heights, save the map as .npy"
             )
     return values, {}
-
-
-def _is_axis(rows: Reals) -> bool:
-    """Whether the first of these rows is evenly spaced, and none of the next two goes on with it."""
-    first = rows[0]
-    if len(first) < _FEWEST or not _is_even(first):
-        return False
-    step = (first[-1] - first[0]) / (len(first) - 1)
-    bends = abs(np.diff(rows.mean(axis=1), 2))  # of the slope across the rows: of a plane 0
-    if len(bends) >= _FEWEST and bends[0] > 10.0 * bends[1:].max() + abs(step):
-        return True
-    for row in rows[1:3]:
-        alike = abs(np.diff(row) - step) <= _ALIKE * abs(step)
-        tilted = _is_even(row) and 0.25 <= (row[-1] - row[0]) / (first[-1] - first[0]) <= 4.0
-        if tilted or alike.mean() >= 0.5:
-            return False
-    return True
-
-
-def _is_even(line: Reals) -> bool:
-    steps = np.diff(line)
-    mean = steps.mean()
-    return bool(mean != 0.0 and (abs(steps - mean) <= _EVEN * abs(mean)).all())
 
 
 def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
@@ -162,3 +122,43 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     if 1 in (len(along_x), len(along_y)):
         return heights, {"x": along_x if len(along_y) == 1 else along_y}
     return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}
+
+
+def _uneven(x: Reals, name: str) -> Line:
+    """A line of positions in any order, all of them distinct."""
+    ordered = np.sort(x)
+    steps = np.diff(ordered)
+    if not (steps > 0.0).all():
+        raise ValueError(f"the position {name} = {ordered[int((steps <= 0.0).argmax())]:g} twice")
+    mean = (ordered[-1] - ordered[0]) / (len(x) - 1)
+    said = f"interpolated linearly from uneven positions {name}, at most {steps.max() / mean:.4g} mean spacings apart"
+    return Line(name, mean * len(x), uneven=x, said=said)
+
+
+def _turn(steps: Reals) -> int:
+    """Index of the first position after which the direction changes."""
+    sign = np.sign(steps)
+    return int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
+
+
+def _is_axis(rows: Reals) -> bool:
+    """Whether the first of these rows is evenly spaced, and none of the next two goes on with it."""
+    first = rows[0]
+    if len(first) < _FEWEST or not _is_even(first):
+        return False
+    step = (first[-1] - first[0]) / (len(first) - 1)
+    bends = abs(np.diff(rows.mean(axis=1), 2))  # of the slope across the rows: of a plane 0
+    if len(bends) >= _FEWEST and bends[0] > 10.0 * bends[1:].max() + abs(step):
+        return True
+    for row in rows[1:3]:
+        alike = abs(np.diff(row) - step) <= _ALIKE * abs(step)
+        tilted = _is_even(row) and 0.25 <= (row[-1] - row[0]) / (first[-1] - first[0]) <= 4.0
+        if tilted or alike.mean() >= 0.5:
+            return False
+    return True
+
+
+def _is_even(line: Reals) -> bool:
+    steps = np.diff(line)
+    mean = steps.mean()
+    return bool(mean != 0.0 and (abs(steps - mean) <= _EVEN * abs(mean)).all())

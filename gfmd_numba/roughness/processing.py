@@ -128,17 +128,6 @@ def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
     return np.where(total <= order, coefficients, 0.0), bases
 
 
-def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
-    """Product of a field with a basis `[points, power]` along each axis."""
-    for axis, basis in enumerate(bases):
-        field = np.moveaxis(np.moveaxis(field, axis, -1) @ basis, -1, axis)
-    return np.asarray(field)
-
-
-def _times(shape: tuple[int, ...]) -> str:
-    return " x ".join(map(str, shape))
-
-
 def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
     """Heights `[nx]` or `[ny, nx]` without not-a-numbers, and what was done.
 
@@ -158,6 +147,45 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
     fill_in, kind = {1: (_linear, "linearly"), 2: (_harmonic, "by a harmonic function")}[len(heights.shape)]
     done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {kind}"
     return fill_in(heights, missing), (done,)
+
+
+def largest_square(found: Measurement) -> Measurement:
+    """Cut the largest square about the centre out of a map `[ny, nx]`.
+
+    Where the spacings along x and y differ, so do the numbers of points, and the sides agree to half of the finer
+    spacing. A map without sizes has square pixels. Raises ValueError for a profile, and for fewer than 4 points a side.
+    """
+    if found.heights.ndim == 1:
+        raise ValueError("a profile, where crop: square needs a map: leave crop out")
+    shape = found.heights.shape
+    sizes = found.lengths if found.lengths is not None else tuple(map(float, shape))
+    spacings = [size / n for size, n in zip(sizes, shape, strict=True)]
+    coarse = max(spacings)
+    side = math.floor(min(sizes) / coarse + _WHOLE) * coarse
+    counts = [min(n, round(side / spacing)) for n, spacing in zip(shape, spacings, strict=True)]
+    if tuple(counts) == shape and max(sizes) <= min(sizes) * (1.0 + _WHOLE):
+        return found
+    if min(counts) < 4:
+        raise ValueError(f"{' x '.join(map(str, counts))} heights in the largest square, not at least 4")
+    begins = [(n - count) // 2 for n, count in zip(shape, counts, strict=True)]
+    heights = found.heights[tuple(slice(begin, begin + count) for begin, count in zip(begins, counts, strict=True))]
+    said = f"cut out the middle {counts[0]} x {counts[1]} of {shape[0]} x {shape[1]} points, a square"
+    misfit = max(abs(count * spacing / side - 1.0) for count, spacing in zip(counts, spacings, strict=True))
+    if misfit > _EQUAL:
+        said += f" once stretched by {100 * misfit:.2g} %"
+    lengths = (side, side) if found.lengths is not None else None
+    return replace(found, heights=heights, lengths=lengths, done=(*found.done, said))
+
+
+def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
+    """Product of a field with a basis `[points, power]` along each axis."""
+    for axis, basis in enumerate(bases):
+        field = np.moveaxis(np.moveaxis(field, axis, -1) @ basis, -1, axis)
+    return np.asarray(field)
+
+
+def _times(shape: tuple[int, ...]) -> str:
+    return " x ".join(map(str, shape))
 
 
 def _linear(heights: Reals, missing: Flags) -> Reals:
@@ -190,31 +218,3 @@ def _harmonic(heights: Reals, missing: Flags) -> Reals:
     filled = heights.copy()
     filled[missing] = spsolve(csr_array(diags_array(neighbours) - coupling).tocsc(), known)
     return filled
-
-
-def largest_square(found: Measurement) -> Measurement:
-    """Cut the largest square about the centre out of a map `[ny, nx]`.
-
-    Where the spacings along x and y differ, so do the numbers of points, and the sides agree to half of the finer
-    spacing. A map without sizes has square pixels. Raises ValueError for a profile, and for fewer than 4 points a side.
-    """
-    if found.heights.ndim == 1:
-        raise ValueError("a profile, where crop: square needs a map: leave crop out")
-    shape = found.heights.shape
-    sizes = found.lengths if found.lengths is not None else tuple(map(float, shape))
-    spacings = [size / n for size, n in zip(sizes, shape, strict=True)]
-    coarse = max(spacings)
-    side = math.floor(min(sizes) / coarse + _WHOLE) * coarse
-    counts = [min(n, round(side / spacing)) for n, spacing in zip(shape, spacings, strict=True)]
-    if tuple(counts) == shape and max(sizes) <= min(sizes) * (1.0 + _WHOLE):
-        return found
-    if min(counts) < 4:
-        raise ValueError(f"{' x '.join(map(str, counts))} heights in the largest square, not at least 4")
-    begins = [(n - count) // 2 for n, count in zip(shape, counts, strict=True)]
-    heights = found.heights[tuple(slice(begin, begin + count) for begin, count in zip(begins, counts, strict=True))]
-    said = f"cut out the middle {counts[0]} x {counts[1]} of {shape[0]} x {shape[1]} points, a square"
-    misfit = max(abs(count * spacing / side - 1.0) for count, spacing in zip(counts, spacings, strict=True))
-    if misfit > _EQUAL:
-        said += f" once stretched by {100 * misfit:.2g} %"
-    lengths = (side, side) if found.lengths is not None else None
-    return replace(found, heights=heights, lengths=lengths, done=(*found.done, said))

@@ -116,6 +116,18 @@ class Recursion:
         return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
 
 
+def generator(
+    record: MidpointDisplacement | SuccessiveAddition,
+    discretisation: Discretisation | None,
+    period: float,
+    dimension: int,
+    nx: int,
+) -> Recursion:
+    """Subdivision of a record between its wavelengths, or those of the discretisation."""
+    longest, shortest = band(record, discretisation, period)
+    return Recursion(record.method, dimension, record.hurst, 1.0 / shortest, 1.0 / longest)
+
+
 def _step(wavelength: float) -> int:
     return 1 + int(np.floor(np.log2(1.0 / wavelength) + 1e-9))
 
@@ -178,15 +190,3 @@ def _power(recursion: Recursion) -> Reals:
 def _total(power: Reals) -> float:
     """Mean square height about the mean."""
     return float(power.sum() - power.ravel()[0])
-
-
-def generator(
-    record: MidpointDisplacement | SuccessiveAddition,
-    discretisation: Discretisation | None,
-    period: float,
-    dimension: int,
-    nx: int,
-) -> Recursion:
-    """Subdivision of a record between its wavelengths, or those of the discretisation."""
-    longest, shortest = band(record, discretisation, period)
-    return Recursion(record.method, dimension, record.hurst, 1.0 / shortest, 1.0 / longest)

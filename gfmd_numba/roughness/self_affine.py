@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -138,9 +139,8 @@ class SelfAffineWaves:
 
     def power(self, shape: Shape) -> Reals:
         """Mean power per mean square height (3.28)."""
-        vectors = grid.wavevectors(shape, (1.0,) * len(shape))
-        index = np.hypot(self.anisotropy * vectors[0], vectors[-1]) if len(shape) == 2 else vectors[0]
-        index = index / (2.0 * np.pi)
+        *q_y, q_x = grid.wavevectors(shape, (1.0,) * len(shape))
+        index = reduce(np.hypot, (*(self.anisotropy * q for q in q_y), q_x)) / (2.0 * np.pi)
         longest = 0.5 if self.plateau else self.cut_on_index
         kept = (index >= longest * (1.0 - 1e-12)) & (index <= self.cut_off_index * (1.0 + 1e-12))
         law = np.maximum(index, self.cut_on_index) ** -(len(shape) + 2.0 * self.hurst)

@@ -111,15 +111,6 @@ class ExponentialSpectrum(_Correlated):
         scale = self.correlation_length
         return scale**self.dimension * stretched_exponential.transform(q * scale, self.hurst, self.dimension)
 
-    def moment(self, order: Literal[0, 2, 4]) -> float:
-        """Integral of q^n C over all of q-space, in length^-n: infinite for n > 0 unless H = 1."""
-        if order == 0:
-            return 1.0
-        if self.hurst < 1.0:
-            return np.inf
-        half = self.dimension / 2.0
-        return float((2.0 / self.correlation_length) ** order * np.exp(gammaln(order / 2.0 + half) - gammaln(half)))
-
 
 class KCorrelationSpectrum(_Correlated):
     """K-correlation model, whose spectrum is (1 + q^2 xi^2 / 2H)^-(H + d/2) (3.12-3.14)."""
@@ -132,13 +123,6 @@ class KCorrelationSpectrum(_Correlated):
         """Spectral density `[...]` at wave numbers q (3.14)."""
         a = self.correlation_length**2 / (2.0 * self.hurst)
         return _k_correlation_peak(self) * (1.0 + a * q**2) ** (-self.hurst - self.dimension / 2.0)
-
-    def moment(self, order: int, cut_on: float) -> float:
-        """Integral of q^n C over wavelengths beyond `cut_on`, in length^-n; all wavelengths have no gradient."""
-        high, n = 2.0 * np.pi / cut_on, (order + self.dimension) / 2.0
-        argument = -((high * self.correlation_length) ** 2) / (2.0 * self.hurst)
-        ratio = hyp2f1(self.hurst + self.dimension / 2.0, n, n + 1.0, argument)
-        return float(_SPHERE[self.dimension] * _k_correlation_peak(self) * high ** (2.0 * n) / (2.0 * n) * ratio)
 
 
 @dataclass(frozen=True)
@@ -193,61 +177,11 @@ class Mounded:
         return _ring_mean(self.model, q, mound)
 
 
-def height_height_correlation(model: Model, distance: Reals) -> Reals:
-    """Mean square height difference per w^2, 2 (1 - R), `[...]` at distances r >= 0 (3.9, 3.12, 3.17)."""
-    return 2.0 * (1.0 - model.autocorrelation(distance))
-
-
-def nayak(moments: tuple[float, float, float], dimension: int) -> float:
-    """Nayak's parameter m0 m4 / m2^2 of profiles, from the integrals of C, q^2 C and q^4 C."""
-    m0, m2, m4 = moments
-    # along a profile of an isotropic map q_x^2 and q_x^4 average to q^2/2 and 3 q^4/8
-    return 0.5 * (1 + dimension) * m0 * m4 / m2**2
-
-
 def matern(z: Reals, order: float) -> Reals:
     """Correlation 2^(1-H) / Gamma(H) z^H K_H(z) `[...]` of z >= 0, which is 1 at z = 0 (3.13)."""
     with np.errstate(invalid="ignore"):
         found = 2.0 * np.exp(-gammaln(order)) * (z / 2.0) ** order * kv(order, z)
     return np.where(z == 0.0, 1.0, found)
-
-
-def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
-    scale, h, d = model.correlation_length / np.sqrt(2.0 * model.hurst), model.hurst, model.dimension
-    return float(scale**d * np.exp(gammaln(h + d / 2.0) - gammaln(h)) / np.pi ** (d / 2.0))
-
-
-def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
-    """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
-    h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
-    centre = 1.0 + a * (q**2 + mound**2)
-    # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
-    ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
-    b_squared = (2.0 * a * q * mound / centre) ** 2
-    series = hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
-    return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
-
-
-def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
-    # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
-    t = np.arange(-60, 61) / 16.0
-    part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
-    angles, weights = np.pi * part, np.pi * np.cosh(t) * part * (1.0 - part) / 16.0
-    q = np.asarray(q, dtype=np.float64)
-    apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
-    return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
-
-
-def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ...]) -> None:
-    for hurst in hursts:
-        _require(0.0 < hurst <= 1.0, f"a Hurst exponent of {hurst:g}, not above 0 and at most 1")
-    for length in correlation_lengths:
-        _require(0.0 < length < np.inf, f"a correlation length of {length:g}, not above 0")
-
-
-def _require(condition: bool, otherwise: str) -> None:
-    if not condition:
-        raise ValueError(otherwise)
 
 
 class AnisotropicModel(Protocol):
@@ -330,3 +264,41 @@ class ScalingAnisotropicSpectrum:
             for shift, length, hurst in zip((x, y), self.correlation_lengths, self.hursts, strict=True)
         )
         return np.asarray(first * second)
+
+
+def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
+    scale, h, d = model.correlation_length / np.sqrt(2.0 * model.hurst), model.hurst, model.dimension
+    return float(scale**d * np.exp(gammaln(h + d / 2.0) - gammaln(h)) / np.pi ** (d / 2.0))
+
+
+def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
+    """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
+    h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
+    centre = 1.0 + a * (q**2 + mound**2)
+    # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
+    ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
+    b_squared = (2.0 * a * q * mound / centre) ** 2
+    series = hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
+    return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
+
+
+def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
+    t = np.arange(-60, 61) / 16.0
+    part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
+    angles, weights = np.pi * part, np.pi * np.cosh(t) * part * (1.0 - part) / 16.0
+    q = np.asarray(q, dtype=np.float64)
+    apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
+    return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
+
+
+def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ...]) -> None:
+    for hurst in hursts:
+        _require(0.0 < hurst <= 1.0, f"a Hurst exponent of {hurst:g}, not above 0 and at most 1")
+    for length in correlation_lengths:
+        _require(0.0 < length < np.inf, f"a correlation length of {length:g}, not above 0")
+
+
+def _require(condition: bool, otherwise: str) -> None:
+    if not condition:
+        raise ValueError(otherwise)

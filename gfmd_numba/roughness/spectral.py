@@ -88,22 +88,6 @@ def periodic_autocorrelation(power: Reals, nx: int) -> Reals:
     return grid.signal(power, *(nx,) * len(power.shape))
 
 
-def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
-    if not 1 <= largest_index < nx / 2:
-        raise ValueError(
-            f"waves up to index {largest_index} on {nx} points, where 1 to {(nx - 1) // 2} lie below Nyquist"
-        )
-    if not np.isfinite(power).all():
-        where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
-        raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")
-    if power.max() < np.finfo(np.float64).tiny:
-        raise ValueError("a spectrum that is zero at all waves that fit the period")
-    if power.min() < -_ROUNDING * power.max():
-        where = tuple(int(i) for i in np.unravel_index(power.argmin(), power.shape))
-        raise ValueError(f"a spectrum that is negative at wave index {where}")
-    return np.maximum(power, 0.0)
-
-
 @dataclass(frozen=True)
 class ModelWaves:
     """Waves of a model up to a largest index, drawn from its spectrum (thesis 3.5.2.1) or autocorrelation (3.5.2)."""
@@ -150,9 +134,6 @@ class ModelWaves:
         return _POWERS[self.method](self.model, shape[0], self.largest_index)
 
 
-_POWERS = {"psd": psd_power, "fourier_filter": filter_power}
-
-
 def exponential(
     record: records.ExponentialCorrelation, _: Discretisation | None, period: float, dimension: int, nx: int
 ) -> ModelWaves:
@@ -182,6 +163,25 @@ def scaling_anisotropy(
     """Waves of the model with two Hurst exponents and correlation lengths, thesis (3.16)."""
     hursts = record.hurst_x, record.hurst_y
     return ModelWaves.of(spectra.ScalingAnisotropicSpectrum(hursts, _lengths(record, period)), record, period, nx)
+
+
+def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
+    if not 1 <= largest_index < nx / 2:
+        raise ValueError(
+            f"waves up to index {largest_index} on {nx} points, where 1 to {(nx - 1) // 2} lie below Nyquist"
+        )
+    if not np.isfinite(power).all():
+        where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
+        raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")
+    if power.max() < np.finfo(np.float64).tiny:
+        raise ValueError("a spectrum that is zero at all waves that fit the period")
+    if power.min() < -_ROUNDING * power.max():
+        where = tuple(int(i) for i in np.unravel_index(power.argmin(), power.shape))
+        raise ValueError(f"a spectrum that is negative at wave index {where}")
+    return np.maximum(power, 0.0)
+
+
+_POWERS = {"psd": psd_power, "fourier_filter": filter_power}
 
 
 def _with_mounds(

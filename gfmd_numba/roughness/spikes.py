@@ -109,7 +109,7 @@ def _windows(field: Reals, at: Indices, half: int) -> Reals:
     windows = np.lib.stride_tricks.sliding_window_view(
         np.pad(field, half, mode="reflect"), (2 * half + 1,) * field.ndim
     )
-    return windows[tuple(at.T)]
+    return np.asarray(windows[tuple(at.T)])
 
 
 def _alone(far: Flags, off: Reals) -> Flags:

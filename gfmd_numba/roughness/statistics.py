@@ -30,8 +30,7 @@ def moment_of_power(power: Reals, shape: tuple[int, ...], order: int, lengths: t
     """Moment sum_q q^n P `[...]` over all waves but the mean, of powers laid out like those of `power`."""
     weighted = grid.multiplicity(shape[-1]) * power
     flat = weighted.reshape(*power.shape[: -len(shape)], -1)
-    vectors = grid.wavevectors(shape, lengths)
-    q = vectors[0] if len(shape) == 1 else np.hypot(*vectors)
+    q = grid.magnitudes(shape, lengths)
     # summed row by row: a matrix product would round differently in batches of different size
     return np.asarray((flat[..., 1:] * q.ravel()[1:] ** order).sum(axis=-1))
 

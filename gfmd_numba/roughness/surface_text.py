@@ -94,47 +94,6 @@ def layout_of(rows: list[str], header: str) -> Layout:
     return _one_comma(looked_at, header)
 
 
-def _check_thousands(rows: list[str], header: str) -> None:
-    """Raise ValueError for commas between thousands, where they can be neither decimal ones nor between columns."""
-    tokens = [re.findall(r"[^;\s]+", row) for row in rows]
-    grouped = [token for token in chain(*tokens) if "," in token]
-    surely = [token for token in grouped if "." in token or token.count(",") > 1]
-    found = [token for row in rows for token in _QUOTED.findall(row)]
-    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)) and not _are_columns(tokens, header):
-        found = surely
-    if found:
-        written = found[0].strip('"')
-        raise ValueError(f"numbers like {written} with commas between thousands: write {written.replace(',', '')}")
-
-
-def _are_columns(tokens: list[list[str]], header: str) -> bool:
-    """Whether commas may separate columns: as many in each row, and if it is one, behind positions or a header."""
-    commas = {row[0].count(",") for row in tokens if len(row) == 1}
-    if any(len(row) > 1 for row in tokens) or len(commas) > 1:
-        return False
-    steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
-    in_order = bool((steps > 0).all() or (steps < 0).all())
-    two_names = len(re.split("[,;\t]", header)) == 2
-    return max(commas) > 1 or two_names or (in_order and not _NAME.fullmatch(header))
-
-
-def _one_comma(rows: list[str], header: str) -> Layout:
-    if _NAME.fullmatch(header):
-        return Layout("", ",")
-    if len(re.split("[,;\t]", header)) == 2:
-        return Layout(",", ".")
-    before = np.array([float(row.partition(",")[0]) for row in rows])
-    steps = np.diff(before)
-    if steps.size and steps[0] != 0 and (steps == steps[0]).all():
-        return Layout(",", ".")
-    if (steps == 0).any() or any(row.startswith("-0") for row in rows):  # no position comes twice, none is -0
-        return Layout("", ",")
-    raise ValueError(
-        f"rows like {rows[0]!r} that are one column with a decimal comma or two columns: begin the file with the line "
-        "`z [um]` or `x [mm], z [um]`, in its units"
-    )
-
-
 def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
     """Unit of each column, of a table with up to three, or the one of a map; None where the header states none.
 
@@ -175,39 +134,6 @@ def axis_units(header: list[str]) -> dict[str, str]:
         if named:
             return named
     return {}
-
-
-def _axis(label: str) -> str | None:
-    found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
-    return None if found is None else found.group(1).lower()
-
-
-def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
-    """What stands before each unit of a line, and the unit's name."""
-    found, begin = [], 0
-    for match in _STATED.finditer(line):
-        square, round_, slashed = match.groups()
-        label, rest = line[begin : match.start()], line[match.end() :]
-        if _VALUE.search(label) or re.match(r"\s*[:=]\s*\S", rest):
-            continue  # an entry of a protocol, such as `scan length (mm): 4`
-        if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
-            continue  # a quotient, such as px/mm
-        unit = length_unit(square or round_ or slashed)
-        if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
-            unit = square or round_
-        if unit is not None:
-            found.append((label, unit))
-            begin = match.end()
-    return found
-
-
-def _of_one(line: str, label: str, unit: str) -> tuple[str | None, str | None]:
-    """Units of two columns of which a line states one: for both if it stands alone."""
-    if not label.strip():
-        alone = len(line.split()) == 1
-        return (unit, unit) if alone else (unit, None)
-    second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
-    return (None, unit) if second else (unit, None)
 
 
 @dataclass(frozen=True)
@@ -259,6 +185,80 @@ def read_table(path: Path) -> Table:
         values, units = values[:, ::-1], units[::-1]
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     return Table(values, units, done, axis_units(header), first + 1)
+
+
+def _check_thousands(rows: list[str], header: str) -> None:
+    """Raise ValueError for commas between thousands, where they can be neither decimal ones nor between columns."""
+    tokens = [re.findall(r"[^;\s]+", row) for row in rows]
+    grouped = [token for token in chain(*tokens) if "," in token]
+    surely = [token for token in grouped if "." in token or token.count(",") > 1]
+    found = [token for row in rows for token in _QUOTED.findall(row)]
+    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)) and not _are_columns(tokens, header):
+        found = surely
+    if found:
+        written = found[0].strip('"')
+        raise ValueError(f"numbers like {written} with commas between thousands: write {written.replace(',', '')}")
+
+
+def _are_columns(tokens: list[list[str]], header: str) -> bool:
+    """Whether commas may separate columns: as many in each row, and if it is one, behind positions or a header."""
+    commas = {row[0].count(",") for row in tokens if len(row) == 1}
+    if any(len(row) > 1 for row in tokens) or len(commas) > 1:
+        return False
+    steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
+    in_order = bool((steps > 0).all() or (steps < 0).all())
+    two_names = len(re.split("[,;\t]", header)) == 2
+    return max(commas) > 1 or two_names or (in_order and not _NAME.fullmatch(header))
+
+
+def _one_comma(rows: list[str], header: str) -> Layout:
+    if _NAME.fullmatch(header):
+        return Layout("", ",")
+    if len(re.split("[,;\t]", header)) == 2:
+        return Layout(",", ".")
+    before = np.array([float(row.partition(",")[0]) for row in rows])
+    steps = np.diff(before)
+    if steps.size and steps[0] != 0 and (steps == steps[0]).all():
+        return Layout(",", ".")
+    if (steps == 0).any() or any(row.startswith("-0") for row in rows):  # no position comes twice, none is -0
+        return Layout("", ",")
+    raise ValueError(
+        f"rows like {rows[0]!r} that are one column with a decimal comma or two columns: begin the file with the line "
+        "`z [um]` or `x [mm], z [um]`, in its units"
+    )
+
+
+def _axis(label: str) -> str | None:
+    found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
+    return None if found is None else found.group(1).lower()
+
+
+def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
+    """What stands before each unit of a line, and the unit's name."""
+    found, begin = [], 0
+    for match in _STATED.finditer(line):
+        square, round_, slashed = match.groups()
+        label, rest = line[begin : match.start()], line[match.end() :]
+        if _VALUE.search(label) or re.match(r"\s*[:=]\s*\S", rest):
+            continue  # an entry of a protocol, such as `scan length (mm): 4`
+        if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
+            continue  # a quotient, such as px/mm
+        unit = length_unit(square or round_ or slashed)
+        if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
+            unit = square or round_
+        if unit is not None:
+            found.append((label, unit))
+            begin = match.end()
+    return found
+
+
+def _of_one(line: str, label: str, unit: str) -> tuple[str | None, str | None]:
+    """Units of two columns of which a line states one: for both if it stands alone."""
+    if not label.strip():
+        alone = len(line.split()) == 1
+        return (unit, unit) if alone else (unit, None)
+    second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
+    return (None, unit) if second else (unit, None)
 
 
 def _text(path: Path) -> str:

@@ -292,9 +292,7 @@ def pack_rows(rows: Reals, nx: int) -> None:
 @jit
 def refine_pressure(p: Reals, above: Indices, share_y: Reals, left: Indices, share_x: Reals, fine: Reals) -> None:
     """Interpolate a periodic map of pressures linearly onto the rows of a finer one, whose node y, x lies beyond node
-    above[y], left[x] by a share of the distance to the next.
-
-    Of nodes next to the contact, which interpolation would load too, those nearer to a contact node keep their load.
+    above[y], left[x] by a share of the distance to the next. Nodes nearer to one without load get none.
     """
     ny, nx = p.shape
     for y in range(above.size):

@@ -12,7 +12,7 @@ from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
+from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate, refine
 from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
@@ -20,6 +20,7 @@ _COARSEST = 256  # nodes up to which the first guess is full contact
 _COARSE_STEPS = 6  # on the coarser grid, at most
 _SETTLED = 0.02  # share of the contact that may still change when the coarser grid is left
 _TIGHTEN = 0.1  # factor on the error allowed in the pressure after a step that left the contact as it was
+_FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
 
 def _inverse(stiffness: Reals, compliance: Reals, shape: tuple[int, ...]) -> ProfileInverse | FarField:
@@ -170,10 +171,7 @@ class ActiveSetNewton(PressureIterate):
             active = active[coarse.changed[active] > _SETTLED * coarse.touching[active]]
         m = coarse.field.n
         for fine, p in zip(self.pressure, coarse.pressure, strict=True):
-            p = p[:m].reshape(shape)
-            # of nodes next to the contact, which interpolation would load too, keep those nearer to a contact node
-            inside = _interpolated((p > 0.0).astype(np.float64), fine_shape) >= 0.5
-            fine[:n] = np.where(inside, _interpolated(p, fine_shape), 0.0).ravel()
+            refine(p[:m].reshape(-1, shape[-1]), fine[:n].reshape(-1, fine_shape[-1]))
         self._balance()
         cost = m * np.log(m) / (n * np.log(n))
         self._coarse_transforms = coarse.n_transforms * cost
@@ -186,18 +184,3 @@ class ActiveSetNewton(PressureIterate):
         elif self.free_mean:
             for p, load in zip(self.pressure, self.load, strict=True):
                 kernels.bound(p, np.ones(n, dtype=np.bool_), load * n, self.hardness, n)
-
-
-def _interpolated(values: Reals, shape: tuple[int, ...]) -> Reals:
-    """Periodic values between their nodes, linearly in each direction."""
-    for axis, n in enumerate(shape):
-        x = np.arange(n) * (values.shape[axis] / n)
-        values = np.apply_along_axis(_interpolated_along, axis, values, x)
-    return values
-
-
-def _interpolated_along(p: Reals, x: Reals) -> Reals:
-    return np.asarray(np.interp(x, np.arange(p.size + 1), np.append(p, p[0])))
-
-
-_FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on

@@ -56,16 +56,17 @@ class Certificate:
 
     def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
         self.conditions, self.rigid_mean = conditions, rigid_mean
-        self.worst, self.peak, self.imbalance, self.drift = np.zeros((4, rows))
+        self.worst, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
-    def look(self, state: kernels.State, active: Indices, n: int) -> None:
-        """Measure displacements that penetrate nowhere but under the hardness."""
+    def look(self, state: kernels.State, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
+        """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
         kernels.wall_violation(state, self.conditions, active, n, self.worst, self.peak, self.imbalance)
         if self.rigid_mean is not None:
             u = state.u[:, -1]
             self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
             self.worst[self.rigid_mean.impossible] = np.inf
             self.drift[active] = self.rigid_mean.drift(u, active, n)
+        return self.residual(state.load, active, strongest)
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.

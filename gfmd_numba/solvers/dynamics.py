@@ -141,8 +141,7 @@ class Dynamics:
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform."""
-        self.certificate.look(self.state, active, self.field.n)
-        return self.certificate.residual(self.state.load, active, self._strongest(active))
+        return self.certificate.look(self.state, active, self.field.n, self._strongest(active))
 
     def _strongest(self, active: Indices) -> Reals:
         """Largest traction of a law on each active row."""

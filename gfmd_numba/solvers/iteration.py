@@ -12,7 +12,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.table import SOLVERS
 
@@ -70,6 +70,19 @@ class Batch:
     def loads(self) -> Reals:
         """Mean pressure `[realisation]` that pushes the body, 0 where the displacement is prescribed."""
         return np.zeros(len(self.punch)) if self.load is None else self.load
+
+    @property
+    def uniform_pressure(self) -> Reals:
+        """Pressure `[realisation]` of the load, or one under which the softest wave gives way to the whole punch."""
+        if self.load is not None:
+            return self.load
+        softest = self.response.normal.flat[int(self.response.is_rigid)]
+        return np.asarray(softest * np.maximum(-self.punch.reshape(len(self.punch), -1).min(axis=1), 0.0))
+
+    def certificate(self) -> Certificate:
+        """Return what measures how far a solver is from equilibrium."""
+        rigid_mean = RigidMean.of(self.punch, self.response)
+        return Certificate(len(self.punch), self.interface.conditions, rigid_mean)
 
     def law_stiffness(self) -> float:
         """Bound of the stiffness that the laws add to that of the bodies."""

@@ -9,7 +9,6 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.transform import Transform, aligned_rows
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 
 
@@ -23,15 +22,12 @@ class PressureIterate:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
         self.free_mean = batch.load is not None
-        rigid_mean = RigidMean.of(punch, batch.response)
         self.field = Transform(rows, *shape, sources=3, dtype=punch.dtype)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
         self.wall = aligned_rows(rows, n, punch.dtype)
         self.wall[:, :n] = punch
-        softest = stiffness[1] if self.free_mean or rigid_mean else stiffness[0]
-        start = softest * np.maximum(-punch.min(axis=1), 0.0) if batch.load is None else batch.load
-        self.load = batch.loads
+        self.load, start = batch.loads, batch.uniform_pressure
         hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
         self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
         # between its bounds, where every node is free to move
@@ -46,7 +42,8 @@ class PressureIterate:
         self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.field.result)
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
         self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
-        self.certificate = Certificate(rows, kernels.Conditions(self.hardness), rigid_mean)
+        self.certificate = batch.certificate()
+        self.certificate.conditions = kernels.Conditions(self.hardness)
         self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
 
     @property
@@ -64,8 +61,7 @@ class PressureIterate:
         field.apply(self._stiffness, active, source=2)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(self.state, active, n)
-        return self.certificate.residual(self.load, active)
+        return self.certificate.look(self.state, active, n)
 
 
 UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
@@ -146,3 +142,13 @@ class Closing(NamedTuple):
             r, z, self.uniform, self.iterate.p, self.nodes, self.nodes.size, self.rounding, self.free_mean
         )
         return float(energy), float(error)
+
+
+def refine(pressure: Reals, fine: Reals) -> None:
+    """Fill a finer grid with a periodic pressure `[y, x]`, linearly; a profile is a map of one row.
+
+    Of nodes next to the contact, which interpolation would load too, those nearer to a contact node keep their load.
+    """
+    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(fine.shape, pressure.shape, strict=True)]
+    (above, down), (left, right) = [(first, rest / n) for (first, rest), n in zip(places, fine.shape, strict=True)]
+    kernels.refine_pressure(pressure, above, down, left, right, fine)

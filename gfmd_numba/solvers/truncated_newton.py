@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -9,9 +10,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse, diagonal
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.certificate import Certificate
+from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
-from gfmd_numba.solvers.held_mean import HeldMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.law_energies import law_energy
 from gfmd_numba.solvers.options import Options
@@ -24,7 +24,37 @@ _LONGEST = 8.0  # step along such a direction over that in which the body alone 
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
 _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double precision
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
+_HELD = 10.0  # stiffness that holds a mean over the largest of the body, where no law softens
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
+
+
+@dataclass(frozen=True)
+class HeldMean:
+    """The condition that the mean displacement vanishes, and the stiffness that holds it, in E*/L_x.
+
+    The mean pressure then takes over, as the condition's multiplier (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
+
+    Where a law softens faster than that stiffness lets the volume of a single node change, a contact would jump open
+    and shut again as the mean pressure follows.
+    """
+
+    condition: RigidMean
+    stiffness: float
+
+    @classmethod
+    def of(cls, batch: Batch) -> "HeldMean | None":
+        """Return what holds the mean of a batch, None where the mean is free; only a hard wall may leave it no room."""
+        condition = RigidMean.of(batch.punch, batch.response)
+        if condition is None:
+            return None
+        if not batch.interface.hard_wall:
+            condition = replace(condition, impossible=np.zeros_like(condition.impossible))
+        softening = batch.interface.softening * batch.punch[0].size
+        return cls(condition, _HELD * condition.stiffest + softening)
+
+    def pressure(self, displacement: Reals) -> float:
+        """Mean pressure, in E*, that holds a displacement `[node]` in place of that stiffness."""
+        return -self.stiffness * float(displacement.mean())
 
 
 def unless_hardness_alone(batch: Batch, options: Options) -> "TruncatedNewton | None":
@@ -109,8 +139,7 @@ class TruncatedNewton:
         It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
         """
         look, n = self.certificate, self.field.n
-        look.look(self.state, active, n)
-        found = look.residual(self.state.load, active, self._strongest[active])
+        found = look.look(self.state, active, n, self._strongest[active])
         if look.rigid_mean is not None:
             drift = look.rigid_mean.violation(self.state.u[:, -1], active, n)
             self._drifts[active] = (drift >= look.worst[active]) | (look.drift[active] >= found)

@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from gfmd_numba.solvers.decays import parallel_law
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.solvers.decays import parallel_law
 from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from gfmd_numba.solvers.tiles import near_field
 
 from gfmd_numba.contact import solution
+from gfmd_numba.solvers.tiles import near_field
 from gfmd_numba.solvers.tiles.near_field import FarField, NearField
 from support.maps import body, problem
 

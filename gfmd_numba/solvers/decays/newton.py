@@ -15,7 +15,6 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
@@ -178,8 +177,7 @@ class DecayNewton:
         self._free_mean = batch.load is not None
         self.pressure, self._u, self._restoring = (aligned_rows(rows, n) for _ in range(3))
         self.state = kernels.State.of_normal(self._u, self._restoring, self.wall, self.load)
-        rigid_mean = RigidMean.of(batch.punch, batch.response)
-        self.certificate = Certificate(rows, batch.interface.conditions, rigid_mean)
+        self.certificate = batch.certificate()
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
         self._steps_left = options.max_iterations if limit is None else min(options.max_iterations, limit)
@@ -187,10 +185,8 @@ class DecayNewton:
         self._expected = np.full(rows, np.inf)
         self._looks = np.zeros(rows, dtype=np.bool_)
         self._target = np.full(rows, _EXACT * options.residual)
-        softest = batch.response.normal[1 if self._free_mean or rigid_mean else 0]
-        start = self.load if self._free_mean else -softest * batch.punch.min(axis=1)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
-        dense = []
+        start, dense = batch.uniform_pressure, []
         for i in range(rows):
             if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > _DENSE * n):
                 dense.append(i)
@@ -247,12 +243,7 @@ class DecayNewton:
         for mine, found in zip(self.state[:2], solver.state[:2], strict=True):
             mine[i, :, :n] = found[k, :, :n]
         self.load[i] = solver.load[k]
-        for mine, found in zip(
-            (self.certificate.worst, self.certificate.peak, self.certificate.imbalance, self.certificate.drift),
-            (solver.certificate.worst, solver.certificate.peak, solver.certificate.imbalance, solver.certificate.drift),
-            strict=True,
-        ):
-            mine[i] = found[k]
+        self.certificate.found[:, i] = solver.certificate.found[:, k]
         return residual
 
     def _violation(self, active: Indices) -> Reals:
@@ -266,8 +257,7 @@ class DecayNewton:
         self._transforms[active] += 4
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[active] = self.pressure[active, :n].mean(axis=1)
-        self.certificate.look(self.state, active, n)
-        return self.certificate.residual(self.load, active)
+        return self.certificate.look(self.state, active, n)
 
     def _guess(self, i: int, start: float) -> bool:
         """Begin a row with the pressure of the waves that coarser grids hold, from the coarsest to its own.

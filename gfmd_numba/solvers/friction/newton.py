@@ -8,7 +8,6 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.vector_slip import length
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.friction.guess import (
     Found,
     FrictionGuess,
@@ -108,7 +107,7 @@ class FrictionalNewton:
         wall[:, :n] = punch.reshape(rows, n)
         anchor[..., :n] = (start.tangential + start.dragged).reshape(rows, -1, n)
         self.state = kernels.State(u, ku, wall, batch.loads.copy(), anchor)
-        self.certificate = Certificate(rows, laws.conditions, RigidMean.of(punch, response))
+        self.certificate = batch.certificate()
         self._condensed = response.condensed()
         self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
         self._drifts = response.drifts
@@ -138,7 +137,7 @@ class FrictionalNewton:
         Costs four transforms, six on maps, for each row whose tractions hardly change any more; others are measured
         by that change.
         """
-        n, certificate, (u, ku, wall, load, _) = self.field.n, self.certificate, self.state
+        n, (u, ku, wall, load, _) = self.field.n, self.state
         progress = [self._progress[i] for i in active]
         stands = np.array([each.is_solved or self._is_close(each) for each in progress], dtype=np.bool_)
         sure, strongest = active[stands], np.zeros(active.size)
@@ -151,8 +150,7 @@ class FrictionalNewton:
             guess = self._guesses[i]
             ku[i, :-1, :n] = guess.tractions[:-1]
             ku[i, -1, :n] = load[i] - guess.contact * guess.tractions[-1]
-        certificate.look(self.state, active, n)
-        residual = certificate.residual(load, active, strongest)
+        residual = self.certificate.look(self.state, active, n, strongest)
         for i in sure[residual[stands] > self._asked]:
             self._progress[i].last *= _TIGHTEN
         unsure = np.maximum([each.moved for each in progress], 10.0 * self._asked)

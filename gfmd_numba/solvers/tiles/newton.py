@@ -13,10 +13,9 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
-from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.pressures import Closing
+from gfmd_numba.solvers.pressures import Closing, refine
 from gfmd_numba.solvers.table import SOLVERS
 from gfmd_numba.solvers.tiles.compliance import SplitCompliance, TileField, fits
 
@@ -214,9 +213,7 @@ def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | N
     contact = MapContact(coarse, smooth, np.empty(coarse.shape), own, load)
     contact.settle(contact.look(), _SETTLED)
     kernels.put_tiles(contact.pressure, contact.tiles, contact.rows, coarse.shape[1])
-    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(wall.shape, coarse.shape, strict=True)]
-    (above, down), (left, right) = [(first, rest / n) for (first, rest), n in zip(places, wall.shape, strict=True)]
-    kernels.refine_pressure(own.samples[0], above, down, left, right, transform.memory[0])
+    refine(own.samples[0], transform.samples[0])
     if load is not None:
         samples = transform.samples[0]
         np.multiply(samples, load / samples.mean(), out=samples)
@@ -266,8 +263,7 @@ class TileNewton:
         self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
         self.load = batch.loads
         self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
-        rigid_mean = RigidMean.of(punch, batch.response)
-        self.certificate = Certificate(rows, batch.interface.conditions, rigid_mean)
+        self.certificate = batch.certificate()
         self._stiffness, self._residual = stiffness, options.residual
         # the certificate of the last iteration is looked at whatever the error
         self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
@@ -278,8 +274,7 @@ class TileNewton:
         for i in range(rows):
             transform = self.field.row(i)
             load = None if batch.load is None else float(batch.load[i])
-            softest = stiffness[0, 1] if rigid_mean else stiffness[0, 0]
-            start = max(-float(softest * punch[i].min()), 0.0) if load is None else load
+            start = float(batch.uniform_pressure[i])
             self._coarse_transforms[i] = guess(grids, punch[i], transform, load, start)
             gap = self.displacement[i].reshape(shape)
             self._contacts.append(MapContact(grids[0], punch[i], gap, transform, load))
@@ -313,5 +308,4 @@ class TileNewton:
         kernels.pack_rows(contact.rows, self.field.shape[1])
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = contact.pressure.sum() / n
-        self.certificate.look(self.state, row, n)
-        return float(self.certificate.residual(self.load, row)[0])
+        return float(self.certificate.look(self.state, row, n)[0])

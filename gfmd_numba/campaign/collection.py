@@ -14,7 +14,7 @@ from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
-from gfmd_numba.campaign.failures import SENTENCES, Ending
+from gfmd_numba.campaign.failures import SENTENCES, Ending, Failure
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
@@ -74,12 +74,12 @@ def noted(directory: Path) -> dict[str, float]:
 def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     wanted = planned.demand
     longest = max(wanted.values())
-    blocks: dict[str, list[Block]] = {}
-    for block in planned.blocks_in(directory):
-        blocks.setdefault(block.problem.identity, []).append(block)
-    stored = Finished(directory)
-    measured = {name: _measured(of_it, wanted[name], longest, directory, stored) for name, of_it in blocks.items()}
-    made_with = joined(filter(None, (stored.made_with(block.name) for of_it in blocks.values() for block in of_it)))
+    blocks, of_problem = planned.blocks_in(directory), dict[str, list[Block]]()
+    for block in blocks:
+        of_problem.setdefault(block.problem.identity, []).append(block)
+    stored, failed = Finished(directory), failures.of_all(directory, [block.name for block in blocks])
+    measured = {name: _measured(of_it, wanted[name], longest, stored, failed) for name, of_it in of_problem.items()}
+    made_with = joined(filter(None, (stored.made_with(block.name) for block in blocks)))
     attributes = {
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
@@ -91,7 +91,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         "machine": machine(),
         "threads": "1 for transforms and kernels in every worker",
         "fft_plans": "FFTW_ESTIMATE",
-        "failures": "\n".join(_failures(planned, directory)),
+        "failures": "\n".join(f"{name} {failure.status}: {failure.reason}" for name, failure in failed.items()),
         "cpu_seconds": sum(float(values[SECONDS].sum()) for values in measured.values()),
         **noted(directory),
     }
@@ -159,7 +159,9 @@ def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures
     return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
-def _measured(blocks: list[Block], realisations: int, longest: int, directory: Path, stored: Finished) -> Measures:
+def _measured(
+    blocks: list[Block], realisations: int, longest: int, stored: Finished, failed: Mapping[str, Failure]
+) -> Measures:
     """Return the dimensionless measures `[longest]` of a problem from its blocks, and their seconds."""
     parts = []
     problem = blocks[0].problem
@@ -167,8 +169,7 @@ def _measured(blocks: list[Block], realisations: int, longest: int, directory: P
     for block in blocks:
         part = stored.read(block.name)
         if part is None:
-            failure = failures.of(directory, block.name)
-            status = Ending.unfinished if failure is None else Ending[failure.status]
+            status = Ending[failed[block.name].status] if block.name in failed else Ending.unfinished
             part = _nothing(problem, block.size, status)
         asked, solved = realisations - block.first, block.size  # the shard may hold more
         parts.append({name: values[:asked] for name, values in part.items()})
@@ -188,9 +189,3 @@ def _nothing(problem: Problem, count: int, status: Ending) -> Measures:
     for counted in ("n_iterations", "n_transforms"):
         nothing[counted] = np.zeros(count, dtype=np.int64)
     return nothing
-
-
-def _failures(planned: Plan, directory: Path) -> list[str]:
-    """One line for each block that failed."""
-    found = ((block, failures.of(directory, block.name)) for block in planned.blocks_in(directory))
-    return [f"{block.name} {failure.status}: {failure.reason}" for block, failure in found if failure is not None]

@@ -22,7 +22,7 @@ from gfmd_numba.campaign.block_work import (
     too_long,
     unfinished,
 )
-from gfmd_numba.campaign.cases import Block, Range
+from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
 from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster, load_cluster
 from gfmd_numba.campaign.failures import Failure
@@ -228,16 +228,6 @@ class Submission:
                 raise ConnectionError(_NO_SCHEDULER) from None
             yield at_work.pop(future.key), failures
             futures.update(submitted())
-
-
-def held(finished: shards.Finished) -> dict[str, list[Range]]:
-    """Return the ranges of realisations in the names of finished blocks, by identity of the problem."""
-    ranges: dict[str, list[Range]] = {}
-    for name in finished:
-        identity, *numbers = name.rsplit("-", 2)
-        if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
-            ranges.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
-    return ranges
 
 
 def compile_kernels(problems: Iterable[Problem]) -> None:

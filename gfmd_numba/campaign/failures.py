@@ -1,5 +1,6 @@
 """How the simulations of a campaign ended, and why some blocks have no result, kept next to the shards."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from enum import IntEnum
 from pathlib import Path
@@ -66,6 +67,12 @@ def of(directory: Path, name: str) -> Failure | None:
     found = json_file.read(path_of(directory, name))
     status, reason = found.get("status"), found.get("reason")
     return Failure(status, reason) if status in _OF_BLOCKS and isinstance(reason, str) else None
+
+
+def of_all(directory: Path, names: Iterable[str]) -> dict[str, Failure]:
+    """Return the failures of those blocks that have failed, by name."""
+    found = {name: of(directory, name) for name in names}
+    return {name: failure for name, failure in found.items() if failure is not None}
 
 
 def path_of(directory: Path, name: str) -> Path:

@@ -15,7 +15,7 @@ from gfmd_numba.campaign.cluster_file import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, predict
 from gfmd_numba.campaign.doubts import check_resolved, doubt_of_bodies, unresolved
-from gfmd_numba.campaign.execution import compile_kernels, held
+from gfmd_numba.campaign.execution import compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.grid import doubt_of_numbers
 from gfmd_numba.campaign.measured_surfaces import Measurements, measured_scenes, said_of
@@ -56,7 +56,7 @@ class Plan:
 
     def blocks_in(self, directory: Path) -> list[Block]:
         """Return all blocks of work in an output directory; those of finished shards stay as they are."""
-        return list(split(self.cases, held(Finished(directory))))
+        return list(split(self.cases, Finished(directory).ranges()))
 
     @cached_property
     def demand(self) -> dict[str, int]:

@@ -3,18 +3,17 @@
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.block_work import Failures, unfinished
-from gfmd_numba.campaign.cases import Block, split
+from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, collect, note, results_path
-from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute, held
+from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
-from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.scene.source import Source
 from gfmd_numba.storage import mark
 from gfmd_numba.storage.atomic_file import check as check_file
@@ -67,11 +66,11 @@ def run(
         claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
     ):
         rounds.forget(directory)
-        chosen = list(split(cases, held(Finished(directory))))
+        chosen = replace(planned, cases=cases).blocks_in(directory)
         left = unfinished(chosen, directory)
         progress = watch(len(chosen), len(chosen) - len(left)) if watch else None
         finish(planned, to_do(left, directory, choice), directory, workers, progress, choice)
-        return collect(planned, directory), failed(chosen, directory)
+        return collect(planned, directory), failures.of_all(directory, [block.name for block in chosen])
 
 
 def directory_of(planned: Plan, output: str | Path | None) -> Path:
@@ -135,12 +134,6 @@ def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
     for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
         check_file(note_of_run, mark.is_note)
     shards.check_names(directory, [block.name for block in todo])
-
-
-def failed(blocks: list[Block], directory: Path) -> Failures:
-    """Return which of some blocks have failed, in this run or an earlier one."""
-    found = {block.name: failures.of(directory, block.name) for block in blocks}
-    return {name: failure for name, failure in found.items() if failure is not None}
 
 
 def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:

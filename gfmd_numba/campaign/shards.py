@@ -71,6 +71,15 @@ class Finished:
         """Names of the blocks that are there, sound or not."""
         return iter(self._places)
 
+    def ranges(self) -> dict[str, list[tuple[int, int]]]:
+        """Return the ranges of realisations in the names of the blocks, by identity of the problem."""
+        found: dict[str, list[tuple[int, int]]] = {}
+        for name in self:
+            identity, *numbers = name.rsplit("-", 2)
+            if len(numbers) == 2 and all(number.isdecimal() for number in numbers):
+                found.setdefault(identity, []).append((int(numbers[0]), int(numbers[1])))
+        return found
+
     def is_sound(self, name: str) -> bool:
         """Return whether a block is there and as it was written."""
         return self._sound(name) is not None

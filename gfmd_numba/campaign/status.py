@@ -10,7 +10,6 @@ from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.cost import price_of_transform
-from gfmd_numba.campaign.execution import held
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan
@@ -164,7 +163,7 @@ def seconds_per_price(planned: Plan, directory: Path) -> float | None:
 
 def unused(planned: Plan, directory: Path) -> int:
     """Return the number of simulations in a directory that are of a plan's problems, but more than it asks for."""
-    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in held(Finished(directory)).items()}
+    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in Finished(directory).ranges().items()}
     return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())
 
 

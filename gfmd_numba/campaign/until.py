@@ -9,7 +9,7 @@ from typing import Any
 
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.steps_of_paths import steps_of
-from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import collect, described
@@ -30,7 +30,6 @@ from gfmd_numba.campaign.run import (
     Watch,
     check_room,
     directory_of,
-    failed,
     finish,
     stopped_by_errors_of_the_system,
     to_do,
@@ -155,8 +154,7 @@ class _Run:
         with closing(self.states()) as states:
             next(states)
             state = next(states)
-        failures = failed(self.planned.blocks_in(self.directory), self.directory)
-        return FirstDecision(state, self.of(state.now), failures)
+        return FirstDecision(state, self.of(state.now), self.failed(self.planned))
 
     def all_rounds(self) -> Outcome:
         """Run rounds until they end."""
@@ -238,12 +236,15 @@ class _Run:
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
         return after(state, fits, may_refine)
 
+    def failed(self, planned: Plan) -> Failures:
+        """Return which blocks of a round have failed."""
+        return failures.of_all(self.directory, [block.name for block in planned.blocks_in(self.directory)])
+
     def collected(self, state: Rounds, planned: Plan) -> Outcome:
         """Collect the results of a round."""
         rounds.write(self.directory, state)
         results = collect(planned, self.directory)
-        failures = failed(planned.blocks_in(self.directory), self.directory)
-        return Outcome(results, failures, state, unused(planned, self.directory))
+        return Outcome(results, self.failed(planned), state, unused(planned, self.directory))
 
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:

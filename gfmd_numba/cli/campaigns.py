@@ -1,10 +1,12 @@
-"""The command that runs a campaign and shows its results."""
+"""The command that runs a campaign and shows its results, also round by round."""
 
 from __future__ import annotations
 
 import sys
-from functools import partial
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from re import sub
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -22,11 +24,11 @@ from gfmd_numba.cli.arguments import (
 )
 from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.outputs import draw, draw_second, second_picture, told
+from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
-from gfmd_numba.cli.tables import endings, show_fit, show_goal, show_means, show_paths
+from gfmd_numba.cli.tables import duration, endings, show_fit, show_goal, show_means, show_paths
 from gfmd_numba.cli.terminal import say, warn, warn_of_doubts
-from gfmd_numba.cli.until import check_options, run_rounds
+from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 from gfmd_numba.text.shell import word
 
@@ -71,10 +73,10 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     who = _workers(options)
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
-    check_options(until, budget, choice)
+    _check_options(until, budget, choice)
     try:
         if until:
-            reached = run_rounds(file, output, who, choice, until, budget, show_results)
+            reached = _run_rounds(file, output, who, choice, until, budget)
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
@@ -109,7 +111,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     """Print and draw the results of a run, `of_some` cases alone; return False if some are not ok, or undrawn."""
     import gfmd_numba
 
-    told("results", results)
+    say_written("results", results)
     dataset = gfmd_numba.open_campaign(results)
     warn_of_doubts(dataset)
     status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
@@ -172,18 +174,146 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     """Draw the fit of a finished run, but not over somebody else's file; return False if the disk refuses it."""
     from gfmd_numba.storage.atomic_file import foreign
 
-    pictures = {picture: partial(draw, dataset, fitted)}
-    second = second_picture(dataset, picture)
-    if second is not None:
-        pictures[second] = partial(draw_second, dataset)
     try:
-        for path, drawing in pictures.items():
+        for path, drawing in pictures(dataset, fitted, picture).items():
             if clause := foreign(path):
                 click.echo(f"note     {path}, {clause}, stays as it is (`gfmd plot -o` draws elsewhere)")
             else:
-                drawing(path)
+                write_picture(path, drawing)
     except OSError as error:
         draws = f"`gfmd plot {word(picture.parent)}` draws them"
         click.echo(f"gfmd: {printable(error)}; the results are complete, and {draws}", err=True)
         return False
     return True
+
+
+if TYPE_CHECKING:
+    from gfmd_numba.campaign.block_work import Failures
+    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.goal import Goal
+    from gfmd_numba.campaign.plan import Plan
+    from gfmd_numba.campaign.rounds import Round, Rounds
+    from gfmd_numba.campaign.run import Choice, Watch
+    from gfmd_numba.campaign.until import Outcome, Told
+
+
+def _check_options(until: object, budget: float | None, choice: Choice) -> None:
+    """Raise a usage error for options that do not go together."""
+    if not until and budget is not None:
+        raise click.UsageError(
+            "--budget: you gave no --until, whose processor time it bounds, and FILE has no target; give both, or none"
+        )
+    if until and (choice.only or choice.limit):
+        name = "--only" if choice.only else "--limit"
+        allowed = "one of the two, as the error of a limit needs all cases"
+        raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
+
+
+def _run_rounds(
+    file: Path, output: Path | None, workers: Workers, choice: Choice, until: dict[str, float], budget: float | None
+) -> bool:
+    """Run a campaign until its limit has an error, and show the results; return False if that or some blocks failed.
+
+    If Ctrl-C stops it, the best estimate is shown first.
+    """
+    from gfmd_numba.campaign.until import InterruptedRunError, run_until
+
+    try:
+        with options_named("until"), rounds_shown() as (watch, told):
+            outcome = run_until(file, goal_in(file, until, budget), output, workers, watch, choice, told)
+    except InterruptedRunError as interrupted:
+        _show_outcome(interrupted.outcome)
+        raise
+    return _show_outcome(outcome) and outcome.reached
+
+
+def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
+    """Return the goal of a campaign in a file: without a name, an error of what the campaign fits."""
+    from gfmd_numba.campaign.file import fitted_variable
+    from gfmd_numba.campaign.goal import goal_of
+
+    return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
+
+
+@contextmanager
+def options_named(target: str) -> Iterator[None]:
+    """Name the options of the command in errors that name the arguments of the Python function."""
+    named = {"until": f"--{target}:", "budget": "--budget:"}
+    try:
+        yield
+    except InputError as error:
+        lines = (sub(r"^(until|budget):", lambda found: named[found[1]], str(line)) for line in error.args)
+        raise InputError(*lines, more=error.more) from None
+
+
+@contextmanager
+def rounds_shown() -> Iterator[tuple[Watch, Told]]:
+    """Yield two functions that show the rounds of a run, each with its progress."""
+    caption = ["blocks"]
+
+    def told(rounds: Rounds, planned: Plan, left: int) -> None:
+        caption[0] = _tell(rounds, planned, left)
+
+    with progress_bar(lambda: caption[0]) as watch:
+        yield watch, told
+
+
+def levels_of(now: Round) -> str:
+    """Return how fine the levels of a round are."""
+    import numpy as np
+
+    from gfmd_numba.analysis.selection import fractions
+    from gfmd_numba.campaign.axes import DISCRETISATIONS
+
+    finest = [min(level[i] for of_group in now.levels for level in of_group) for i in range(len(DISCRETISATIONS))]
+    shown = [f"{name} to {fractions(np.array([eps]))}" for name, eps in zip(DISCRETISATIONS, finest, strict=True)]
+    return f"{', '.join(shown)}: {len(now.realisations)} cases"
+
+
+def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
+    """Say what a round is about to do, and return the caption of its progress bar."""
+    from gfmd_numba.campaign.cross_levels import added
+    from gfmd_numba.campaign.file import is_without_levels
+
+    number, now = len(rounds.rounds) - 1, rounds.now
+    chosen = is_without_levels(planned.document, planned.campaign)
+    if left and now.levels != (rounds.rounds[-2].levels if number else ()) and (number or chosen):
+        say("levels", levels_of(now), err=True)
+    if number == 0:
+        if left and not chosen and (crossed := added(planned)):
+            say("added", f"cross levels {crossed}, to see whether corrections add up", err=True)
+        if left:
+            say("round", f"0, the pilot: {left} simulations", err=True)
+        return "pilot"
+    before, targets = rounds.rounds[-2], rounds.goal.targets
+    aims = []
+    for name, target in targets.items():
+        found = before.told_of(name)["error"]
+        error = "unknown" if found is None else f"{found:.2%}"
+        aims.append((f"{name} " if len(targets) > 1 else "", error, f"{target:.2%}"))
+    of_which = f" of {now.variable}" if len(targets) > 1 else ""
+    expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%}{of_which} expected"
+    cost = [
+        f"{duration(max(0.0, price - before.price) * rounds.seconds_per_price)} {what}"
+        for price, what in (
+            (now.price, "of processor time"),
+            (now.target_price, f"until the target{of_which} is reached"),
+        )
+        if price is not None and before.price is not None and rounds.seconds_per_price is not None
+    ]
+    takes = f"; about {', '.join(cost)}" if cost else ""
+    if left:
+        aim = ", ".join(f"{name}error {error}, target {target}" for name, error, target in aims)
+        say("round", f"{number}: {aim}; {left} simulations more{expected}{takes}", err=True)
+    return f"round {number}, {', '.join(f'{name}{error} of {target}' for name, error, target in aims)}"
+
+
+def _show_outcome(outcome: Outcome) -> bool:
+    well = show_results(outcome.results, outcome.failures)
+    if outcome.n_unused:
+        say(
+            "note",
+            f"{outcome.n_unused} more simulations of an earlier run lie in {outcome.results.parent}: this target does "
+            "not need them, and they are kept for a smaller one",
+        )
+    return well

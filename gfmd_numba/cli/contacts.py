@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.arguments import file_argument, output_option
-from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.imports import without_collections
+from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import column, line, readable

@@ -10,9 +10,8 @@ from typing import TYPE_CHECKING
 import click
 
 from gfmd_numba.cli.arguments import file_argument, output_option
-from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
-from gfmd_numba.cli.imports import without_collections
-from gfmd_numba.cli.outputs import check_output, companion, picture_path, told, write, write_picture
+from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
+from gfmd_numba.cli.outputs import check_output, companion, picture_path, say_written, write, write_picture
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import column, unit
 from gfmd_numba.cli.tables import endings
@@ -119,7 +118,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
     dataset = curve_dataset(asked, solved)
     write(output, dataset)
     write_table(table, columns(dataset))
-    told("table", table)
+    say_written("table", table)
     _draw(dataset, picture)
     show(dataset)
     warn_of_doubts(dataset)
@@ -183,8 +182,10 @@ def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
 
 def _prescribed(dataset: xr.Dataset) -> str:
     """Return the name of the variable that the loading prescribes."""
+    from gfmd_numba.contact.dataset import PRESCRIBED
+
     given = str(dataset.attrs["prescribed"])
-    return {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}.get(given, given)
+    return PRESCRIBED.get(given, given)
 
 
 def _named(dataset: xr.Dataset) -> xr.Dataset:

@@ -20,15 +20,7 @@ from gfmd_numba.cli.arguments import (
     variable_option,
 )
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import (
-    check_output,
-    draw,
-    draw_second,
-    picture_path,
-    picture_suffixes,
-    second_picture,
-    write,
-)
+from gfmd_numba.cli.outputs import check_output, picture_path, picture_suffixes, pictures, write, write_picture
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit, show_goal
 from gfmd_numba.cli.terminal import say
@@ -133,18 +125,16 @@ def plot(results: Path, output: Path | None, **asked: Any) -> None:
     picture = output or picture_path(file)
     check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
     dataset = read_results(file)
-    second = second_picture(dataset, picture)
-    if second is not None:
-        check_output(second, file, file.parent / "campaign.yaml", suffixes=[second.suffix.lower()])
+    for path in pictures(dataset, None, picture):
+        check_output(path, file, file.parent / "campaign.yaml", suffixes=[path.suffix.lower()])
     with naming(file):
         has_fit = picture_of(dataset) is None
         for name in ("variable", "exponents", "fixed"):
             if asked[name] and not has_fit:
                 raise click.UsageError(f"--{name}: the picture of {file} has no fit; leave the option out")
         fitted = _fit(dataset, **asked) if has_fit else None
-        draw(dataset, fitted, picture)
-        if second is not None:
-            draw_second(dataset, second)
+        for path, drawing in pictures(dataset, fitted, picture).items():
+            write_picture(path, drawing)
 
 
 @contextmanager

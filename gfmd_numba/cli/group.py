@@ -1,13 +1,16 @@
-"""The `gfmd` command, and how it ends."""
+"""The `gfmd` command: how it starts, and how it ends."""
 
 from __future__ import annotations
 
+import atexit
+import gc
 import io
 import os
 import re
 import sys
 import warnings
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from typing import TYPE_CHECKING, Any, TextIO
 
 import click
@@ -17,6 +20,7 @@ from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     from _typeshed import ReadableBuffer
+
 
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
@@ -180,3 +184,21 @@ def drop_output() -> None:
 
 def _text(stream: io.FileIO, encoding: str, errors: str) -> io.TextIOWrapper:
     return io.TextIOWrapper(io.BufferedWriter(stream), encoding, errors, line_buffering=True)
+
+
+@contextmanager
+def without_collections() -> Iterator[None]:
+    """Import without collecting garbage. What an import leaves lives until the end, and is never looked at again.
+
+    Nothing is collected when the process ends either, because its memory is freed anyway.
+    """
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        gc.freeze()
+        if collecting:
+            gc.enable()
+        atexit.unregister(gc.freeze)  # once is enough
+        atexit.register(gc.freeze)

@@ -12,7 +12,7 @@ import click
 
 from gfmd_numba.cli.arguments import json_option
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.outputs import told
+from gfmd_numba.cli.outputs import say_written
 from gfmd_numba.cli.tables import duration
 from gfmd_numba.cli.terminal import say, say_command, warn
 
@@ -60,7 +60,7 @@ def collect(directory: Path) -> None:
     from gfmd_numba.campaign.status import campaign_in
 
     results = collect_campaign(campaign_in(directory), directory)
-    told("results", results)
+    say_written("results", results)
     for doubt in read_results(results).attrs["validity"].splitlines():
         warn(doubt)
 

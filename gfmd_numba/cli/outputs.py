@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -79,7 +80,7 @@ def write(path: Path, dataset: xr.Dataset, label: str = "results", *, err: bool 
     from gfmd_numba.storage.atomic_file import write_dataset
 
     write_dataset(path, dataset)
-    told(label, path, err=err)
+    say_written(label, path, err=err)
 
 
 def write_picture(path: Path, drawing: Callable[[], Figure], *, dpi: int = 150, err: bool = False) -> None:
@@ -88,41 +89,23 @@ def write_picture(path: Path, drawing: Callable[[], Figure], *, dpi: int = 150, 
 
     with waiting("drawing"):
         atomic_file.write_picture(path, drawing(), dpi=dpi)
-    told("picture", path, err=err)
+    say_written("picture", path, err=err)
 
 
-def told(label: str, path: Path, *, err: bool = False) -> None:
+def say_written(label: str, path: Path, *, err: bool = False) -> None:
     """Say which file was written."""
     click.echo(f"{label:<9}{printable(path)}", err=err)
 
 
-def draw(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, err: bool = False) -> None:
-    """Write the picture of a campaign with its fit, or of anything else without, and say so."""
+def pictures(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> dict[Path, Callable[[], Figure]]:
+    """Return what draws a campaign with its fit, or anything else without, by path; some have a second picture."""
     from gfmd_numba.analysis import plot_campaign
-    from gfmd_numba.analysis.plots.kinds import picture_of
+    from gfmd_numba.analysis.plots.kinds import picture_of, second_picture_of
 
-    drawing = picture_of(dataset) or plot_campaign
-
-    def figure() -> Figure:
-        if fitted is not None and drawing is plot_campaign:
-            return plot_campaign(dataset, fitted, fitted.attrs["variable"])
-        return drawing(dataset)
-
-    write_picture(path, figure, err=err)
-
-
-def second_picture(dataset: xr.Dataset, picture: Path) -> Path | None:
-    """Return the name of the second picture of a dataset, made from that of the first; None if there is only one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-
-    second = second_picture_of(dataset)
-    return picture.with_stem(f"{picture.stem}-{second[0]}") if second is not None else None
-
-
-def draw_second(dataset: xr.Dataset, path: Path) -> None:
-    """Write the second picture of a dataset that has one."""
-    from gfmd_numba.analysis.plots.kinds import second_picture_of
-
-    second = second_picture_of(dataset)
+    own, second = picture_of(dataset), second_picture_of(dataset)
+    found: dict[Path, Callable[[], Figure]] = {path: partial(own or plot_campaign, dataset)}
+    if own is None and fitted is not None:
+        found[path] = partial(plot_campaign, dataset, fitted, fitted.attrs["variable"])
     if second is not None:
-        write_picture(path, lambda: second[1](dataset))
+        found[path.with_stem(f"{path.stem}-{second[0]}")] = partial(second[1], dataset)
+    return found

@@ -14,7 +14,7 @@ import click
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, output_option
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import check_output, draw, picture_path, write, write_picture
+from gfmd_numba.cli.outputs import check_output, picture_path, pictures, write, write_picture
 from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.quantities import readable
 from gfmd_numba.cli.terminal import print_table, say, warn_of_doubts
@@ -147,7 +147,8 @@ def _measure(
         dataset = compute(contact)
     if output is not None and picture is not None:
         write(output, dataset, err=as_json)
-        draw(dataset, None, picture, err=as_json)
+        for path, drawing in pictures(dataset, None, picture).items():
+            write_picture(path, drawing, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
         click.echo(json.dumps(_for_programs(dataset.drop_dims(fields).to_dict()), default=str))

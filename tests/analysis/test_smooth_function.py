@@ -93,7 +93,7 @@ def test_a_parameter_of_one_value_is_no_dim():
 @pytest.fixture
 def fitted(monkeypatch, tmp_path):
     """A campaign whose fit is known."""
-    monkeypatch.setattr("gfmd_numba.cli.fits._fit", lambda *given: fit())
+    monkeypatch.setattr("gfmd_numba.cli.fits._fit", lambda *given, **asked: fit())
     monkeypatch.setattr("gfmd_numba.cli.fits.show_fit", lambda fitted: None)
     monkeypatch.setattr("gfmd_numba.cli.fits.show_goal", lambda *given: None)
     file = tmp_path / "x.nc"

@@ -7,8 +7,8 @@ import pytest
 import yaml
 
 from gfmd_numba.campaign import rounds, until
+from gfmd_numba.cli.campaigns import goal_in
 from gfmd_numba.cli.tables import duration
-from gfmd_numba.cli.until import goal_in
 from gfmd_numba.scene import InputError
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from gfmd_numba.cli.imports import without_collections
+from gfmd_numba.cli.group import without_collections
 from support.command_line import python
 from support.scenes import SCENE
 

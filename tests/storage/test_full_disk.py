@@ -104,7 +104,7 @@ def test_a_picture_that_does_not_fit_on_the_disk_leaves_the_results(folder, monk
     def full(*_):
         raise OSError(errno.ENOSPC, "No space left on device", "small.png")
 
-    monkeypatch.setattr("gfmd_numba.cli.campaigns.draw", full)
+    monkeypatch.setattr("gfmd_numba.cli.campaigns.write_picture", full)
     said = gfmd(["run", str(folder / "campaign.yaml"), "-o", str(folder / "out"), "--workers=0"])
     assert said.exit_code == 3
     assert "No space left on device: 'small.png'; the results are complete, and `gfmd plot " in unfolded(said.stderr)

@@ -6,7 +6,7 @@ import regimes
 from regimes import gronbech_jensen, position_verlet
 
 from gfmd_numba.elasticity import stiffness
-from gfmd_numba.solvers import integrators
+from gfmd_numba.solvers import dynamics
 from gfmd_numba.theory import damping
 
 
@@ -87,22 +87,25 @@ def test_gronbech_jensen_keeps_the_critical_damping_of_the_oscillator_to_second_
     np.testing.assert_allclose(1 - position_verlet.critical(x) / exact, np.sqrt(x) / 2, rtol=1e-12)
 
 
-@pytest.mark.parametrize("name", ["position_verlet", "gronbech_jensen"])
-def test_integrators_have_these_roots(name):
+@pytest.mark.parametrize(
+    ("name", "coefficients"),
+    [("position_verlet", dynamics.position_verlet), ("gronbech_jensen", dynamics.gronbech_jensen_farago)],
+)
+def test_integrators_have_these_roots(name, coefficients):
     """What the solvers step with is critical for the softest mode and stable for the stiffest by this theory."""
     softest, stiffest = 0.3, 20.0
     scheme = getattr(regimes, name)
-    stepper = getattr(integrators, name)(np.zeros((1, 1)), softest, stiffest, 0.999, 1.0)
-    roots = [(1 + stepper.memory - stepper.push * k, np.array(stepper.memory)) for k in (softest, stiffest)]
+    memory, push = coefficients(softest, stiffest, 0.999, 1.0)
+    roots = [(1 + memory - push * k, np.array(memory)) for k in (softest, stiffest)]
     larger, smaller = regimes.roots(roots[0])
     assert abs(larger - smaller) < 1e-6
     assert regimes.regime(roots[1]) != "unstable"
-    y = 1 - stepper.memory if name == "position_verlet" else 2 * (1 - stepper.memory) / (1 + stepper.memory)
-    push = 1.0 if name == "position_verlet" else 1 / (1 + y / 2)
-    x = np.array([softest, stiffest]) * stepper.push / push
+    y = 1 - memory if name == "position_verlet" else 2 * (1 - memory) / (1 + memory)
+    factor = 1.0 if name == "position_verlet" else 1 / (1 + y / 2)
+    x = np.array([softest, stiffest]) * push / factor
     theory = scheme.polynomial(x, np.full(2, y))
     np.testing.assert_allclose(theory[0], [roots[0][0], roots[1][0]], rtol=1e-12)
-    np.testing.assert_allclose(theory[1], stepper.memory, rtol=1e-12)
+    np.testing.assert_allclose(theory[1], memory, rtol=1e-12)
     assert scheme.critical(x[0]) == pytest.approx(y, rel=1e-6)
 
 

@@ -8,12 +8,13 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.positions import UNEVEN, Line, equidistant, interpolated
+from gfmd_numba.roughness.positions import are_even, laid_out
 from gfmd_numba.roughness.surface_files import Content
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import METRES, PERIOD
 
+_CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
 
 
@@ -47,10 +48,12 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
         for axis, (i, name) in zip(axes, enumerate(axes), strict=True):
-            line = _line(content.positions[axis], name, resample, heights)
-            heights, along = _laid_out(heights, i, line)
+            try:
+                heights, size, along = laid_out(heights, i, content.positions[axis], name, resample)
+            except ValueError as error:
+                raise ValueError(f"{error}; {_CONFUSED}" if are_even(heights) else str(error)) from None
             done += along
-            sizes.append(line.size)
+            sizes.append(size)
     elif set(axes) <= set(content.sizes):
         sizes = [content.sizes[axis] for axis in axes]
     elif content.positions:
@@ -61,20 +64,6 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
         raise ValueError(f"a physical size of {unresolved[0]:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
     return Measurement(heights * scales["z"], lengths, unit, tuple(done), named)
-
-
-def _line(positions: npt.NDArray[Any], name: str, resample: bool, heights: Reals) -> Line:
-    """Positions along one axis; raises ValueError if those of a profile are uneven, and say so of its columns."""
-    steps = np.diff(heights)
-    confused = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
-    is_even = heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
-    try:
-        line = equidistant(positions, name, interpolate=resample, of_map=heights.ndim == 2)
-    except ValueError as error:
-        raise ValueError(f"{error}; {confused}" if is_even else str(error)) from None
-    if is_even and line.uneven is not None:
-        raise ValueError(f"uneven positions {name}; {confused}")
-    return line
 
 
 def _checked(heights: npt.NDArray[Any]) -> Reals:
@@ -105,15 +94,6 @@ def place(indices: npt.NDArray[np.int64]) -> str:
     """Index of the first of several heights, and how many more there are."""
     more = f" and {len(indices) - 1} more" if len(indices) > 1 else ""
     return f"index {', '.join(map(str, indices[0]))}{more}"
-
-
-def _laid_out(heights: Reals, axis: int, line: Line) -> tuple[Reals, tuple[str, ...]]:
-    """Heights on the ascending equidistant points of a line along one axis."""
-    if line.turned:
-        return np.flip(heights, axis), (f"turned round along {line.name}, as its positions descend",)
-    if line.uneven is None:
-        return heights, ()
-    return interpolated(heights, line.uneven), (line.said,)
 
 
 def _scales(

@@ -1,6 +1,5 @@
 """Positions of a file: along one axis, of the points of a map, or in the first row and column of a map in text."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,24 +15,14 @@ _FEWEST = 4  # values that make an axis on their own
 _SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
 
-@dataclass(frozen=True)
-class Line:
-    """Positions along the axis `name`: the `size` of the field, one spacing for each of them.
+def laid_out(
+    heights: Reals, axis: int, positions: npt.NDArray[Any], name: str, interpolate: bool
+) -> tuple[Reals, float, tuple[str, ...]]:
+    """Heights on ascending equidistant positions along an axis of that `name`, the size there, and what was done.
 
-    They are `turned` if they descend. `uneven` are positions that have to be interpolated, `said` tells of that.
-    """
-
-    name: str
-    size: float
-    turned: bool = False
-    uneven: Reals | None = None
-    said: str = ""
-
-
-def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool, of_map: bool) -> Line:
-    """Look at the positions `[n]` along an axis, which may be uneven only in a profile that is interpolated.
-
-    Raises ValueError, with the index, for positions that are not distinct finite numbers.
+    The size is one spacing for each of the `positions` `[n]`. They may be uneven only in a profile that is to be
+    interpolated, linearly, to as many equidistant ones from the least on; heights that are not-a-number leave those
+    next to them not-a-number. Raises ValueError, with the index, for positions that are not distinct finite numbers.
     """
     if positions.dtype.kind not in "fiu":
         raise ValueError(f"positions {name} of type {positions.dtype}, not numbers")
@@ -46,26 +35,30 @@ def equidistant(positions: npt.NDArray[Any], name: str, interpolate: bool, of_ma
     steps = np.diff(x)
     off = abs(steps - mean) > UNEVEN * abs(mean) + rounding
     if mean != 0.0 and not off.any():
-        return Line(name, abs(mean) * len(x), turned=mean < 0.0)
+        if mean > 0.0:
+            return heights, mean * len(x), ()
+        return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
+    of_map = heights.ndim == 2
     if interpolate and not of_map:
-        return _uneven(x, name)
+        found = _interpolated(heights, x, name)
+        if are_even(heights):
+            raise ValueError(f"uneven positions {name}")
+        return found
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
         wrong = f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
     else:
-        wrong = f"positions {name} that are in no order from index {_turn(steps)} on"
+        sign = np.sign(steps)
+        turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
+        wrong = f"positions {name} that are in no order from index {turn} on"
     remedy = "interpolate the map to a regular grid" if of_map else "give points to have them sorted and interpolated"
     raise ValueError(f"{wrong}; {remedy}")
 
 
-def interpolated(heights: Reals, x: Reals) -> Reals:
-    """Heights `[n]` at positions in any order, linearly interpolated to n equidistant ones from the least on.
-
-    Heights that are not-a-number leave the interpolated ones next to them not-a-number.
-    """
-    order = np.argsort(x, kind="stable")
-    x, heights = x[order], heights[order]
-    return np.interp(np.linspace(x[0], x[-1], len(x)), x, heights)
+def are_even(heights: Reals) -> bool:
+    """Whether the heights of a profile are evenly spaced, as positions are."""
+    steps = np.diff(heights)
+    return heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
 
 
 def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
@@ -124,21 +117,15 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}
 
 
-def _uneven(x: Reals, name: str) -> Line:
-    """A line of positions in any order, all of them distinct."""
-    ordered = np.sort(x)
-    steps = np.diff(ordered)
+def _interpolated(heights: Reals, x: Reals, name: str) -> tuple[Reals, float, tuple[str, ...]]:
+    order = np.argsort(x, kind="stable")
+    x, heights = x[order], heights[order]
+    steps = np.diff(x)
     if not (steps > 0.0).all():
-        raise ValueError(f"the position {name} = {ordered[int((steps <= 0.0).argmax())]:g} twice")
-    mean = (ordered[-1] - ordered[0]) / (len(x) - 1)
+        raise ValueError(f"the position {name} = {x[int((steps <= 0.0).argmax())]:g} twice")
+    mean = (x[-1] - x[0]) / (len(x) - 1)
     said = f"interpolated linearly from uneven positions {name}, at most {steps.max() / mean:.4g} mean spacings apart"
-    return Line(name, mean * len(x), uneven=x, said=said)
-
-
-def _turn(steps: Reals) -> int:
-    """Index of the first position after which the direction changes."""
-    sign = np.sign(steps)
-    return int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
+    return np.interp(np.linspace(x[0], x[-1], len(x)), x, heights), float(mean * len(x)), (said,)
 
 
 def _is_axis(rows: Reals) -> bool:

@@ -133,10 +133,6 @@ def _read_dat(path: Path) -> Content:
         return _read_instrument(path) if b"\0" in file.read(2**16) else _read_text(path)
 
 
-def _read_npy(path: Path) -> Content:
-    return Content(read_npy(path))
-
-
 def _read_netcdf(path: Path) -> Content:
     dataset = load_netcdf(path)
     names = [str(name) for name in dataset.data_vars]
@@ -189,7 +185,7 @@ def _read_instrument(path: Path) -> Content:
 
 
 _READERS: dict[str, Callable[[Path], Content]] = {
-    ".npy": _read_npy,
+    ".npy": lambda path: Content(read_npy(path)),
     ".csv": _read_text,
     ".txt": _read_text,
     ".dat": _read_dat,

@@ -71,7 +71,7 @@ class Surface:
         last = int(np.searchsorted(self.q, 2.0 * np.pi * np.hypot(most_y, most_x) * (1.0 + 1e-12)))
         transfer = _transfer(self.q[:last], depth, body)
         means = _means(self, depth, body)
-        for some in np.array_split(rows, max(1, rows.size * columns.size // _CHUNK)):
+        for some in np.array_split(rows, min(rows.size, max(1, rows.size * columns.size // _CHUNK))):
             k_y, chosen = np.where(some <= half, some, some - 2 * half - 1), np.ix_(some, columns)
             waves = _turned(self, transfer[:, self.places[chosen]], chosen, (k_y, columns), body.material(depth), names)
             if some[0] == 0:

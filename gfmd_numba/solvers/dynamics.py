@@ -34,19 +34,10 @@ def verlet(batch: Batch, options: Options) -> "Dynamics":
     return Dynamics(batch, lambda displacement: Verlet(displacement, *coefficients))
 
 
-def gronbech_jensen(batch: Batch, options: Options) -> "Dynamics":
-    """Begin with the scheme of Gronbech-Jensen and Farago (Mol. Phys. 111:983, 2013), stable at any damping.
-
-    With b = 1 / (1 + c dt / 2) it reads u[n+1] = 2 b u[n] - (2 b - 1) u[n-1] + b dt^2 F[n], for K dt^2 < 4; the roots
-    of a mode coincide where b^2 (2 - K dt^2)^2 = 4 (2 b - 1).
-    """
-    softest, stiffest = _extremes(batch)
-    dt2 = 4.0 * options.number("time_step") ** 2 / stiffest
-    x = softest * dt2
-    # the root of that quadratic with b <= 1, rationalised so that x -> 0 and x -> 2 keep their digits
-    critical = 2.0 / (2.0 + math.sqrt(x * (4.0 - x)))
-    b = 1.0 / (1.0 + options.number("damping") * (1.0 / critical - 1.0))
-    return Dynamics(batch, lambda displacement: Verlet(displacement, memory=2.0 * b - 1.0, push=b * dt2))
+def gronbech_jensen_farago(batch: Batch, options: Options) -> "Dynamics":
+    """Begin with the scheme of Gronbech-Jensen and Farago."""
+    coefficients = gronbech_jensen(*_extremes(batch), options.number("time_step"), options.number("damping"))
+    return Dynamics(batch, lambda displacement: Verlet(displacement, *coefficients))
 
 
 def fire(batch: Batch, options: Options) -> "Dynamics":
@@ -63,6 +54,20 @@ def position_verlet(softest: float, stiffest: float, time_step: float, damping: 
     """
     dt = time_step * stability_limit(softest, stiffest, damping)
     return 1.0 - damping * critical_damping(softest, dt) * dt * dt, dt * dt
+
+
+def gronbech_jensen(softest: float, stiffest: float, time_step: float, damping: float) -> tuple[float, float]:
+    """Memory and push of the scheme of Gronbech-Jensen and Farago (Mol. Phys. 111:983, 2013), stable at any damping.
+
+    With b = 1 / (1 + c dt / 2) it reads u[n+1] = 2 b u[n] - (2 b - 1) u[n-1] + b dt^2 F[n], for K dt^2 < 4; the roots
+    of a mode coincide where b^2 (2 - K dt^2)^2 = 4 (2 b - 1).
+    """
+    dt2 = 4.0 * time_step**2 / stiffest
+    x = softest * dt2
+    # the root of that quadratic with b <= 1, rationalised so that x -> 0 and x -> 2 keep their digits
+    critical = 2.0 / (2.0 + math.sqrt(x * (4.0 - x)))
+    b = 1.0 / (1.0 + damping * (1.0 / critical - 1.0))
+    return 2.0 * b - 1.0, b * dt2
 
 
 def _extremes(batch: Batch) -> tuple[float, float]:

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.solvers import integrators
+from gfmd_numba.solvers import dynamics
 from gfmd_numba.text.uncertain import with_error
 from support.campaigns import SMALL, campaign
 from support.command_line import gfmd, unfolded
@@ -68,8 +68,8 @@ def test_runs_that_do_not_converge_exit_with_3(tmp_path):
 
 def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch):
     path = campaign(tmp_path, **{"grid:": "numerics: {solver: verlet}\ngrid:"})
-    limit = integrators.stability_limit
-    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    limit = dynamics.stability_limit
+    monkeypatch.setattr(dynamics, "stability_limit", lambda *modes: 1.1 * limit(*modes))
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
     least = int(gfmd_numba.open_campaign(tmp_path / "out")["n_iterations"].min())

@@ -7,7 +7,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba import simulate
-from gfmd_numba.solvers import integrators
+from gfmd_numba.solvers import dynamics
 from gfmd_numba.solvers.status import Status
 from support.campaigns import campaign
 from support.command_line import gfmd, unfolded
@@ -97,8 +97,8 @@ def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")
     assert gfmd("solve", scene, "-o", out).exit_code == 0
     assert "growing_wave" not in xr.load_dataset(out)
-    limit = integrators.stability_limit
-    monkeypatch.setattr(integrators, "stability_limit", lambda *modes: 1.1 * limit(*modes))
+    limit = dynamics.stability_limit
+    monkeypatch.setattr(dynamics, "stability_limit", lambda *modes: 1.1 * limit(*modes))
     done = gfmd("solve", scene, "-o", out)
     assert done.exit_code == 3
     result = xr.load_dataset(out)

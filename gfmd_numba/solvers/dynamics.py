@@ -34,9 +34,9 @@ def verlet(batch: Batch, options: Options) -> "Dynamics":
     return Dynamics(batch, lambda displacement: Verlet(displacement, *coefficients))
 
 
-def gronbech_jensen(batch: Batch, options: Options) -> "Dynamics":
-    """Begin with the scheme of Gronbech-Jensen and Farago (Mol. Phys. 111:983, 2013), stable at any damping."""
-    coefficients = gronbech_jensen_farago(*_extremes(batch), options.number("time_step"), options.number("damping"))
+def gronbech_jensen_farago(batch: Batch, options: Options) -> "Dynamics":
+    """Begin with the scheme of Gronbech-Jensen and Farago."""
+    coefficients = gronbech_jensen(*_extremes(batch), options.number("time_step"), options.number("damping"))
     return Dynamics(batch, lambda displacement: Verlet(displacement, *coefficients))
 
 
@@ -56,8 +56,8 @@ def position_verlet(softest: float, stiffest: float, time_step: float, damping: 
     return 1.0 - damping * critical_damping(softest, dt) * dt * dt, dt * dt
 
 
-def gronbech_jensen_farago(softest: float, stiffest: float, time_step: float, damping: float) -> tuple[float, float]:
-    """Return memory and push of the scheme of Gronbech-Jensen and Farago.
+def gronbech_jensen(softest: float, stiffest: float, time_step: float, damping: float) -> tuple[float, float]:
+    """Memory and push of the scheme of Gronbech-Jensen and Farago (Mol. Phys. 111:983, 2013), stable at any damping.
 
     With b = 1 / (1 + c dt / 2) it reads u[n+1] = 2 b u[n] - (2 b - 1) u[n-1] + b dt^2 F[n], for K dt^2 < 4; the roots
     of a mode coincide where b^2 (2 - K dt^2)^2 = 4 (2 b - 1).

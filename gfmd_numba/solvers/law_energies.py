@@ -1,5 +1,6 @@
 """Energy of a law in one row and its derivatives by all displacements `[component, node]`, the normal one last."""
 
+from collections.abc import Callable
 from functools import reduce
 
 import numpy as np
@@ -13,6 +14,8 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 _ACROSS = 4.0  # lengths of a law of gap and slip across which it acts
 _STRIDE = 0.5  # tangential lengths of the law that a node is dragged in one step: past them the law gives way
 _NOTHING = ExponentialLaw(0.0, 1.0)  # stands for no law: a hard wall alone
+
+Place = Callable[[], tuple[Reals, Reals]]  # gap and slip, where they are needed
 
 
 class EnergyOfGap:
@@ -43,7 +46,7 @@ class EnergyOfGap:
         """Change of the energy as all displacements change by `closing`."""
         return float(self._law.energy_change(gap, closing[-1]).sum(dtype=np.float64))
 
-    def longest(self, gap: Reals, slip: Reals, direction: Reals) -> float:
+    def longest(self, place: Place, direction: Reals) -> float:
         """Step along a direction that is tried first."""
         return 1.0
 
@@ -92,8 +95,9 @@ class EnergyOfSlip:
         change = vector_slip.energy_change(self._law, gap, slip, closing[-1], closing[:-1])
         return float(change.sum(dtype=np.float64))
 
-    def longest(self, gap: Reals, slip: Reals, direction: Reals) -> float:
-        """Step along a direction that is tried first."""
+    def longest(self, place: Place, direction: Reals) -> float:
+        """Step along a direction that is tried first; past a stride in slip the law gives way."""
+        gap, slip = place()
         near, tangential = gap < _ACROSS * self._law.normal, self._law.tangential
         allowed = np.maximum(vector_slip.length(slip)[near] / tangential - _ACROSS, _STRIDE)
         dragged = vector_slip.length(direction[:-1])[near] / tangential

@@ -99,7 +99,7 @@ SOLVERS = {
     "gronbech_jensen": Solver(
         "damped dynamics by the scheme of Gronbech-Jensen and Farago",
         can=_DISPLACEMENT,
-        condensed=("gfmd_numba.solvers.dynamics:gronbech_jensen",),
+        condensed=("gfmd_numba.solvers.dynamics:gronbech_jensen_farago",),
         options=_TIME_STEP | _DAMPING,
     ),
     "fire": Solver(

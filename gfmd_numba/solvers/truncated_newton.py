@@ -277,7 +277,7 @@ class TruncatedNewton:
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
         i, direction = row[0], self._nodes(self._direction)
-        step = self._law.longest(self._gap(i), self._slip(i), direction)
+        step = self._law.longest(lambda: (self._gap(i), self._slip(i)), direction)
         change, slope = self._trial(row, step)
         while not _decreases(change, slope):
             step *= _shorter(change, slope)

@@ -195,11 +195,17 @@ def netcdf(dataset: xr.Dataset) -> memoryview:
     """Return the content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
 
     It is made in memory, because the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would
-    import all of dask.distributed, only to ask whether a cluster is going to write the file.
+    import all of dask.distributed, only to ask whether a cluster is going to write the file. Texts are arrays of
+    characters: a process ends in a segmentation fault when it opens a file with strings of variable length again
+    before it has closed it (HDF5 issue 5359).
     """
     import netCDF4
     from xarray.backends import NetCDF4DataStore
 
+    dataset = dataset.copy()
+    for variable in dataset.variables.values():
+        if variable.dtype.kind in "UO":
+            variable.encoding = {"dtype": "S1"}
     file = netCDF4.Dataset("in memory", "w", memory=1)
     try:
         dataset.dump_to_store(NetCDF4DataStore(file))

@@ -36,8 +36,18 @@ def test_text_flags_and_gaps_are_written_as_xarray_writes_them(tmp_path):
         attrs={"title": "κ", "seed": 7, "campaign": "name: x\nseed: 7\n"},
     )
     dataset["status"].attrs = {"flag_values": np.int8([0, 2]), "flag_meanings": "ok crashed"}
-    dataset.to_netcdf(tmp_path / "expected.nc", engine="netcdf4")
+    dataset.to_netcdf(tmp_path / "expected.nc", engine="netcdf4", encoding={"case_id": {"dtype": "S1"}})
     assert_the_same(written(dataset, tmp_path / "campaign.nc"), tmp_path / "expected.nc")
+
+
+def test_a_file_with_texts_can_be_opened_again_before_it_is_closed(tmp_path):
+    """With strings of variable length HDF5 reads memory that it has freed, and the process ends (HDF5 issue 5359)."""
+    text = xr.Dataset({"case": ("x", ["a", "µ", ""]), "none": ("y", ["", ""]), "one": ((), "length: 1 mm\n")})
+    file = written(text, tmp_path / "texts.nc")
+    with xr.open_dataset(file) as read:
+        xr.testing.assert_identical(read, text)
+    open_often = "import netCDF4, sys; all(netCDF4.Dataset(sys.argv[1]) for _ in range(300))"
+    python(open_often, file)
 
 
 def test_writing_starts_no_cluster(tmp_path):

@@ -50,7 +50,8 @@ def read_results(path: Path) -> xr.Dataset:
         if not _unaltered(file):  # the HDF5 library would find wrong numbers in it, or no end
             raise ValueError
         with xr.open_dataset(file, engine="netcdf4") as dataset:
-            return dataset.load()
+            dataset.load()
+        return dataset.assign({name: each.astype(str) for name, each in dataset.variables.items() if each.dtype == "O"})
     except (OSError, ValueError, RuntimeError):
         given = "a file that is not netCDF or is damaged"
         raise InputError(f"{file}: you gave {given}; gfmd allows a netCDF file that gfmd has written") from None

@@ -15,7 +15,7 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.laws import UNSEEN_SLOPE
 from gfmd_numba.analysis.linear_fit import Means, excess
 from gfmd_numba.analysis.posterior import Choice
-from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.analysis.selection import LIMITS, Group
 from gfmd_numba.arrays import Reals
 
 # Standard error over the distance that a law bridges, and for the law of the unseen slope the most over the limit.
@@ -23,6 +23,10 @@ from gfmd_numba.arrays import Reals
 # = 128 to 4096, against their limits: fits that bridge less than 4 % are off by a tenth of the distance
 _OF_THE_DISTANCE = 0.3
 _OF_THE_LIMIT = 0.02
+# Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
+# long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
+# as the difference of slabs from half-spaces (a = 0.02 to 0.3, 1/eps_t = 2 to 8, 1/eps_f = 1024)
+_OF_A_LAYER, _MOST_OF_A_LAYER = 0.01, 0.3
 
 
 def distances(index: int, means: Means, choice: Choice) -> Reals:
@@ -52,16 +56,21 @@ def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
     return found * most / (most + found)
 
 
-def doubts(index: int, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
+def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
-    It is the whole distance if data press an exponent against an end of its range.
+    It is the whole distance if data press an exponent against an end of its range. Layers add to that in eps_t.
     """
     found = abs(np.nan_to_num(distances(index, means, choice)))
+    limit = choice.fits[index].coefficients[:, 0]
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            limit = choice.fits[index].coefficients[:, 0]
             found[:, column] = doubt(found[:, column], limit, choice.laws[name].whole)
+    if "eps_t" in means.levels:
+        finest = min(float(means.levels["eps_t"].min()), means.reference["eps_t"])
+        of_layers = min(_OF_A_LAYER * finest / group.thinnest_layer, _MOST_OF_A_LAYER)
+        column = LIMITS.index("eps_t")
+        found[:, column] = np.hypot(found[:, column], of_layers * limit)
     return found
 
 

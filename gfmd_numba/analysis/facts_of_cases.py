@@ -1,6 +1,6 @@
 """Facts that a campaign's file holds of its cases, and what stands for those that older files lack."""
 
-from math import nan
+from math import inf, nan
 
 import numpy as np
 import xarray as xr
@@ -29,6 +29,11 @@ def processor_time(dataset: xr.Dataset) -> dict[str, float]:
 def dimension_of(cases: xr.Dataset) -> int:
     """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
     return int(cases["dimension"].values[0]) if "dimension" in cases else 1
+
+
+def thinnest_layer_of(cases: xr.Dataset) -> float:
+    """Return the height of the thinnest layer of the bodies over the period, inf for half-spaces."""
+    return float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf
 
 
 def load_of(cases: xr.Dataset) -> float:

@@ -11,7 +11,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis.arguments import Limit, Variable, checked
-from gfmd_numba.analysis.facts_of_cases import dimension_of, load_of, nodes_per_segment, residual_error
+from gfmd_numba.analysis.facts_of_cases import (
+    dimension_of,
+    load_of,
+    nodes_per_segment,
+    residual_error,
+    thinnest_layer_of,
+)
 from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.si_prefix import si_prefix
@@ -56,6 +62,7 @@ class Group:
     seconds: float  # of processor time that its cases took, nan likewise
     dimension: int  # of its surfaces
     load: float  # reduced pressure p / (g E*), nan if it is not the same in all cases or not known
+    thinnest_layer: float  # height of the thinnest layer of the bodies over the period, inf for half-spaces
     notes: list[str]
 
     @property
@@ -254,6 +261,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension,
         load=load_of(cases),
+        thinnest_layer=thinnest_layer_of(cases),
         notes=notes,
     )
 

@@ -187,7 +187,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     value = np.concatenate([_table(group, fit) for fit in fits])
     variance = np.concatenate([_variances(group, fit) for fit in fits])
     at_an_end = pressed(found, share)
-    by_limit = np.concatenate([doubts(index, means, choice, at_an_end) for choice in found]) ** 2
+    by_limit = np.concatenate([doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
     differing = [(rival, disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)

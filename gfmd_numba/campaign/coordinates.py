@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
-from math import isclose
+from math import inf, isclose
 from typing import Any
 
 from pydantic_core import PydanticCustomError
@@ -29,6 +29,7 @@ _OTHERS = {
     "is_reference": "whether the case is at the reference discretisation",
     "nx": "grid points over the period",
     "dimension": "1: profiles, 2: maps",
+    "thinnest_layer": "height of the body or of its thinnest layer over the period",
 }
 _ROUNDING = 5e-6  # relative, of a number that was read off a table
 _MOST_VALUES = 10
@@ -43,6 +44,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     reduced = _follows(cases[0].scene)
     columns: dict[str, list[Any]] = {axis.coordinate: [] for axis in axes} | ({_REDUCED: []} if reduced else {})
     summed = {_GRADIENT: [case.rms_gradient for case in cases]} if cases[0].scene.follows_topography else {}
+    thinnest = [case.scene.thinnest_layer for case in cases]
     dimensions = []
     for case in cases:
         scene = case.scene
@@ -60,6 +62,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         **summed,
         "nx": [case.problem.surface.nx for case in cases],
         "dimension": dimensions,
+        **({"thinnest_layer": thinnest} if min(thinnest) < inf else {}),
     }
 
 

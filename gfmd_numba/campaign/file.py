@@ -331,7 +331,9 @@ def _begun(campaign: Campaign) -> Campaign:
     dimension = campaign.scene.dimension
     surfaces = campaign.scene.surfaces.values()
     anisotropies = values_of(campaign.grid, "anisotropy") or [getattr(each, "anisotropy", None) for each in surfaces]
-    reference, *others = first_levels(dimension, max(each or 1.0 for each in anisotropies))
+    heights = [values_of(campaign.grid, name) or () for name in ("aspect_ratio", "counter_body_aspect_ratio")]
+    thinnest = min([campaign.scene.thinnest_layer, *heights[0], *heights[1]])
+    reference, *others = first_levels(dimension, max(each or 1.0 for each in anisotropies), thinnest)
     update = {
         "reference": discretisation_of(reference),
         "limits": limits_around(reference, others),

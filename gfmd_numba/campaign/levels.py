@@ -5,7 +5,7 @@ cross levels. A finer reference keeps the old levels: they become cross levels, 
 """
 
 from collections.abc import Iterable, Sequence
-from math import prod
+from math import inf, prod
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.limits import CROSS, Limits
@@ -17,16 +17,20 @@ Level = tuple[float, ...]  # eps_c, eps_f and eps_t
 _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
 
 _FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
+_FINEST_OF_LAYERS = 1 / 64  # eps_t of profiles that a run begins with on thin layers
 STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
-def first_levels(dimension: int, anisotropy: float = 1.0) -> list[Level]:
+def first_levels(dimension: int, anisotropy: float = 1.0, thinnest_layer: float = inf) -> list[Level]:
     """Return the levels that a run begins with, the reference first: cheap ones, from which others follow.
 
-    The longest waves along y of maps with an anisotropy above 1 fit the period at each of them.
+    The longest waves along y of maps with an anisotropy above 1 fit the period at each of them. On profiles no layer
+    is lower than the longest wave of the power law, as far as eps_t is not below 1/64.
     """
     (finest, c, t), step = _FIRST[dimension], STEP[dimension]
     while 2.0 * t * anisotropy > 1.0:
+        t /= 2.0
+    while dimension == 1 and t > max(thinnest_layer, _FINEST_OF_LAYERS):
         t /= 2.0
     coarse, coarser = step * finest, step**2 * finest
     return [

@@ -21,18 +21,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _MOST = 10_000
-_SHOWN = (
-    "reduced_pressure",
-    "mean_pressure",
-    "contact_area_fraction",
-    "contact_area",
-    "contact_length",
-    "mean_gap",
-    "contact_stiffness",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-)
 
 
 def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
@@ -156,9 +144,11 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 def show(dataset: xr.Dataset) -> None:
     """Print the curve, one line a load."""
+    from gfmd_numba.simulate.curve import SHOWN
+
     view, load = _named(dataset), _prescribed(dataset)
     same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
-    shown = [name for name in _SHOWN if name in view and name not in same]
+    shown = [name for name in SHOWN if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
     states = dataset["status"].attrs["flag_meanings"].split()
     if dataset["status"].any():

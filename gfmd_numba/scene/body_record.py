@@ -146,6 +146,12 @@ class Body(BaseModel):
                 allowed = f"a modulus from {ends}, within {LARGEST_CONTRAST:g} times that of the top layer"
                 raise broken_rule((*place, *where, "youngs_modulus"), allowed)
 
+    def thinnest_layer(self, length: float | None) -> float:
+        """Return the height of the thinnest layer, or of the body if it is one, over the period; inf without any."""
+        if self.layers is None:
+            return self.aspect_ratio
+        return min(layer.height for layer in self.layers) / (length or 1.0)
+
     def effective_poissons_ratio(self, nu: float) -> float:
         """Poisson's ratio of the plane strain material that deforms like one of nu (dimensionless)."""
         return nu if self.state == "plane_strain" else nu / (1.0 + nu)

@@ -126,6 +126,11 @@ class Scene(BaseModel):
         return self.counter_body is not None or self.body.has_modulus
 
     @property
+    def thinnest_layer(self) -> float:
+        """Height of the thinnest layer of the elastic bodies over the period, inf for half-spaces."""
+        return min(body.thinnest_layer(self.length) for body in self.deformable)
+
+    @property
     def surfaces(self) -> dict[tuple[str, ...], Surface]:
         """The rough surfaces of punch and bodies, by their places in the scene."""
         places = {("roughness",): self.roughness, ("body", "roughness"): self.body.roughness}

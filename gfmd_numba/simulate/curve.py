@@ -46,7 +46,7 @@ RECORDED = (
     "wall_time",
 )
 
-_COLUMNS = (
+SHOWN = (
     "reduced_pressure",
     "mean_pressure",
     "contact_area_fraction",
@@ -247,7 +247,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     ok = found["status"] == 0
     dataset = xr.Dataset(coords={"prescribed_load": found["prescribed_load"]})
     count = ok.sum("realisation")
-    for name in (name for name in _COLUMNS if name in found):
+    for name in (name for name in SHOWN if name in found):
         values = found[name].where(ok)
         dataset[name] = values.mean("realisation").assign_attrs(found[name].attrs)
         if curve.realisations > 1 and not (curve.prescribed != "displacement" and name in _PRESSURES):

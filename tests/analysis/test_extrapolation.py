@@ -48,6 +48,18 @@ def test_the_doubt_grows_with_the_distance():
     np.testing.assert_allclose(np.array(doubts) / doubts[0], [1.0, 3.0, 1.0, 3.0], rtol=1e-6)
 
 
+def test_a_thin_layer_adds_to_the_doubt_in_eps_t():
+    """It is stiffer than the half-space that it becomes, by no law of eps_t."""
+    dataset = campaign(levels={"eps_t": [1 / 2, 1 / 4, 1 / 8]}, coefficients={}, realisations=30)
+    thin = dataset.assign_coords(thinnest_layer=("case", np.full(dataset.sizes["case"], 0.05)))
+    of_half_space, of_layer = (
+        fit_tfc(each, fixed={"eps_t": 1.0})["extrapolation_error"].sel(limit="eps_t").item() for each in (dataset, thin)
+    )
+    finest = dataset["eps_t"].values.min()
+    expected = 0.01 * finest / 0.05 * TFC[0.8]
+    assert np.hypot(of_half_space, expected) == pytest.approx(of_layer, rel=0.01)
+
+
 def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most():
     dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
     by_law, by_power = (fit_tfc(dataset, fixed=fixed) for fixed in ({}, {"eps_f": 0.6}))

@@ -1,5 +1,7 @@
 """Levels that a run chooses by itself: those it begins with, and finer ones until its target is reached."""
 
+import json
+
 import numpy as np
 import pytest
 import yaml
@@ -74,6 +76,40 @@ def test_the_longest_waves_of_anisotropic_maps_fit_the_first_levels(given):
     found, _ = load_campaign(SHORT | {"scene": SCENE | {"dimension": 2, "roughness": anisotropic}} | grid)
     coarsest = max(placed.discretisation.eps_t for placed in found.discretisations())
     assert coarsest == 1 / 4
+
+
+@pytest.mark.parametrize(
+    ("body", "grid", "eps_t"),
+    [
+        ({"aspect_ratio": 0.1}, {}, 1 / 16),
+        ({"aspect_ratio": 0.001}, {}, 1 / 64),
+        ({}, {"aspect_ratio": [float("inf"), 0.05]}, 1 / 32),
+        ({}, {}, 1 / 4),
+    ],
+)
+def test_no_layer_is_lower_than_the_longest_wave_at_first(body, grid, eps_t):
+    scene = SCENE | {"body": SCENE["body"] | body}
+    found, _ = load_campaign(SHORT | {"scene": scene} | ({"grid": grid} if grid else {}))
+    assert found.reference.eps_t == eps_t
+
+
+def test_a_layer_on_a_base_is_as_thin_as_it_is():
+    layers = [{"height": "0.3 mm", "youngs_modulus": 2.0, "poissons_ratio": 0.3}]
+    layered = {"layers": layers, "base": {"youngs_modulus": 1.0, "poissons_ratio": 0.3}}
+    found, _ = load_campaign(SHORT | {"scene": SCENE | {"body": layered, "length": "10 mm"}})
+    assert found.scene.thinnest_layer == pytest.approx(0.03)
+    assert found.reference.eps_t == 1 / 64
+
+
+@pytest.mark.long
+def test_the_limit_of_a_thin_slab_is_that_of_the_half_space(tmp_path):
+    """The height is a share of the period, so that the slab becomes thick where eps_t goes to 0."""
+    scene = SCENE | {"body": {"poissons_ratio": 0.33, "aspect_ratio": 0.05}, "loading": {"reduced_pressure": 0.007}}
+    scene["roughness"] = SCENE["roughness"] | {"hurst": 0.3}
+    results = gfmd_numba.run({"name": "slab", "seed": 5, "scene": scene, "target": {"kappa": "3%"}}, tmp_path / "out")
+    fit = gfmd_numba.fit_tfc(results, **json.loads(results.attrs["fit"]))
+    assert results.attrs["ended"] == "reached"
+    assert fit["kappa_tfc_low"].item() < 2.851 < fit["kappa_tfc_high"].item()  # docs/results.md, of half-spaces
 
 
 def test_a_campaign_without_a_target_needs_levels():

@@ -8,6 +8,6 @@ from gfmd_numba.analysis.selection import LIMITS
 
 def without_doubts(patch):
     """Trust the laws of fits beyond the finest level, and with all levels there are."""
-    patch.setattr(tfc, "doubts", lambda index, means, choice, *_: np.zeros((len(choice.nodes), len(LIMITS))))
+    patch.setattr(tfc, "doubts", lambda index, group, means, choice, *_: np.zeros((len(choice.nodes), len(LIMITS))))
     patch.setattr(tfc, "rivals", lambda groups, given: [])
     patch.setattr(tfc, "without_coarsest", lambda groups: None)

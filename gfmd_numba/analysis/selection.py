@@ -235,15 +235,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
             levels[name] = level
         else:
             notes.append(f"{name} is not varied: {variable}_tfc is not extrapolated in it")
-    dimension = dimension_of(cases)
-    nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
-    if nodes < fewest:
-        stretches = {1: "stretches", 2: "patches"}[dimension]
-        finer = "a finer eps_c" if discretisations(cases) else "more points"
-        notes.append(
-            f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
-            f"the area is that of the grid, not of the surface; take {finer} or a higher pressure"
-        )
+    notes += _unresolved(cases)
     return Group(
         variable=variable,
         unit=cases[variable].attrs.get("units", "1"),
@@ -259,11 +251,25 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         n_excluded=n_excluded,
         residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
-        dimension=dimension,
+        dimension=dimension_of(cases),
         load=load_of(cases),
         thinnest_layer=thinnest_layer_of(cases),
         notes=notes,
     )
+
+
+def _unresolved(cases: xr.Dataset) -> list[str]:
+    """Return a note if the grid does not resolve the stretches or patches of contact."""
+    dimension = dimension_of(cases)
+    nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
+    if nodes >= fewest:
+        return []
+    stretches = {1: "stretches", 2: "patches"}[dimension]
+    finer = "a finer eps_c" if discretisations(cases) else "more points"
+    return [
+        f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
+        f"the area is that of the grid, not of the surface; take {finer} or a higher pressure"
+    ]
 
 
 def _complete(values: Reals, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -66,12 +66,29 @@ def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Co
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
             found[:, column] = doubt(found[:, column], limit, choice.laws[name].whole)
-    if "eps_t" in means.levels:
-        finest = min(float(means.levels["eps_t"].min()), means.reference["eps_t"])
-        of_layers = min(_OF_A_LAYER * finest / group.thinnest_layer, _MOST_OF_A_LAYER)
-        column = LIMITS.index("eps_t")
-        found[:, column] = np.hypot(found[:, column], of_layers * limit)
+    column = LIMITS.index("eps_t")
+    found[:, column] = np.hypot(found[:, column], doubt_of_layers(group, means) * limit)
     return found
+
+
+def doubt_of_layers(group: Group, means: Means) -> float:
+    """Return the relative standard error of the limit in eps_t by layers that become thick in it; 0 without any."""
+    if "eps_t" not in means.levels:
+        return 0.0
+    finest = min(float(means.levels["eps_t"].min()), means.reference["eps_t"])
+    return min(_OF_A_LAYER * finest / group.thinnest_layer, _MOST_OF_A_LAYER)
+
+
+def of_thin_layers(group: Group, means: Means) -> list[str]:
+    """Return a note if the thinnest layer is lower than the longest waves at the finest eps_t."""
+    share = doubt_of_layers(group, means)
+    if share <= _OF_A_LAYER:
+        return []
+    return [
+        f"the thinnest layer is lower than the longest waves at the finest eps_t, but thick in the limit: the error "
+        f"counts {share:.2g} of {group.variable}_tfc for that; take a finer eps_t, or leave eps_t out of the limits "
+        "if the layer is to stay thin"
+    ]
 
 
 def expected_doubts(fitted: xr.Dataset, limit: str, finer: float) -> Reals:

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
 from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
-from gfmd_numba.analysis.extrapolation import doubts, mean_distances
+from gfmd_numba.analysis.extrapolation import doubts, mean_distances, of_thin_layers
 from gfmd_numba.analysis.facts_of_cases import processor_time
 from gfmd_numba.analysis.fit_dataset import fit_dataset
 from gfmd_numba.analysis.fit_warnings import (
@@ -206,6 +206,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         *at_an_end.values(),
         *logarithmic(group, found),
         *additivity(group, error),
+        *of_thin_layers(group, means),
         *_doubts_of_levels(whole, group, differing, left_out),
     ]
     if group.n_realisations < 2:

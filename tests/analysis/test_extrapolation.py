@@ -52,9 +52,9 @@ def test_a_thin_layer_adds_to_the_doubt_in_eps_t():
     """It is stiffer than the half-space that it becomes, by no law of eps_t."""
     dataset = campaign(levels={"eps_t": [1 / 2, 1 / 4, 1 / 8]}, coefficients={}, realisations=30)
     thin = dataset.assign_coords(thinnest_layer=("case", np.full(dataset.sizes["case"], 0.05)))
-    of_half_space, of_layer = (
-        fit_tfc(each, fixed={"eps_t": 1.0})["extrapolation_error"].sel(limit="eps_t").item() for each in (dataset, thin)
-    )
+    fits = [fit_tfc(each, fixed={"eps_t": 1.0}) for each in (dataset, thin)]
+    of_half_space, of_layer = (fit["extrapolation_error"].sel(limit="eps_t").item() for fit in fits)
+    assert ["lower than the longest waves" in fit["message"].item() for fit in fits] == [False, True]
     finest = dataset["eps_t"].values.min()
     expected = 0.01 * finest / 0.05 * TFC[0.8]
     assert np.hypot(of_half_space, expected) == pytest.approx(of_layer, rel=0.01)

@@ -16,7 +16,7 @@ from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
 from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
 from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
@@ -119,10 +119,11 @@ def expand(
             if scene.follows_topography:
                 surface, rough = bodies_of(scene, level.discretisation, found)
                 rms_gradient = surface.rms_gradient
-            elif found is not None and found.punch is not None:
-                surface, rms_gradient = found.punch
             else:
-                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
+                own = None if found is None else found.punch
+                if own is None and scene.roughness is not None:
+                    own = random_surface_of(scene.roughness, level.discretisation)
+                surface, rms_gradient = punch_on_its_form(scene, own, document)
             tractions = tractions_of(scene, surface.shape, rms_gradient)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(

@@ -247,7 +247,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
             share -= bias * (elastic & ~np.roll(now, side, axis=axis))
     square = np.zeros(contact.heights.shape)
     for axis in axes[::-1]:
-        square += statistics.gradient(contact.heights.swapaxes(axis, -1)).swapaxes(axis, -1) ** 2
+        square += statistics.gradient(contact.roughness.swapaxes(axis, -1)).swapaxes(axis, -1) ** 2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
 
 
@@ -307,7 +307,7 @@ def elastic_energy(contact: Contact) -> Reals:
 
 @once
 def _power(contact: Contact) -> Reals:
-    return statistics.power(contact.heights, _periods(contact))
+    return statistics.power(contact.roughness, _periods(contact))
 
 
 def _moment(contact: Contact, order: int) -> Reals:

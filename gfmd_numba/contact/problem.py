@@ -15,7 +15,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.results_version import results_version, rows_without_prose
 from gfmd_numba.contact.state import LoadStep, Process
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
+from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -23,6 +23,7 @@ from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.options import Options
 
 
@@ -158,8 +159,10 @@ def _fields(record: Any) -> dict[str, Any]:
     return {name: getattr(record, name) for name in record.__dataclass_fields__}
 
 
-def _surface_content(surface: Surface) -> dict[str, Any]:
+def _surface_content(surface: Surface | SmoothSurface) -> dict[str, Any]:
     content = _fields(surface)
+    if isinstance(surface, SmoothSurface):
+        content["form"] = repr(surface.form)
     if isinstance(surface, SummedSurface):
         content["parts"] = [_fields(part) | {"surface": _surface_content(part.surface)} for part in surface.parts]
     content.pop("heights", None)
@@ -196,6 +199,29 @@ def random_surface(scene: Scene, discretisation: Discretisation | None, seed: in
     period = scene.length or 1.0
     surface = generators.random_surface(scene.roughness, discretisation, period, scene.dimension, seed)
     return surface, generators.rms_gradient(scene.roughness, surface, period)
+
+
+def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
+    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
+
+    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
+    """
+    if scene.form is None:
+        assert rough is not None  # a scene has one of the two
+        return rough
+    shape = (scene.form.points or 0,) * scene.dimension if rough is None else rough[0].shape
+    smooth = smooth_part(scene, shape)
+    if rough is None:
+        gradient = given_surface(smooth.drawn(0))[1]
+        return SummedSurface((smooth,), gradient), gradient
+    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
+
+
+def smooth_part(scene: Scene, shape: tuple[int, ...]) -> Topography:
+    """Form of the punch of a scene on a grid of a shape."""
+    assert scene.form is not None  # the caller's promise
+    form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
+    return Topography(SmoothSurface(form, shape), 1.0, False)
 
 
 def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:

@@ -78,7 +78,19 @@ def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Docu
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
         return _of_rough_bodies(file, measured, document)
-    return PressedSurfaces(*_of_the_punch(file, measured, document))
+    rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
+    return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+
+
+def punch_on_its_form(
+    scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
+) -> tuple[Surface, float]:
+    """Surface of a rigid punch and its rms gradient g, as `problem.rigid_punch` has it; raises InputError."""
+    try:
+        return problem.rigid_punch(scene, rough)
+    except ValueError as error:
+        place = ("scene", "form")
+        raise document.error(place, document.value(place), f"a form that is not flat, not {error}") from None
 
 
 def _of_the_punch(

@@ -21,10 +21,12 @@ _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 def begin(problem: Problem, realisations: range) -> State:
     """State of realisations of a problem before the first step; `two_step` has that of rough bodies."""
-    surface = problem.surface
-    assert not isinstance(surface, SummedSurface)
+    surface, processes = problem.surface, processes_of(problem)
+    if isinstance(surface, SummedSurface):
+        heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
+        return State.untouched(heights, processes, surface.form)
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
-    return State.untouched(heights, processes_of(problem))
+    return State.untouched(heights, processes)
 
 
 def solve(problem: Problem, state: State | range) -> Contact:

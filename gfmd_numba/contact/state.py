@@ -99,8 +99,9 @@ class Process(Protocol):
 class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
-    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. A step that
-    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
+    `form` under its roughness are a part of them. A step that `repeats` the load of the last one, on a surface that has
+    hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -108,11 +109,12 @@ class State:
     memory: Mapping[str, Any] = field(default_factory=dict)
     last: "Contact | None" = None
     repeats: bool = False
+    form: Reals | None = None
 
     @classmethod
-    def untouched(cls, heights: Reals, processes: tuple[Process, ...]) -> "State":
+    def untouched(cls, heights: Reals, processes: tuple[Process, ...], form: Reals | None = None) -> "State":
         """State of surfaces before the first step."""
-        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes})
+        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes}, form=form)
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
@@ -181,6 +183,12 @@ class Contact:
         assert self.before is not None  # of what was solved
         assert self.step is not None
         return self.before.after(self, self.step)
+
+    @property
+    def roughness(self) -> Reals:
+        """Heights `[realisation, (y,) x]` of the punch without the smooth form that its roughness lies on."""
+        form = None if self.before is None else self.before.form
+        return self.heights if form is None else self.heights - form
 
     @property
     def flattened(self) -> Reals | float:

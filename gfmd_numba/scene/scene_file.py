@@ -17,7 +17,7 @@ from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import InputError
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")
-_OF_A_PUNCH = {"roughness", "interface", "loading"}
+_OF_A_PUNCH = {"roughness", "form", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
 

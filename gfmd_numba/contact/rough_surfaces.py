@@ -137,12 +137,17 @@ def ensemble_of_rough_bodies(
             surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
             parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
-    fixed = (part for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
-    shape = next(fixed).surface.shape
+    form = scene.form if isinstance(scene, Scene) else None
+    fixed = (part.surface.shape for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
+    shape = next(fixed, None) or (form.points,) * scene.dimension
     for place, part in parts.items():
         if part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
+    gradient = _asked_for(asked, parts)
+    if form is not None:
+        parts["form",] = problem.smooth_part(scene, shape)
+        gradient = gradient or parts["form",].rms_gradient
     places = list(parts)
     bodies = tuple(
         DeformableBody(
@@ -153,8 +158,7 @@ def ensemble_of_rough_bodies(
         )
         for name, body in zip(BODIES, scene.deformable, strict=False)
     )
-    summed = SummedSurface(tuple(parts.values()), _asked_for(asked, parts))
-    return summed, RoughBodies(bodies, order)
+    return SummedSurface(tuple(parts.values()), gradient), RoughBodies(bodies, order)
 
 
 def check_drawn(
@@ -163,7 +167,7 @@ def check_drawn(
     """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
     places = list(scene.surfaces)
     drawn = []
-    for place, part in zip(places, summed.parts, strict=True):
+    for place, part in zip([*places, ("form",)], summed.parts, strict=False):
         try:
             drawn.append(part.drawn(realisation))
         except ValueError as error:

@@ -184,15 +184,14 @@ class Campaign(BaseModel):
     @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
-        rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):
             given = name in self.model_fields_set
             if random and name == "realisations" and not given and self.target is not None:
                 continue
             if random and (not given or getattr(self, name) is None):
                 raise broken_rule((name,), allowed)
-            if rough and given and not random:
-                raise broken_rule((name,), "nothing, as a measured surface is not random")
+            if given and not random:
+                raise broken_rule((name,), "nothing, as no surface is random")
         return self
 
     @model_validator(mode="after")

@@ -58,6 +58,7 @@ REFUSALS = (
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
+    Refusal("dimension 1", "radius_y", "nothing with dimension 1; radius_y needs dimension 2", "physics"),
     Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_with_each_other(),
@@ -122,6 +123,20 @@ REFUSALS = (
         "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
         "physics",
     ),
+    Refusal(
+        "form alone",
+        "reduced_pressure",
+        "a pressure, line_load, force or displacement with a form alone: a reduced_pressure counts in the rms gradient "
+        "of a roughness, and a form has none that means the same in another period",
+        "physics",
+    ),
+    Refusal(
+        "form between elastic bodies",
+        "higher topography_order",
+        "0, or nothing, with a form between two elastic bodies: a form is a gap and not a topography, as it does not "
+        "say which of the two has it",
+        "physics",
+    ),
 )
 _INTRODUCTION = """\
 # What can be combined
@@ -170,6 +185,8 @@ PHRASES = {
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",
     "force": "a load `force`",
+    "form alone": "a `form` without roughness",
+    "form between elastic bodies": "a `form` between two elastic bodies",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
     "layers on a half-space": "`layers` on a half-space",
@@ -182,6 +199,8 @@ PHRASES = {
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",
+    "radius_y": "a second radius (`radius_y`)",
+    "reduced_pressure": "a `reduced_pressure`",
     "rigid mean": "a prescribed displacement of incompressible bodies",
     "single": "single precision",
     "sliding": "sliding",

@@ -131,6 +131,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
     yield from _half_spaces(scene, grid)
+    yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
         if value < 0.0:
@@ -139,6 +140,17 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    if scene.form is None:
+        return
+    if not scene.surfaces:
+        yield "form alone", ("scene", "form")
+    if scene.counter_body is not None:
+        yield "form between elastic bodies", ("scene", "form")
+    if scene.form.radius_y is not None:
+        yield "radius_y", ("scene", "form", "radius_y")
 
 
 def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -165,7 +177,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         yield "displacement", ("scene", "loading", "displacement")
         if scene.loading.displacement < 0.0:
             yield "negative displacement", ("scene", "loading", "displacement")
-    for load in ("line_load", "force"):
+    for load in ("reduced_pressure", "line_load", "force"):
         if getattr(scene.loading, load) is not None:
             yield load, ("scene", "loading", load)
     for i, step in enumerate(path):

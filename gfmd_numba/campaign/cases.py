@@ -18,7 +18,7 @@ from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surf
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
@@ -120,7 +120,7 @@ def expand(
                 surface, rough = bodies_of(scene, level.discretisation, found)
                 rms_gradient = surface.rms_gradient
             else:
-                own = None if found is None else found.punch
+                own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
                 if own is None and scene.roughness is not None:
                     own = random_surface_of(scene.roughness, level.discretisation)
                 surface, rms_gradient = punch_on_its_form(scene, own, document)

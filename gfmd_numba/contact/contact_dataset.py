@@ -128,7 +128,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
     measures = measure(contact)
-    for name, row in recorded(problem.interface.hardness is not None).items():
+    for name, row in recorded(problem.interface.hardness is not None, problem.has_form).items():
         variables[name] = unit.measure(name, row, measures[name][0])
     if contact.equilibrium.growing_wave is not None:
         attributes = cf_attributes("index of the wave that grew most before it was unstable")

@@ -51,6 +51,7 @@ class Units:
             "1": (1.0, "1"),
             "E*/stiffness": (1.0 / stiffness_scale(scene), "1"),
             "gradient": (rms_gradient, "1"),
+            "length": (scene.length or 1.0, metre),
             "height": (height, metre),
             "pressure": (pressure, pascal),
             "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),

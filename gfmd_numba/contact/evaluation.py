@@ -163,6 +163,12 @@ def mean_segment_length(contact: Contact) -> Reals:
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
 
+def contact_radius(contact: Contact) -> Reals:
+    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`."""
+    area = contact_area_fraction(contact)
+    return 0.5 * area if contact.heights.ndim == 2 else np.sqrt(area / np.pi)
+
+
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
     """Mean over the nodes of each realisation."""
     return np.asarray(field.mean(axis=tuple(range(1, field.ndim))))
@@ -322,7 +328,7 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
     found = contact.equilibrium
-    rows = recorded(found.plastic is not None)
+    rows = recorded(found.plastic is not None, contact.form is not None)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         values = {name: _value(name, row, contact) for name, row in rows.items()}
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}

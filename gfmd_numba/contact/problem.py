@@ -21,7 +21,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, Random, Scene
+from gfmd_numba.scene import Discretisation, LoadedBody, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.options import Options
@@ -101,6 +101,12 @@ class Problem:
     def n_loads(self) -> int:
         """Number of loads that are solved one after another: one without a path."""
         return 1 + len(self.path)
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the punch has a smooth form."""
+        parts = self.surface.parts if isinstance(self.surface, SummedSurface) else ()
+        return any(isinstance(part.surface, SmoothSurface) for part in parts)
 
     @property
     def load(self) -> float:
@@ -206,22 +212,22 @@ def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] 
 
     g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
     """
-    if scene.form is None:
+    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
+    if smooth is None:
         assert rough is not None  # a scene has one of the two
         return rough
-    shape = (scene.form.points or 0,) * scene.dimension if rough is None else rough[0].shape
-    smooth = smooth_part(scene, shape)
     if rough is None:
         gradient = given_surface(smooth.drawn(0))[1]
         return SummedSurface((smooth,), gradient), gradient
     return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
 
 
-def smooth_part(scene: Scene, shape: tuple[int, ...]) -> Topography:
-    """Form of the punch of a scene on a grid of a shape."""
-    assert scene.form is not None  # the caller's promise
+def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
+    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
+    if isinstance(scene, LoadedBody) or scene.form is None:
+        return None
     form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
-    return Topography(SmoothSurface(form, shape), 1.0, False)
+    return Topography(SmoothSurface(form, shape or (form.points or 0,) * scene.dimension), 1.0, False)
 
 
 def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:

@@ -137,17 +137,16 @@ def ensemble_of_rough_bodies(
             surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
             parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
-    form = scene.form if isinstance(scene, Scene) else None
     fixed = (part.surface.shape for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
-    shape = next(fixed, None) or (form.points,) * scene.dimension
+    shape = next(fixed, None)
     for place, part in parts.items():
-        if part.surface.shape != shape:
+        if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
-    gradient = _asked_for(asked, parts)
-    if form is not None:
-        parts["form",] = problem.smooth_part(scene, shape)
-        gradient = gradient or parts["form",].rms_gradient
+    gradient, smooth = _asked_for(asked, parts), problem.smooth_part(scene, shape)
+    if smooth is not None:
+        parts["form",] = smooth
+        gradient = gradient or smooth.rms_gradient
     places = list(parts)
     bodies = tuple(
         DeformableBody(

@@ -186,9 +186,16 @@ class Contact:
 
     @property
     def roughness(self) -> Reals:
-        """Heights `[realisation, (y,) x]` of the punch without the smooth form that its roughness lies on."""
-        form = None if self.before is None else self.before.form
-        return self.heights if form is None else self.heights - form
+        """Heights `[realisation, (y,) x]` of the punch without the form below its roughness; those of a form alone."""
+        if self.form is None:
+            return self.heights
+        rough = self.heights - self.form
+        return rough if rough.any() else self.heights
+
+    @property
+    def form(self) -> Reals | None:
+        """Heights `[(y,) x]` of the smooth form of the punch, None without."""
+        return None if self.before is None else self.before.form
 
     @property
     def flattened(self) -> Reals | float:

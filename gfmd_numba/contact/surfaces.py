@@ -78,7 +78,7 @@ class Topography:
 
 @dataclass(frozen=True)
 class SummedSurface:
-    """What several surfaces are together, in units of `rms_gradient`, the g that is asked of all rough ones, and L_x."""
+    """What several surfaces are together, in L_x and units of `rms_gradient`, the g that is asked of all rough ones."""
 
     parts: tuple[Topography, ...]
     rms_gradient: float
@@ -104,9 +104,9 @@ class SummedSurface:
 
     @property
     def form(self) -> Reals | None:
-        """Heights `[(y,) x]` in its units of the form under a roughness; None without either of the two."""
+        """Heights `[(y,) x]` in its units of the smooth form that is one of them, None without."""
         smooth = [part.drawn(0) for part in self.parts if isinstance(part.surface, SmoothSurface)]
-        return smooth[0] / self.rms_gradient if 0 < len(smooth) < len(self.parts) else None
+        return smooth[0] / self.rms_gradient if smooth else None
 
 
 Surface = RandomSurface | GivenSurface | SummedSurface

@@ -173,7 +173,9 @@ class Scene(BaseModel):
                 "itself, or a form",
             )
         if self.form is not None and (self.form.points is None) == (not self.surfaces):
-            allowed = "grid points over L_x, as no roughness has any" if not self.surfaces else "nothing with a roughness"
+            allowed = (
+                "grid points over L_x, as no roughness has any" if not self.surfaces else "nothing with a roughness"
+            )
             raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:

@@ -151,6 +151,8 @@ def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
         yield "form between elastic bodies", ("scene", "form")
     if scene.form.radius_y is not None:
         yield "radius_y", ("scene", "form", "radius_y")
+    if "radius_y" in grid:
+        yield "radius_y", ("grid", "radius_y")
 
 
 def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:

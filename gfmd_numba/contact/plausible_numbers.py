@@ -38,7 +38,7 @@ class Scales(NamedTuple):
 
 _OF_WAVES = Common(1e-10, 0.1, "shorter than an atom", "longer than 10 cm", ("um", "mm", "nm"))
 _OF_LAWS = Common(1e-10, 1e-5, "shorter than an atom", "longer than forces between surfaces reach", ("nm", "um"))
-_OF_FORMS = Common(1e-9, 100.0, "sharper than any tip", "flatter than any ball", ("mm", "um", "nm"))
+_OF_FORMS = Common(1e-9, 1.0, "sharper than any tip", "more than 1 m", ("mm", "um", "nm"))
 _OF_PUNCHES = Common(1e-13, 1e-2, "less than a thousandth of an atom", "more than 1 cm", ("um", "nm"))
 Given = tuple[Location, float, Quantity]
 COMMON = {

@@ -226,8 +226,11 @@ def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Top
     """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
     if isinstance(scene, LoadedBody) or scene.form is None:
         return None
+    if shape is None:
+        assert scene.form.points is not None  # the promise of a scene without roughness
+        shape = (scene.form.points,) * scene.dimension
     form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
-    return Topography(SmoothSurface(form, shape or (form.points or 0,) * scene.dimension), 1.0, False)
+    return Topography(SmoothSurface(form, shape), 1.0, False)
 
 
 def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:

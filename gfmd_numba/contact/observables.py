@@ -17,8 +17,8 @@ class Observable:
     Units are 1, g, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a `stiffness_scale`.
     `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a run the equilibrium
     has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0,
-    or unknown on maps. One that `needs_hardness` is recorded of contacts with a hardness alone, and one of a path where
-    what it `needs` is there.
+    or unknown on maps. One that `needs_hardness` is recorded of contacts with a hardness alone, one that `needs_period`
+    of periodic ones alone (False: of all others), and one of a path where what it `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
@@ -31,6 +31,7 @@ class Observable:
     function: str | None = None
     undefined_at_times: bool = False
     needs_hardness: bool = False
+    needs_period: bool | None = None
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
     needs: Literal["", "drag", "drag of maps", "friction", "loss", "tension"] = ""
@@ -132,13 +133,22 @@ OBSERVABLES = {
         no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
     ),
     "mean_gap": Observable("contact", "height", "mean gap between the surfaces", held="height"),
+    "approach": Observable(
+        "contact",
+        "height",
+        "displacement of the punch into the body beyond first touch",
+        needs_period=False,
+        no_limit="it is that of a window, which has no thermodynamic limit",
+    ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
         "contact", "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
-    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch"),
+    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs_period=True),
     "full_contact_pressure": Observable(
-        "surface", "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)"
+        "surface",
+        "pressure",
+        "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)",
     ),
     "status": Observable("run", "1", "how the run ended"),
     "residual": Observable(
@@ -182,9 +192,10 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness."""
-    return {name: row for name, row in OBSERVABLES.items() if hardness or not row.needs_hardness}
+def recorded(hardness: bool, periodic: bool) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness, and with or without a period."""
+    rows = {name: row for name, row in OBSERVABLES.items() if row.needs_period in (None, periodic)}
+    return {name: row for name, row in rows.items() if hardness or not row.needs_hardness}
 
 
 def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:

@@ -68,7 +68,18 @@ def reduce(
         )
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
-    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter, rough=rough)
+    problem = Problem(
+        surface,
+        body,
+        interface,
+        pressure,
+        displacement,
+        options,
+        tractions,
+        counter,
+        rough=rough,
+        periodic=scene.periodic,
+    )
     return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
 
 

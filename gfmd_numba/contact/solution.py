@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import bear_again, processes_of
 from gfmd_numba.contact.state import Change, Contact, State
@@ -49,15 +50,36 @@ def solve(problem: Problem, state: State | range) -> Contact:
     drag = np.reshape(step.sliding, (-1, *(1 for _ in heights.shape[1:])))
     is_cohesive = problem.interface.cohesive is not None  # slip then counts from where the punch came
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
-    start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
-    equilibrium = equilibrate(punch, _response(problem, change), load, problem.numerics, problem.interface, start, slid)
+    approach = None
+    if problem.periodic:
+        start = _start(state, None if is_cohesive else change.carried, punch, drag)
+        response = _response(problem, change)
+        equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
+    else:
+        equilibrium, sunk = _without_period(problem, state, change, punch, load)
+        punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
     of_waves = partial(condensed_stiffness, problem)
-    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves)
+    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+
+
+def _without_period(
+    problem: Problem, state: State, change: Change, punch: Reals, load: float | None
+) -> tuple[Equilibrium, Reals]:
+    """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
+    shape, laws = punch.shape[1:], problem.interface
+    response = free_window.response(shape, change.factor)
+    wide, start = free_window.padded(punch, load, laws), None
+    if state.last is not None and state.last.approach is not None:
+        sunk = 0.0 if load is None else state.last.approach
+        start = free_window.following(state.last.equilibrium, punch, sunk, response)
+    shared = None if load is None else free_window.share(len(shape)) * load
+    found = equilibrate(wide, response, shared, problem.numerics, laws, start)
+    return free_window.in_window(found, shape, response)
 
 
 def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> Start | None:

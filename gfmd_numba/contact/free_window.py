@@ -1,0 +1,109 @@
+"""A contact without a period, as the solvers see it: the window of the punch in a padded grid that nothing touches.
+
+The elastic body is free around the window (`elasticity/free_half_space.py`). The padding is part of the solver's grid,
+so that every solver and its certificate runs as it is. The punch is far away there, and nobody else knows of it: what
+is found is cut back to the window.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.interface.interactions import Interactions, NormalLaw
+from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
+from gfmd_numba.solvers.iteration import Start
+
+_ABOVE = 1.0  # times the mean pressure over E*, in L_x: a flat punch, the stiffest of all, sinks in by 0.88 of that
+_PULLED = (
+    3.0  # times the traction of a law over E*, in L_x: more than it pulls the surface up, even all over the window
+)
+_NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
+_SHORTEST = 1e-9  # range of a law, in L_x
+_APART = 0.1  # of the size of the punch, at which it is where its displacement is prescribed
+
+
+def response(shape: tuple[int, ...], stiffness: float = 1.0) -> SpectralResponse:
+    """Response of a half-space around a window of (ny,) nx nodes, stiffer by a factor than one of modulus E*."""
+    return SpectralResponse.of_normal(stiffness / free_half_space.compliance(shape))
+
+
+def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
+    """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
+
+    That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
+    sinks in by less than one that is flat at its own highest point.
+    """
+    along = tuple(range(1, punch.ndim))
+    highest = punch.max(axis=along, keepdims=True)
+    if load is None:
+        far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
+    else:
+        far = highest + _ABOVE * load
+    if laws.normal_law is not None:
+        far = far + _PULLED * abs(laws.normal_law.strength) + _reach(laws.normal_law)
+    return _in_corner(punch, far)
+
+
+def _reach(law: NormalLaw) -> float:
+    """Gap beyond which a law acts no more, or up to twice that."""
+    gap, most = _SHORTEST, abs(float(law.traction(np.zeros(1))[0]))
+    while abs(float(law.traction(np.array([gap]))[0])) > _NO_TRACTION * most:
+        gap *= 2.0
+    return gap
+
+
+def share(dimension: int) -> float:
+    """Share of the padded grid that the window is: of a mean pressure there."""
+    return float(free_half_space.WIDER**-dimension)
+
+
+def following(before: Equilibrium, punch: Reals, sunk: Reals | float, response: SpectralResponse) -> Start:
+    """Initial state on the padded grid for the next load: what the pressure before does, touching nodes at the punch.
+
+    The body at rest is higher than where the solver has it by what the punch has `sunk` in.
+    """
+    pressure = _in_corner(before.pressure, np.zeros((1,) * punch.ndim))
+    displacement = sunk + np.stack([response.apply(-each[np.newaxis])[0] for each in pressure])
+    window = displacement[_corner(punch.shape[1:])]
+    window[:] = np.where(before.touching, punch, window)
+    return replace(Start.at_rest(displacement), displacement=displacement)
+
+
+def in_window(found: Equilibrium, shape: tuple[int, ...], response: SpectralResponse) -> tuple[Equilibrium, Reals]:
+    """What is found in the window, displacements counted from the body at rest, and how far the punch has sunk in.
+
+    The latter `[realisation, (1,) 1]` is measured from where the solver had the punch.
+    """
+    along = tuple(range(1, found.pressure.ndim))
+    sunk = (found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True)
+    corner = _corner(shape)
+    tangential = None if found.tangential is None else _tangential(found.tangential, shape)
+    window = replace(
+        found,
+        displacement=found.displacement[corner] - sunk,
+        pressure=found.pressure[corner].copy(),
+        touching=found.touching[corner].copy(),
+        tangential=tangential,
+        plastic=None if found.plastic is None else found.plastic[corner].copy(),
+    )
+    return window, sunk
+
+
+def _tangential(found: Tangential, shape: tuple[int, ...]) -> Tangential:
+    fields = {name: getattr(found, name)[_corner(shape)].copy() for name in ("displacement", "traction", "slip")}
+    return replace(found, **fields)
+
+
+def _corner(shape: tuple[int, ...]) -> Any:
+    return (..., *(slice(n) for n in shape))
+
+
+def _in_corner(values: Reals, around: Reals) -> Reals:
+    whole = np.empty((len(values), *free_half_space.padded_shape(values.shape[1:])), dtype=values.dtype)
+    whole[:] = around
+    whole[_corner(values.shape[1:])] = values
+    return whole

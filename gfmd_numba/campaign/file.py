@@ -270,7 +270,8 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*campaign.scene.interface.laws, *boundary))
+    laws = (*campaign.scene.interface.laws, *boundary)
+    arrays = arrays_per_realisation(dimension, laws, campaign.scene.periodic)
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)

@@ -59,7 +59,7 @@ def _without_a_period() -> Iterator[Refusal]:
         "cutoff": "no cutoff, as a Fourier series repeats the surface (filter it before)",
         "points": "no points, as a Fourier series repeats the surface (resample it before)",
         "limits": "no limits",
-        "accuracy": "a periodic scene",
+        "accuracy": "no `gfmd accuracy`",
     }
     for feature, allowed in not_yet.items():
         yield Refusal(

@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_half_space
@@ -44,11 +45,11 @@ def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
     else:
         far = highest + _ABOVE * load
     if laws.normal_law is not None:
-        far = far + _PULLED * abs(laws.normal_law.strength) + _reach(laws.normal_law)
-    return _in_corner(punch, far)
+        far = far + _PULLED * abs(laws.normal_law.strength) + reach(laws.normal_law)
+    return in_corner(punch, far)
 
 
-def _reach(law: NormalLaw) -> float:
+def reach(law: NormalLaw) -> float:
     """Gap beyond which a law acts no more, or up to twice that."""
     gap, most = _SHORTEST, abs(float(law.traction(np.zeros(1))[0]))
     while abs(float(law.traction(np.array([gap]))[0])) > _NO_TRACTION * most:
@@ -66,23 +67,24 @@ def following(before: Equilibrium, punch: Reals, sunk: Reals | float, response: 
 
     The body at rest is higher than where the solver has it by what the punch has `sunk` in.
     """
-    pressure = _in_corner(before.pressure, np.zeros((1,) * punch.ndim))
+    pressure = in_corner(before.pressure, np.zeros((1,) * punch.ndim))
     displacement = sunk + np.stack([response.apply(-each[np.newaxis])[0] for each in pressure])
     window = displacement[_corner(punch.shape[1:])]
     window[:] = np.where(before.touching, punch, window)
     return replace(Start.at_rest(displacement), displacement=displacement)
 
 
-def in_window(found: Equilibrium, shape: tuple[int, ...], response: SpectralResponse) -> tuple[Equilibrium, Reals]:
-    """What is found in the window, displacements counted from the body at rest, and how far the punch has sunk in.
-
-    The latter `[realisation, (1,) 1]` is measured from where the solver had the punch.
-    """
+def sunk_in(found: Equilibrium, response: SpectralResponse) -> Reals:
+    """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
-    sunk = (found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True)
+    return np.asarray((found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True))
+
+
+def in_window(found: Equilibrium, shape: tuple[int, ...], sunk: Reals | float) -> Equilibrium:
+    """What is found in the window, displacements counted from the body at rest, of which the solver's are `sunk`."""
     corner = _corner(shape)
     tangential = None if found.tangential is None else _tangential(found.tangential, shape)
-    window = replace(
+    return replace(
         found,
         displacement=found.displacement[corner] - sunk,
         pressure=found.pressure[corner].copy(),
@@ -90,7 +92,6 @@ def in_window(found: Equilibrium, shape: tuple[int, ...], response: SpectralResp
         tangential=tangential,
         plastic=None if found.plastic is None else found.plastic[corner].copy(),
     )
-    return window, sunk
 
 
 def _tangential(found: Tangential, shape: tuple[int, ...]) -> Tangential:
@@ -102,7 +103,8 @@ def _corner(shape: tuple[int, ...]) -> Any:
     return (..., *(slice(n) for n in shape))
 
 
-def _in_corner(values: Reals, around: Reals) -> Reals:
+def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
     whole = np.empty((len(values), *free_half_space.padded_shape(values.shape[1:])), dtype=values.dtype)
     whole[:] = around
     whole[_corner(values.shape[1:])] = values

@@ -192,7 +192,7 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool, periodic: bool) -> dict[str, Observable]:
+def recorded(hardness: bool, periodic: bool = True) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, and with or without a period."""
     rows = {name: row for name, row in OBSERVABLES.items() if row.needs_period in (None, periodic)}
     return {name: row for name, row in rows.items() if hardness or not row.needs_hardness}

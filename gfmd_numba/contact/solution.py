@@ -79,7 +79,8 @@ def _without_period(
         start = free_window.following(state.last.equilibrium, punch, sunk, response)
     shared = None if load is None else free_window.share(len(shape)) * load
     found = equilibrate(wide, response, shared, problem.numerics, laws, start)
-    return free_window.in_window(found, shape, response)
+    sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
+    return free_window.in_window(found, shape, sunk), sunk
 
 
 def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> Start | None:

@@ -14,6 +14,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.options import Options
+from support.adhesive_sphere import pull_off
 
 WALL = {"hard_wall": {}}
 RADIUS = 4.0  # over L_x
@@ -212,3 +213,51 @@ def test_the_dataset_says_that_it_is_a_window():
     assert "points_per_period" not in found["x"].attrs
     assert "nayak" not in found
     assert found["approach"].attrs["units"] == "m"
+
+
+def test_a_hardness_bounds_the_pressure_and_leaves_a_dent():
+    hardness = 0.03
+    wall = {"interface": {"hard_wall": {"hardness": hardness}}}
+    file = scene_of(parabola(32, 2), {"force": 2e-3}, path=[{"force": 1e-3}], scene=wall)
+    found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["pressure"].max()) == pytest.approx(hardness, rel=1e-6)
+    assert float(found["pressure"].isel(step=1).max()) < hardness
+    assert (found["mean_plastic_depth"].diff("step") == 0.0).all()
+    assert (found["pressure"].mean(["y", "x"]) == pytest.approx([2e-3, 1e-3], rel=1e-7)).all()
+
+
+def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it():
+    """A rigid paraboloid of radius 1, of which no grid and no transform knows (`support/adhesive_sphere.py`)."""
+    work, length, n = 1e-3, 0.02, 48
+    radius = (9.0 * np.pi * work / 8.0) ** (1.0 / 3.0)
+    way = np.linspace(-0.6, -1.1, 6) * radius**2
+    interface = {"hard_wall": {}, "exponential": {"work_of_adhesion": work, "range": length}}
+    surface = {"method": "measured", "heights": RADIUS * parabola(n, 2)}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": surface, "interface": interface, "periodic": False}
+    path = [{"displacement": float(step)} for step in way]
+    file = {"scene": scene | {"loading": {"displacement": 0.0}}, "path": path, "numerics": {"residual": 1e-6}}
+    with pytest.warns(UserWarning, match="rms gradient"):
+        found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["pull_off_pressure"]) == pytest.approx(pull_off(work, length, 160), rel=0.01)
+    assert (found["stability"] > 0.3).all()
+    np.testing.assert_allclose(found["approach"], found["punch_displacement"], rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}, "aspect_ratio"),
+        ({"interface": WALL | {"friction": {"coefficient": 0.3}}}, "friction"),
+        ({"boundary": {"normal_traction": 0.0}}, "boundary"),
+        ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
+        ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "points": 8}}, "points"),
+        ({"periodic": "perhaps"}, "periodic"),
+    ],
+)
+def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": WALL, "loading": {"reduced_pressure": 0.1}}
+    scene |= {"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0]}, "periodic": False}
+    with pytest.raises(gfmd_numba.InputError, match=named):
+        gfmd_numba.solve({"scene": scene | change})

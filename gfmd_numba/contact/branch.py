@@ -74,7 +74,7 @@ def stability(problem: Problem, contact: Contact) -> float | None:
     if problem.periodic:
         stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
     else:  # the law acts in the window alone
-        stiffness = free_window.response(contact.punch.shape[1:]).normal
+        stiffness = free_window.response(contact.punch.shape[1:], problem.interface, problem.body).normal.copy()
         apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)))
         touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_))
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):

@@ -27,6 +27,7 @@ class Refusal:
     because: Literal["physics", "solver", "not built yet", "without effect"]
 
 
+LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
@@ -54,8 +55,6 @@ def _without_a_period() -> Iterator[Refusal]:
         "layers": "a body of one material",
         "rough bodies": "a rough rigid punch on one smooth body",
         "boundary": "no boundary",
-        "friction": "another law",
-        "cohesive": "another law",
         "cutoff": "no cutoff, as a Fourier series repeats the surface (filter it before)",
         "points": "no points, as a Fourier series repeats the surface (resample it before)",
         "limits": "no limits",
@@ -65,6 +64,8 @@ def _without_a_period() -> Iterator[Refusal]:
         yield Refusal(
             "no period", feature, f"{allowed} where periodic is false: this is not built yet", "not built yet"
         )
+    least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
+    yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
@@ -223,6 +224,7 @@ PHRASES = {
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
+    "stiff sideways": "a small or negative `poissons_ratio` under friction or a cohesive law",
     "sticking": "an infinite coefficient of friction",
     "topography_order": "`topography_order`",
     "treated ends": "`periodic: mirror` or `window` of a measured surface",

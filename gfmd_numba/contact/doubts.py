@@ -106,7 +106,7 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
 
     Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
     """
-    if "sliding" not in dataset or "tangential_displacement" not in dataset:
+    if not {"sliding", "tangential_displacement", "nayak"} <= dataset.variables.keys():
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     ends = ("", "_y")[: len(nodes)]

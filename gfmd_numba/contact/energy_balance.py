@@ -50,7 +50,8 @@ class Balance:
                 components(found.tangential.traction, u).mean(axis=1),
             )
             sideways = components(found.tangential.displacement, u)
-            potential += 0.5 * float(traction @ sideways.mean(axis=1))
+            if contact.approach is None:
+                potential += 0.5 * float(traction @ sideways.mean(axis=1))
             slip = sliding[:, np.newaxis] - sideways
             if laws.friction is not None and isfinite(laws.friction):
                 dragged = components(found.tangential.traction, u)

@@ -334,8 +334,9 @@ def elastic_energy(contact: Contact) -> Reals:
     work = -contact.equilibrium.pressure * u
     if tangential is not None:
         v = tangential.displacement
-        inside = tuple(axis + 1 for axis in along)
-        work = work + (tangential.traction * (v - v.mean(axis=inside, keepdims=True))).sum(axis=1)
+        if contact.approach is None:
+            v = v - v.mean(axis=tuple(axis + 1 for axis in along), keepdims=True)
+        work = work + (tangential.traction * v).sum(axis=1)
     return np.asarray(0.5 * work.mean(axis=along))
 
 

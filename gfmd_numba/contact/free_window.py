@@ -13,8 +13,10 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
 from gfmd_numba.solvers.iteration import Start
 
@@ -23,13 +25,18 @@ _PULLED = (
     3.0  # times the traction of a law over E*, in L_x: more than it pulls the surface up, even all over the window
 )
 _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
+_RANGES = 45.0  # of a law of gap and slip, at which it has as little
 _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 0.1  # of the size of the punch, at which it is where its displacement is prescribed
 
 
-def response(shape: tuple[int, ...], stiffness: float = 1.0) -> SpectralResponse:
-    """Response of a half-space around a window of (ny,) nx nodes, stiffer by a factor than one of modulus E*."""
-    return SpectralResponse.of_normal(stiffness / free_half_space.compliance(shape))
+def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, factor: float = 1.0) -> SpectralResponse:
+    """Response of a half-space around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
+
+    It is stiffer by a factor than the body.
+    """
+    found = free_half_space.response(shape, body.nu) if laws.couples else free_half_space.normal_response(shape)
+    return found if factor == 1.0 else SpectralResponse(factor * found.elements)
 
 
 def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
@@ -44,15 +51,18 @@ def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
         far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
     else:
         far = highest + _ABOVE * load
-    if laws.normal_law is not None:
-        far = far + _PULLED * abs(laws.normal_law.strength) + reach(laws.normal_law)
+    for law in (laws.normal_law, laws.cohesive):
+        if law is not None:
+            far = far + _PULLED * abs(law.strength) + reach(law)
     return in_corner(punch, far)
 
 
-def reach(law: NormalLaw) -> float:
+def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     """Gap beyond which a law acts no more, or up to twice that."""
-    gap, most = _SHORTEST, abs(float(law.traction(np.zeros(1))[0]))
-    while abs(float(law.traction(np.array([gap]))[0])) > _NO_TRACTION * most:
+    none, gap = np.zeros(1), _SHORTEST * abs(law.strength)
+    if isinstance(law, XuNeedlemanLaw):
+        return _RANGES * law.normal
+    while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):
         gap *= 2.0
     return gap
 
@@ -62,16 +72,27 @@ def share(dimension: int) -> float:
     return float(free_half_space.WIDER**-dimension)
 
 
-def following(before: Equilibrium, punch: Reals, sunk: Reals | float, response: SpectralResponse) -> Start:
-    """Initial state on the padded grid for the next load: what the pressure before does, touching nodes at the punch.
+def start(window: Start, before: Equilibrium, sunk: Reals | float, response: SpectralResponse) -> Start:
+    """Initial state on the padded grid of one in the window: around that, what the tractions before do to the body.
 
-    The body at rest is higher than where the solver has it by what the punch has `sunk` in.
+    The solver has the body at rest higher by what the punch has `sunk` in.
     """
-    pressure = in_corner(before.pressure, np.zeros((1,) * punch.ndim))
-    displacement = sunk + np.stack([response.apply(-each[np.newaxis])[0] for each in pressure])
-    window = displacement[_corner(punch.shape[1:])]
-    window[:] = np.where(before.touching, punch, window)
-    return replace(Start.at_rest(displacement), displacement=displacement)
+    corner, along = _corner(window.displacement.shape[1:]), before.tangential
+    tractions = -before.pressure[:, np.newaxis]
+    if along is not None:
+        tractions = np.concatenate((along.traction, tractions), axis=1)
+    loaded = np.zeros((*tractions.shape[:2], *free_half_space.padded_shape(tractions.shape[2:])))
+    loaded[corner] = tractions
+    moved = np.stack([response.apply(each) for each in loaded])
+    displacement = np.asarray(sunk + moved[:, -1])
+    open_nodes = displacement[corner]
+    displacement[corner] = np.where(before.touching, window.displacement, open_nodes)
+    at_rest = Start.at_rest(displacement)
+    if along is None:
+        return replace(at_rest, displacement=displacement)
+    anchor = at_rest.anchor.copy()
+    anchor[corner] = window.anchor
+    return Start(displacement, moved[:, :-1], anchor, window.dragged)
 
 
 def sunk_in(found: Equilibrium, response: SpectralResponse) -> Reals:

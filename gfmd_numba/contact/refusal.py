@@ -5,7 +5,7 @@ from itertools import chain
 from math import isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import REFUSALS, Refusal
+from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
@@ -211,6 +211,13 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         yield "rough bodies", ("scene", "body", "roughness")
     if scene.boundary is not None:
         yield "boundary", ("scene", "boundary")
+    if scene.interface.couples and scene.body.layers is None:
+        for i, nu in enumerate(grid.get("poissons_ratio", ())):
+            if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
+                yield "stiff sideways", ("grid", "poissons_ratio", i)
+        nu = scene.body.surface_poissons_ratio
+        if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
+            yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
         if isinstance(surface, Measured):
             asked = {"cutoff": surface.cutoff, "points": surface.points}

@@ -50,14 +50,14 @@ def solve(problem: Problem, state: State | range) -> Contact:
     drag = np.reshape(step.sliding, (-1, *(1 for _ in heights.shape[1:])))
     is_cohesive = problem.interface.cohesive is not None  # slip then counts from where the punch came
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
+    start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if problem.periodic:
-        start = _start(state, None if is_cohesive else change.carried, punch, drag)
         response = _response(problem, change)
         equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
     else:
-        equilibrium, sunk = _without_period(problem, state, change, punch, load)
+        equilibrium, sunk = _without_period(problem, state, change, punch, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
@@ -68,17 +68,17 @@ def solve(problem: Problem, state: State | range) -> Contact:
 
 
 def _without_period(
-    problem: Problem, state: State, change: Change, punch: Reals, load: float | None
+    problem: Problem, state: State, change: Change, punch: Reals, start: Start | None, slid: Reals
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, laws = punch.shape[1:], problem.interface
-    response = free_window.response(shape, change.factor)
-    wide, start = free_window.padded(punch, load, laws), None
-    if state.last is not None and state.last.approach is not None:
+    shape, laws, load = punch.shape[1:], problem.interface, problem.mean_pressure
+    response = free_window.response(shape, laws, problem.body, change.factor)
+    wide = free_window.padded(punch, load, laws)
+    if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
-        start = free_window.following(state.last.equilibrium, punch, sunk, response)
+        start = free_window.start(start, state.last.equilibrium, sunk, response)
     shared = None if load is None else free_window.share(len(shape)) * load
-    found = equilibrate(wide, response, shared, problem.numerics, laws, start)
+    found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
     sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
     return free_window.in_window(found, shape, sunk), sunk
 

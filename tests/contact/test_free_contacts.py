@@ -249,7 +249,7 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it():
     ("change", "named"),
     [
         ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}, "aspect_ratio"),
-        ({"interface": WALL | {"friction": {"coefficient": 0.3}}}, "friction"),
+        ({"interface": WALL | {"friction": {"coefficient": 0.3}}, "body": {"poissons_ratio": 0.0}}, "poissons_ratio"),
         ({"boundary": {"normal_traction": 0.0}}, "boundary"),
         ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
         ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "points": 8}}, "points"),
@@ -261,3 +261,86 @@ def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
     scene |= {"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0]}, "periodic": False}
     with pytest.raises(gfmd_numba.InputError, match=named):
         gfmd_numba.solve({"scene": scene | change})
+
+
+def influence_of_all(shape, nu):
+    """Displacement `[component, node, component, node]` by unit tractions, from the compliance of each wave."""
+    wide, n = tuple(2 * m for m in shape), int(np.prod(shape))
+    response = free_half_space.response(shape, nu)
+    found = []
+    for component in range(len(shape) + 1):
+        for place in np.ndindex(shape):
+            traction = np.zeros((len(shape) + 1, *wide))
+            traction[(component, *place)] = 1.0
+            found.append(response.apply(traction)[(..., *(slice(m) for m in shape))].ravel())
+    return np.array(found).T.reshape(len(shape) + 1, n, len(shape) + 1, n)
+
+
+@pytest.mark.parametrize(("shape", "nu"), [((48,), 0.3), ((48,), 0.5), ((10, 10), 0.3)])
+def test_friction_holds_what_coulomb_lets_it_hold_and_the_body_is_displaced_by_that(shape, nu):
+    """Pressed, then dragged along x: displacements by linear algebra, and the conditions at each node."""
+    friction = 0.3
+    heights = rough(shape[0], len(shape))
+    surface, _ = given_surface(heights, periodic=False)
+    laws = Interactions(True, friction=friction)
+    drag = (0.02, *(0.0,) * (len(shape) - 1))
+    numerics = Options("frictional_newton", residual=1e-9)
+    problem = Problem(surface, ElasticBody(nu, None), laws, 0.1, None, numerics, periodic=False)
+    first = solve(problem, range(1))
+    contact = solve(problem.under(problem.step._replace(sliding=drag)), first.after)
+    found = contact.equilibrium
+    assert found.status[0] == 0
+    tangential, pressure = found.tangential, found.pressure[0].ravel()
+    tractions = np.concatenate((tangential.traction[0], -found.pressure), axis=0).reshape(len(shape) + 1, -1)
+    u = np.einsum("inkm,km->in", influence_of_all(shape, nu), tractions)
+    np.testing.assert_allclose(u[-1], found.displacement[0].ravel(), atol=1e-8 * abs(u).max())
+    moved = tangential.displacement[0].reshape(len(shape), -1)
+    np.testing.assert_allclose(u[:-1], moved, atol=1e-8 * abs(u).max())
+    gap = contact.punch[0].ravel() - u[-1]
+    touching = pressure > 0.0
+    assert abs(gap[touching]).max() < 1e-8
+    assert gap.min() > -1e-8
+    rubs = np.linalg.norm(tractions[:-1], axis=0)
+    assert (rubs <= friction * pressure + 1e-7 * pressure.max()).all()
+    slip = tangential.slip[0].reshape(len(shape), -1)
+    slid = np.linalg.norm(slip, axis=0) > 1e-9
+    assert (slid & touching).any()
+    against = -friction * pressure * slip / np.where(slid, np.linalg.norm(slip, axis=0), 1.0)
+    np.testing.assert_allclose(tractions[:-1, slid & touching], against[:, slid & touching], atol=1e-6 * pressure.max())
+
+
+def test_a_sphere_slips_partly_as_cattaneo_and_mindlin_have_it():
+    """Of an incompressible body; that slip is not quite along x (Johnson, Contact Mechanics, 7.2) changes 2 %."""
+    a, friction, nu = 0.25, 0.5, 0.5
+    force = 4.0 * a**3 / (3.0 * RADIUS)
+    modulus = 0.5 * (1.0 - nu)  # G over E*
+    largest = 3.0 * friction * force * (2.0 - nu) / (16.0 * modulus * a)
+    held = 0.6
+    way = largest * (1.0 - (1.0 - held) ** (2.0 / 3.0))
+    scene = {
+        "interface": WALL | {"friction": {"coefficient": friction}},
+        "length": None,
+        "body": {"poissons_ratio": nu},
+    }
+    file = scene_of(parabola(48, 2), {"reduced_pressure": 1.0}, scene=scene, path=[{"sliding": way}])
+    file["scene"]["roughness"].pop("units")
+    gradient = given_surface(parabola(48, 2), periodic=False)[1]
+    file["scene"]["loading"] = {"reduced_pressure": force / gradient}
+    found = gfmd_numba.solve(file).isel(step=1)
+    assert found["status"] == 0
+    assert float(found["mean_tangential_traction"]) == pytest.approx(held * friction * force, rel=0.02)
+    touching = float(found["contact_area_fraction_counted"])
+    stick = (1.0 - held) ** (2.0 / 3.0)  # the square of the radius that sticks over that of contact
+    assert float(found["stick_fraction"]) == pytest.approx(stick, abs=0.05)
+    assert touching == pytest.approx(np.pi * a**2, rel=0.05)
+
+
+@pytest.mark.filterwarnings("ignore")  # the contact reaches the edge of the window
+def test_a_cohesive_law_holds_sideways():
+    law = {"cohesive": {"work_of_adhesion": 1e-4, "normal_length": 0.02, "tangential_length": 0.02}}
+    surface = {"method": "measured", "heights": rough(64, 1) * 0.05}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": surface, "interface": WALL | law, "periodic": False}
+    file = {"scene": scene | {"loading": {"reduced_pressure": 0.05}}, "path": [{"sliding": 1e-3}]}
+    found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["mean_tangential_traction"].isel(step=1)) > 0.0

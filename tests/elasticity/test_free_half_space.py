@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 
 
 def influence(n, dimension):
@@ -86,3 +88,45 @@ def test_smooth_pressures_displace_the_surface_as_their_convolution_does():
         known = a * (np.log(2.0 / a) + 0.5 - (x / a) ** 2)  # beyond depth L_x nothing moves
         assert abs(line - known)[close].max() < 3.0 / n**1.5
     assert errors[-1] < 2e-3
+
+
+@pytest.mark.parametrize("nu", [0.05, 0.3, 0.5])
+@pytest.mark.parametrize("shape", [(16,), (33,), (16, 16), (33, 33)])
+def test_a_wave_of_tractions_does_positive_work_on_all_displacements(shape, nu):
+    softest, stiffest = free_half_space.response(shape, nu).extremes()
+    assert softest > 0.2
+    assert stiffest < 2.0 * np.pi * shape[0] * 20.0
+    condensed = free_half_space.normal_response(shape).normal
+    np.testing.assert_allclose(
+        1.0 / free_half_space.response(shape, nu).inverse()[-1], condensed, rtol=1e-12
+    )  # no pressure is borne by tangential tractions
+
+
+def test_tangential_forces_displace_the_surface_as_cerruti_has_it():
+    """A smooth traction along x, far away: Johnson, Contact Mechanics, (3.91), E* = 1."""
+    n, nu = 64, 0.3
+    traction = np.zeros((3, 2 * n, 2 * n))
+    i = np.arange(9)
+    bump = np.sin(np.pi * (i + 0.5) / 9) ** 2
+    traction[0, 20:29, 10:19] = bump[:, np.newaxis] * bump
+    force = traction[0].sum() / n**2
+    u = free_half_space.response((n, n), nu).apply(traction)[:, :n, :n]
+    modulus = 0.5 * (1.0 - nu)  # G
+    for y, x in ((24, 50), (60, 50), (50, 14), (60, 60)):
+        dx, dy = (x - 14) / n, (y - 24) / n
+        r = np.hypot(dx, dy)
+        scale = force / (2.0 * np.pi * modulus * r)
+        expected = ((1.0 - nu) + nu * dx**2 / r**2, nu * dx * dy / r**2, (0.5 - nu) * dx / r)
+        np.testing.assert_allclose(u[:2, y, x] / scale, expected[:2], atol=0.01)
+        # into the body ahead of the force in Johnson's axes, out of it in ours: z points out
+        assert abs(u[2, y, x] / scale) == pytest.approx(abs(expected[2]), abs=0.01)
+
+
+@pytest.mark.parametrize("shape", [(64,), (64, 64)])
+def test_short_waves_meet_the_stiffness_of_a_periodic_half_space(shape):
+    wide = free_half_space.padded_shape(shape)
+    found = free_half_space.response(shape, 0.3).inverse()
+    periodic = SpectralResponse(ElasticBody(0.3, None).response(wide).elements / 2.0)  # in L_x, half the period
+    elsewhere = tuple(slice(8, 20) for _ in shape)
+    for one, other in zip(found, periodic.inverse(), strict=True):
+        assert (one[elsewhere] / other[elsewhere]).mean() == pytest.approx(1.0, abs=0.02)

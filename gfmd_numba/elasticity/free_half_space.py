@@ -111,9 +111,13 @@ def kernel_of_maps(n: int, kind: str) -> Reals:
     k = np.arange(_SAMPLED * n // 2 + 1) * (2.0 * np.pi / _SAMPLED)
     kernel = np.empty((k.size, k.size))
     for row in range(k.size):  # row by row, so that nothing larger than the padded map is needed
+        q = np.hypot(k[row], k[: row + 1])
+        q[0] = q[0] or 1.0
+        kernel[row, : row + 1] = kernel[: row + 1, row] = _cut(q * _CUT, m) / q
+    for row in range(k.size if m > 0 else 0):
         q = np.hypot(k[row], k)
         q[0] = q[0] or 1.0
-        kernel[row] = _cut(q * _CUT, m) / q * direction(k[row] / q, k / q)
+        kernel[row] *= direction(k[row] / q, k / q)
     kernel[0, 0] = 0.5 * _CUT if m == 0 else 0.0
     for axis in range(2):
         kernel = _transform(kernel, axis, odd[axis]).take(np.arange(n + 1), axis=axis) / (_SAMPLED * n)

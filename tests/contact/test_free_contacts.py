@@ -22,7 +22,7 @@ RADIUS = 4.0  # over L_x
 
 def parabola(n, dimension):
     """Heights `[(y,) x]` in L_x of a cylinder or a sphere in the middle of a window."""
-    x = (np.arange(n) + 0.5) / n - 0.5
+    x = np.arange(n) / n - 0.5  # a node at the apex
     return -(x**2 if dimension == 1 else x**2 + x[:, np.newaxis] ** 2) / (2.0 * RADIUS)
 
 
@@ -79,7 +79,7 @@ def dense(punch, pressure):
 
 @pytest.mark.filterwarnings("ignore")  # a parabola is no measurement
 @pytest.mark.parametrize(
-    ("dimension", "n", "error"), [(1, 256, 5e-5), (1, 1024, 4e-6), (2, 64, 2e-3), (2, 128, 5e-4), (2, 256, 1.3e-4)]
+    ("dimension", "n", "error"), [(1, 256, 2e-5), (1, 1024, 3e-6), (2, 64, 6e-4), (2, 128, 8e-5), (2, 256, 1e-5)]
 )
 def test_a_cylinder_and_a_sphere_sink_in_and_press_as_hertz_has_it(dimension, n, error):
     """Of second order in the spacing: approach and peak pressure (Johnson, Contact Mechanics, 4.2 and 4.45)."""

@@ -4,7 +4,6 @@
 """
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
@@ -77,6 +76,8 @@ def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> lis
 
     They are those of a cubic spline through the heights.
     """
+    from scipy.interpolate import CubicSpline  # takes long to load, and periodic surfaces do without
+
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
         n = heights.shape[axis]

@@ -31,7 +31,9 @@ class Observable:
     undefined_at_times: bool = False
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
-    needs: Literal["", "hardness", "form", "drag", "drag of maps", "friction", "loss", "tension"] = ""
+    needs: Literal[
+        "", "hardness", "form", "period", "window", "drag", "drag of maps", "friction", "loss", "tension"
+    ] = ""
 
     @property
     def without_limit(self) -> str:
@@ -137,13 +139,22 @@ OBSERVABLES = {
         no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
     ),
     "mean_gap": Observable("contact", "height", "mean gap between the surfaces", held="height"),
+    "approach": Observable(
+        "contact",
+        "height",
+        "displacement of the punch into the body beyond first touch",
+        needs="window",
+        no_limit="it is that of a window, which has no thermodynamic limit",
+    ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
         "contact", "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
-    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch"),
+    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs="period"),
     "full_contact_pressure": Observable(
-        "surface", "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)"
+        "surface",
+        "pressure",
+        "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)",
     ),
     "status": Observable("run", "1", "how the run ended"),
     "residual": Observable(
@@ -187,9 +198,9 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool, form: bool = False) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness, and a form of its punch."""
-    has = {"": True, "hardness": hardness, "form": form}
+def recorded(hardness: bool, periodic: bool = True, form: bool = False) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness, a period, and a form of its punch."""
+    has = {"": True, "hardness": hardness, "period": periodic, "window": not periodic, "form": form}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 

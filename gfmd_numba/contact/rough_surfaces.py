@@ -99,7 +99,7 @@ def _of_the_punch(
     scene = file.scene
     if isinstance(scene.roughness, Measured):
         try:
-            return problem.given_surface(measured["roughness",].in_periods)
+            return problem.given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
         except ValueError as error:
             raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     try:
@@ -239,10 +239,10 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 def _measured(
     field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
-    record = field.record
+    record, repeats = field.record, isinstance(scene, LoadedBody) or scene.periodic
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by)
+        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, repeats)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)

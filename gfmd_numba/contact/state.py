@@ -164,7 +164,9 @@ class Contact:
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero, moved by what processes do to this step (`change`). `before` is the state in which
     the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
-    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). `found` is what observables have found.
+    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
+    `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
+    displacements then count from the body at rest, as the punch does. `found` is what observables have found.
     """
 
     heights: Reals
@@ -175,6 +177,7 @@ class Contact:
     change: Change = NO_CHANGE
     followed: Followed | None = None
     stiffness: Callable[[Reals], Reals] = stiffness.half_space
+    approach: Reals | None = None
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property

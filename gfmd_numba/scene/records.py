@@ -116,6 +116,9 @@ class Scene(BaseModel):
         description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
     )
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
+    periodic: bool = Field(
+        True, description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free"
+    )
 
     @property
     def deformable(self) -> tuple[Body, ...]:

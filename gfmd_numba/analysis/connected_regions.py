@@ -36,8 +36,8 @@ def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
     return np.bincount(labels.ravel())[1:].astype(np.int64)
 
 
-def connects(flags: Flags, axis: int) -> bool:
-    """Whether a region touches both ends of `axis`; it may go around the other axis, whose ends are one."""
-    labels = np.moveaxis(regions(flags, around_y=axis != 0, around_x=axis != 1), axis, 0)
+def connects(flags: Flags, axis: int, around: bool = True) -> bool:
+    """Whether a region touches both ends of `axis`; it may go `around` the other axis, whose ends are one."""
+    labels = np.moveaxis(regions(flags, around and axis != 0, around and axis != 1), axis, 0)
     shared = np.intersect1d(labels[0], labels[-1])
     return bool((shared > 0).any())

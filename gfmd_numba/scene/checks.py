@@ -39,7 +39,8 @@ def check_discretisation(
 
 def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -> None:
     """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
-    for place, surface in scene.surfaces.items():
+    form = scene.form if isinstance(scene, Scene) else None
+    for place, surface in (scene.surfaces | ({} if form is None else {("form",): form})).items():
         if surface.points is not None:
             check_points(document, ("scene", *place, "points"), surface.points, scene.dimension, arrays)
 

@@ -20,9 +20,13 @@ _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
 
 
-def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
-    """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes."""
-    return max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+def arrays_per_realisation(dimension: int, laws: Iterable[str], periodic: bool = True) -> int:
+    """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes.
+
+    Without a period it is solved on a grid of twice as many nodes along each direction.
+    """
+    arrays = max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+    return arrays if periodic else arrays * 2**dimension
 
 
 def arrays_of_topography(dimension: int, order: int) -> int:

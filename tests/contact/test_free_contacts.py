@@ -344,3 +344,38 @@ def test_a_cohesive_law_holds_sideways():
     found = gfmd_numba.solve(file)
     assert (found["status"] == 0).all()
     assert float(found["mean_tangential_traction"].isel(step=1)) > 0.0
+
+
+CAMPAIGN = {
+    "name": "patches",
+    "seed": 1,
+    "realisations": 2,
+    "scene": {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1},
+        "interface": WALL,
+        "loading": {"reduced_pressure": 0.05},
+        "periodic": False,
+    },
+    "reference": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2},
+    "grid": {"reduced_pressure": [0.02, 0.05]},
+}
+
+
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge")
+def test_a_campaign_takes_the_means_of_patches(tmp_path):
+    found = gfmd_numba.run(CAMPAIGN, tmp_path / "patches")
+    assert (found["status"] == 0).all()
+    file = {"scene": CAMPAIGN["scene"], "discretisation": CAMPAIGN["reference"], "seed": 1, "realisation": 1}
+    alone = gfmd_numba.solve(file)
+    last = found.isel(case=1, realisation=1)
+    for name in ("approach", "kappa", "rms_gradient", "mean_gap"):
+        assert float(last[name]) == pytest.approx(float(alone[name]), rel=1e-9)
+    assert (found["approach"].diff("case") > 0.0).all()
+
+
+@pytest.mark.parametrize("key", [{"limits": {"eps_c": [1 / 8]}}, {"target": {"kappa": 0.05}}])
+def test_a_campaign_of_patches_has_no_limit(key):
+    without = {name: value for name, value in CAMPAIGN.items() if "target" not in key or name != "realisations"}
+    with pytest.raises(gfmd_numba.InputError, match="limits"):
+        gfmd_numba.run(without | key, "nowhere")

@@ -21,9 +21,7 @@ from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
 from gfmd_numba.solvers.iteration import Start
 
 _ABOVE = 1.0  # times the mean pressure over E*, in L_x: a flat punch, the stiffest of all, sinks in by 0.88 of that
-_PULLED = (
-    3.0  # times the traction of a law over E*, in L_x: more than it pulls the surface up, even all over the window
-)
+_PULLED = 3.0  # times the traction of a law over E*, in L_x: more than that pulls up even the whole window
 _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
 _RANGES = 45.0  # of a law of gap and slip, at which it has as little
 _SHORTEST = 1e-9  # range of a law, in L_x
@@ -39,27 +37,27 @@ def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, fact
     return found if factor == 1.0 else SpectralResponse(factor * found.elements)
 
 
-def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
+def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0) -> Reals:
     """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
-    sinks in by less than one that is flat at its own highest point.
+    sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
     """
     along = tuple(range(1, punch.ndim))
     highest = punch.max(axis=along, keepdims=True)
     if load is None:
         far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
     else:
-        far = highest + _ABOVE * load
+        far = highest + _ABOVE * load / factor
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
-            far = far + _PULLED * abs(law.strength) + reach(law)
+            far = far + _PULLED * abs(law.strength) / factor + reach(law)
     return in_corner(punch, far)
 
 
 def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     """Gap beyond which a law acts no more, or up to twice that."""
-    none, gap = np.zeros(1), _SHORTEST * abs(law.strength)
+    none, gap = np.zeros(1), _SHORTEST
     if isinstance(law, XuNeedlemanLaw):
         return _RANGES * law.normal
     while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):

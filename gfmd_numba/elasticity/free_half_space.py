@@ -40,6 +40,13 @@ def padded_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(WIDER * n for n in shape)
 
 
+def _side(shape: tuple[int, ...]) -> int:
+    """Nodes along each side of a window; raises ValueError for a map that is not square."""
+    if len(set(shape)) > 1:
+        raise ValueError(f"a window of {' x '.join(map(str, shape))} nodes, not as many along y as along x")
+    return shape[-1]
+
+
 def normal_response(shape: tuple[int, ...]) -> SpectralResponse:
     """Response of the normal displacement alone on the padded grid of a window, in E*/L_x."""
     return SpectralResponse.of_normal(1.0 / compliance(shape))
@@ -54,22 +61,23 @@ def response(shape: tuple[int, ...], poissons_ratio: float) -> SpectralResponse:
     determinant = k11 * k33 - k13**2
     along, both, out = k33 / determinant, -k13 / determinant, k11 / determinant
     if len(shape) == 1:
-        isotropic, odd = _of_profiles(shape[0])
+        isotropic, odd = _of_profiles(_side(shape))
         return SpectralResponse.of_compliance(np.array([along * isotropic, both * odd, out * isotropic]))
     across = 1.0 / float(moduli.c44(poissons_ratio))
     mean, half = 0.5 * (along + across), 0.5 * (along - across)
-    isotropic, twice, mixed = (_of_maps(shape[0], kind) for kind in ("1", "cos 2f", "sin 2f"))
+    n = _side(shape)
+    isotropic, twice, mixed = (_of_maps(n, kind) for kind in ("1", "cos 2f", "sin 2f"))
     elements = (mean * isotropic + half * twice, half * mixed, mean * isotropic - half * twice)
-    ends = (both * _of_maps(shape[0], kind) for kind in ("cos f", "sin f"))
-    return SpectralResponse.of_compliance(np.array([*elements, *ends, out * isotropic]))
+    coupled = (both * _of_maps(n, kind) for kind in ("cos f", "sin f"))
+    return SpectralResponse.of_compliance(np.array([*elements, *coupled, out * isotropic]))
 
 
 def compliance(shape: tuple[int, ...]) -> Reals:
     """Compliance `[(2 ny,) nx + 1]` of the normal displacement on the padded grid of a window, in L_x/E*.
 
-    It is positive. A map has as many nodes along y as along x.
+    It is positive. A map has as many nodes along y as along x; raises ValueError for another.
     """
-    n = shape[-1]
+    n = _side(shape)
     return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_maps(n, "1")))
 
 

@@ -41,6 +41,11 @@ def test_compliances_are_positive_and_those_of_short_waves_nearly_a_periodic_hal
     np.testing.assert_allclose(surface[0, 1:] * q / 2.0, 1.0, atol=0.2)
 
 
+def test_a_window_is_square():
+    with pytest.raises(ValueError, match="not as many along y as along x"):
+        free_half_space.compliance((8, 16))
+
+
 def test_a_map_s_kernel_is_that_of_waves_up_to_nyquist_all_over_the_plane():
     """(1 / (2 pi)^2) int 2 / q exp(i q r) over the square |q_x|, |q_y| < pi n, at the distances of the nodes."""
     n = 16

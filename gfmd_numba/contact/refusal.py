@@ -219,11 +219,8 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
             yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured):
-            asked = {"cutoff": surface.cutoff, "points": surface.points}
-            yield from ((key, ("scene", *place, key)) for key, value in asked.items() if value is not None)
-            if surface.periodic != "none":
-                yield "treated ends", ("scene", *place, "periodic")
+        if isinstance(surface, Measured) and surface.periodic != "none":
+            yield "treated ends", ("scene", *place, "periodic")
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:

@@ -28,6 +28,7 @@ class Refusal:
 
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
+TALLEST = 1.0  # slab without a period, over the length of the window
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
@@ -51,8 +52,10 @@ def _laws_with_each_other() -> Iterator[Refusal]:
 def _without_a_period() -> Iterator[Refusal]:
     """What a contact without a period cannot be yet, and what it does not need."""
     not_yet = {
-        "slab": "no aspect_ratio",
-        "layers": "a body of one material",
+        "layers on a half-space": "a rigid base, or a body of one material",
+        "coupled slab": "a half-space with friction or a cohesive law",
+        "incompressible slab": "a number below 0.5, or a half-space",
+        "tall slab": f"a height of at most {TALLEST:g} times the length, or a half-space",
         "rough bodies": "a rough rigid punch on one smooth body",
         "boundary": "no boundary",
         "limits": "no limits",
@@ -200,7 +203,6 @@ PHRASES = {
     "force": "a load `force`",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
-    "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "line_load": "a load `line_load`",
@@ -216,7 +218,6 @@ PHRASES = {
     "rough bodies": "a rough deformable body, or two of them",
     "rigid mean": "a prescribed displacement of incompressible bodies",
     "single": "single precision",
-    "slab": "a slab (a finite `aspect_ratio`)",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
@@ -228,6 +229,9 @@ PHRASES = {
     "hard wall": "a hard wall",
     "hardness": "a hard wall of finite `hardness`",
     "normal law": "a law of the gap alone",
+    "coupled slab": "a slab under friction or a cohesive law",
+    "incompressible slab": "an incompressible slab",
+    "tall slab": "a slab, or layers, higher than the window is wide",
     "cohesive law": "a law of gap and slip",
     **{name: law.title for name, law in LAWS.items()},
 }

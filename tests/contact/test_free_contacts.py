@@ -10,8 +10,9 @@ from scipy.special import ellipe, ellipk
 import gfmd_numba
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.elasticity import free_half_space, stiffness
+from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -62,7 +63,7 @@ def pressed(heights, pressure, solver="active_set_newton", **more):
 def dense(punch, pressure):
     """Pressures `[node]` of the equilibrium of a punch by linear algebra alone: contact is guessed and revised."""
     shape, n = punch.shape, punch.size
-    kernel = np.fft.irfftn(free_half_space.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
+    kernel = np.fft.irfftn(free_body.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
     places = np.stack(np.unravel_index(np.arange(n), shape))
     influence = kernel[tuple(abs(places[:, :, np.newaxis] - places[:, np.newaxis]))]
     contact = np.ones(n, dtype=bool)
@@ -289,7 +290,15 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}, "aspect_ratio"),
+        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 2.0}}, "aspect_ratio"),
+        ({"body": {"poissons_ratio": 0.5, "aspect_ratio": 0.5}}, "poissons_ratio"),
+        (
+            {
+                "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
+                "interface": WALL | {"friction": {"coefficient": 0.3}},
+            },
+            "aspect_ratio",
+        ),
         ({"interface": WALL | {"friction": {"coefficient": 0.3}}, "body": {"poissons_ratio": 0.0}}, "poissons_ratio"),
         ({"boundary": {"normal_traction": 0.0}}, "boundary"),
         ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
@@ -306,7 +315,7 @@ def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
 def influence_of_all(shape, nu):
     """Displacement `[component, node, component, node]` by unit tractions, from the compliance of each wave."""
     wide, n = tuple(2 * m for m in shape), int(np.prod(shape))
-    response = free_half_space.response(shape, nu)
+    response = free_body.response(shape, nu)
     found = []
     for component in range(len(shape) + 1):
         for place in np.ndindex(shape):
@@ -419,3 +428,35 @@ def test_a_campaign_of_patches_has_no_limit(key):
     without = {name: value for name, value in CAMPAIGN.items() if "target" not in key or name != "realisations"}
     with pytest.raises(gfmd_numba.InputError, match="limits"):
         gfmd_numba.run(without | key, "nowhere")
+
+
+LAYERS = ElasticBody.layered((0.02, 0.08), (Material(1.0, 0.3), Material(0.3, 0.4)), None)
+
+
+@pytest.mark.parametrize("body", [ElasticBody(0.3, 0.1), ElasticBody(0.45, 0.25), ElasticBody(0.2, 1.0), LAYERS])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_slab_is_pressed_as_in_a_period_that_is_long_beside_its_height(body, dimension):
+    n, pressure = (64 if dimension == 1 else 16), 0.05
+    periods = 4 if body.aspect_ratio < 0.2 else 16 if dimension == 1 else 12
+    heights = rough(n, dimension)
+    surface, _ = given_surface(heights, periodic=False)
+    numerics = Options("active_set_newton", residual=1e-10)
+    contact = solve(Problem(surface, body, Interactions(True), pressure, None, numerics, periodic=False), range(1))
+    punch, found = contact.heights.max() - contact.heights[0], contact.equilibrium.pressure[0]
+    wide = np.full((1, *(periods * n,) * dimension), punch.max() + 1.0)
+    corner = (0, *(slice(n),) * dimension)
+    wide[corner] = punch
+    symbol = body.condensed_stiffness(grid.magnitudes(wide.shape[1:], (float(periods),) * dimension))
+    pressures = equilibrate(wide, SpectralResponse.of_normal(symbol), pressure / periods**dimension, numerics).pressure
+    np.testing.assert_allclose(found, pressures[corner], atol=1e-4 * found.max())
+    assert contact.approach.item() > 0.0
+
+
+def test_a_slab_is_no_half_space_where_only_its_mean_tells():
+    """A slab as high as the window is wide holds what a half-space lets go."""
+    heights = parabola(64, 1)
+    approaches = []
+    for body in ({"poissons_ratio": 0.3}, {"poissons_ratio": 0.3, "aspect_ratio": 1.0}):
+        scene = {"body": body | {"youngs_modulus": 1.0}}
+        approaches.append(float(gfmd_numba.solve(scene_of(heights, {"line_load": 1e-3}, scene=scene))["approach"]))
+    assert approaches[1] < 0.9 * approaches[0]

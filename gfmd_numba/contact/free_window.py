@@ -22,6 +22,7 @@ from gfmd_numba.solvers.iteration import Start
 
 # times the mean pressure over E*, in L_x: a flat punch sinks in by at most 0.88 of that, and slabs bulge around it
 _ABOVE = 2.0
+FARTHER = (1.0, 10.0, 100.0, 1000.0)  # of which the first that nothing touches is enough
 _PULLED = 3.0  # times the traction of a law over E*, in L_x: more than that pulls up even the whole window
 _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
 _RANGES = 45.0  # of a law of gap and slip, at which it has as little
@@ -38,18 +39,19 @@ def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, fact
     return found if factor == 1.0 else SpectralResponse(factor * found.elements)
 
 
-def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0) -> Reals:
+def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
     """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
     sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
+    Slabs that keep their volume may bulge so far that they need a punch that is `farther` by a factor.
     """
     along = tuple(range(1, punch.ndim))
     highest = punch.max(axis=along, keepdims=True)
     if load is None:
-        far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
+        far = np.maximum(highest, 0.0) + farther * _APART * np.abs(punch).max(axis=along, keepdims=True)
     else:
-        far = highest + _ABOVE * load / factor
+        far = highest + farther * _ABOVE * load / factor
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
             far = far + _PULLED * abs(law.strength) / factor + reach(law)
@@ -64,6 +66,11 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):
         gap *= 2.0
     return gap
+
+
+def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> bool:
+    """Whether the body touches a punch around the window."""
+    return bool(np.count_nonzero(found.touching) > np.count_nonzero(found.touching[_corner(shape)]))
 
 
 def share(dimension: int) -> float:

@@ -73,12 +73,15 @@ def _without_period(
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, factor = punch.shape[1:], problem.interface, state.change(problem.step).factor
     response = free_window.response(shape, laws, problem.body, factor)
-    wide = free_window.padded(punch, load, laws, factor)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response)
     shared = None if load is None else free_window.share(len(shape)) * load
-    found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
+    for farther in free_window.FARTHER:
+        wide = free_window.padded(punch, load, laws, factor, farther)
+        found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
+        if not free_window.touches_around(found, shape):
+            break
     sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
     return free_window.in_window(found, shape, sunk), sunk
 

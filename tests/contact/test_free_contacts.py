@@ -460,3 +460,18 @@ def test_a_slab_is_no_half_space_where_only_its_mean_tells():
         scene = {"body": body | {"youngs_modulus": 1.0}}
         approaches.append(float(gfmd_numba.solve(scene_of(heights, {"line_load": 1e-3}, scene=scene))["approach"]))
     assert approaches[1] < 0.9 * approaches[0]
+
+
+@pytest.mark.parametrize("height", [0.03, 0.1, 0.5])
+@pytest.mark.parametrize("depth", [0.3, 3.0])
+def test_a_slab_that_keeps_its_volume_bulges_around_the_window_and_touches_nothing_there(height, depth):
+    """Pressed all over the window: what it is displaced by is that of the pressure in the window alone."""
+    n, body = 40, ElasticBody(0.499, height)
+    surface, _ = given_surface(parabola(n, 1), periodic=False)
+    numerics = Options("active_set_newton", residual=1e-9)
+    contact = solve(Problem(surface, body, Interactions(True), None, depth, numerics, periodic=False), range(1))
+    assert contact.equilibrium.status[0] == 0
+    wide = np.zeros((1, 2 * n))
+    wide[0, :n] = -contact.equilibrium.pressure[0]
+    expected = free_body.normal_response((n,), body).apply(wide)[0, :n]
+    np.testing.assert_allclose(contact.equilibrium.displacement[0], expected, atol=1e-9 * depth)

@@ -13,7 +13,7 @@ from gfmd_numba.contact.evaluation import contact_area_fraction
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact
-from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -59,7 +59,7 @@ def punch() -> None:
     """How many nodes a flat square punch is wider than its own, as its displacement under a force says."""
     print("| nodes a side | wider by (nodes) |\n|---|---|")
     for n in (32, 64, 128, 256):
-        compliance = free_half_space.compliance((n, n))
+        compliance = free_body.compliance((n, n))
 
         def displaced(pressure: Reals, n: int = n, compliance: Reals = compliance) -> Reals:
             wide = np.fft.rfft2(np.pad(pressure, (0, n))) * compliance

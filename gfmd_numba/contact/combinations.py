@@ -28,6 +28,7 @@ class Refusal:
 
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
+TALLEST = 1.0  # slab without a period, over the length of the window
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
@@ -51,12 +52,12 @@ def _laws_with_each_other() -> Iterator[Refusal]:
 def _without_a_period() -> Iterator[Refusal]:
     """What a contact without a period cannot be yet, and what it does not need."""
     not_yet = {
-        "slab": "no aspect_ratio",
-        "layers": "a body of one material",
+        "layers on a half-space": "a rigid base, or a body of one material",
+        "coupled slab": "a half-space with friction or a cohesive law",
+        "incompressible slab": "a number below 0.5, or a half-space",
+        "tall slab": f"a height of at most {TALLEST:g} times the length, or a half-space",
         "rough bodies": "a rough rigid punch on one smooth body",
         "boundary": "no boundary",
-        "cutoff": "no cutoff, as a Fourier series repeats the surface (filter it before)",
-        "points": "no points, as a Fourier series repeats the surface (resample it before)",
         "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
@@ -211,7 +212,6 @@ PHRASES = {
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "contact without drag": "no friction and no cohesive law",
     "contact without reach": "no exponential and no cohesive law",
-    "cutoff": "a `cutoff` of a measured surface",
     "dimension 1": "a profile (`dimension: 1`)",
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",
@@ -220,7 +220,6 @@ PHRASES = {
     "form between elastic bodies": "a `form` between two elastic bodies",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
-    "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "line_load": "a load `line_load`",
@@ -230,7 +229,6 @@ PHRASES = {
     "negative displacement": "a negative displacement of the punch",
     "no period": "a scene without a period (`periodic: false`)",
     "plane stress": "plane stress",
-    "points": "`points` of a measured surface",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",
@@ -239,7 +237,6 @@ PHRASES = {
     "rough bodies": "a rough deformable body, or two of them",
     "rigid mean": "a prescribed displacement of incompressible bodies",
     "single": "single precision",
-    "slab": "a slab (a finite `aspect_ratio`)",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
@@ -251,6 +248,9 @@ PHRASES = {
     "hard wall": "a hard wall",
     "hardness": "a hard wall of finite `hardness`",
     "normal law": "a law of the gap alone",
+    "coupled slab": "a slab under friction or a cohesive law",
+    "incompressible slab": "an incompressible slab",
+    "tall slab": "a slab, or layers, higher than the window is wide",
     "cohesive law": "a law of gap and slip",
     **{name: law.title for name, law in LAWS.items()},
 }

@@ -1,6 +1,6 @@
 """A contact without a period, as the solvers see it: the window of the punch in a padded grid that nothing touches.
 
-The elastic body is free around the window (`elasticity/free_half_space.py`). The padding is part of the solver's grid,
+The elastic body is free around the window (`elasticity/free_body.py`). The padding is part of the solver's grid,
 so that every solver and its certificate runs as it is. The punch is far away there, and nobody else knows of it: what
 is found is cut back to the window.
 """
@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
@@ -20,46 +20,47 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
 from gfmd_numba.solvers.iteration import Start
 
-_ABOVE = 1.0  # times the mean pressure over E*, in L_x: a flat punch, the stiffest of all, sinks in by 0.88 of that
-_PULLED = (
-    3.0  # times the traction of a law over E*, in L_x: more than it pulls the surface up, even all over the window
-)
+# times the mean pressure over E*, in L_x: a flat punch sinks in by at most 0.88 of that, and slabs bulge around it
+_ABOVE = 2.0
+FARTHER = (1.0, 10.0, 100.0, 1000.0)  # of which the first that nothing touches is enough
+_PULLED = 3.0  # times the traction of a law over E*, in L_x: more than that pulls up even the whole window
 _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
 _RANGES = 45.0  # of a law of gap and slip, at which it has as little
 _SHORTEST = 1e-9  # range of a law, in L_x
-_APART = 0.1  # of the size of the punch, at which it is where its displacement is prescribed
+_APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
 
 
 def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, factor: float = 1.0) -> SpectralResponse:
-    """Response of a half-space around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
+    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
 
     It is stiffer by a factor than the body.
     """
-    found = free_half_space.response(shape, body.nu) if laws.couples else free_half_space.normal_response(shape)
+    found = free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
     return found if factor == 1.0 else SpectralResponse(factor * found.elements)
 
 
-def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
+def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
     """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
-    sinks in by less than one that is flat at its own highest point.
+    sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
+    Slabs that keep their volume may bulge so far that they need a punch that is `farther` by a factor.
     """
     along = tuple(range(1, punch.ndim))
     highest = punch.max(axis=along, keepdims=True)
     if load is None:
-        far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
+        far = np.maximum(highest, 0.0) + farther * _APART * np.abs(punch).max(axis=along, keepdims=True)
     else:
-        far = highest + _ABOVE * load
+        far = highest + farther * _ABOVE * load / factor
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
-            far = far + _PULLED * abs(law.strength) + reach(law)
+            far = far + _PULLED * abs(law.strength) / factor + reach(law)
     return in_corner(punch, far)
 
 
 def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     """Gap beyond which a law acts no more, or up to twice that."""
-    none, gap = np.zeros(1), _SHORTEST * abs(law.strength)
+    none, gap = np.zeros(1), _SHORTEST
     if isinstance(law, XuNeedlemanLaw):
         return _RANGES * law.normal
     while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):
@@ -67,9 +68,14 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     return gap
 
 
+def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> bool:
+    """Whether the body touches a punch around the window."""
+    return bool(np.count_nonzero(found.touching) > np.count_nonzero(found.touching[_corner(shape)]))
+
+
 def share(dimension: int) -> float:
     """Share of the padded grid that the window is: of a mean pressure there."""
-    return float(free_half_space.WIDER**-dimension)
+    return float(free_body.WIDER**-dimension)
 
 
 def start(window: Start, before: Equilibrium, sunk: Reals | float, response: SpectralResponse) -> Start:
@@ -81,7 +87,7 @@ def start(window: Start, before: Equilibrium, sunk: Reals | float, response: Spe
     tractions = -before.pressure[:, np.newaxis]
     if along is not None:
         tractions = np.concatenate((along.traction, tractions), axis=1)
-    loaded = np.zeros((*tractions.shape[:2], *free_half_space.padded_shape(tractions.shape[2:])))
+    loaded = np.zeros((*tractions.shape[:2], *free_body.padded_shape(tractions.shape[2:])))
     loaded[corner] = tractions
     moved = np.stack([response.apply(each) for each in loaded])
     displacement = np.asarray(sunk + moved[:, -1])
@@ -126,7 +132,7 @@ def _corner(shape: tuple[int, ...]) -> Any:
 
 def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
-    whole = np.empty((len(values), *free_half_space.padded_shape(values.shape[1:])), dtype=values.dtype)
+    whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:])), dtype=values.dtype)
     whole[:] = around
     whole[_corner(values.shape[1:])] = values
     return whole

@@ -56,7 +56,8 @@ def reduce(
     interface, interactions = _interface(scene.interface, given, facing, may_slip, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
-    body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
+    mean_matters = displacement is not None or not scene.periodic
+    body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None
     if facing is not None:

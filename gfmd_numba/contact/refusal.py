@@ -5,7 +5,7 @@ from itertools import chain
 from math import isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, Refusal
+from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
@@ -212,13 +212,7 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
     yield "no period", ("scene", "periodic")
-    if not isinf(scene.body.aspect_ratio) and "aspect_ratio" not in grid:
-        yield "slab", ("scene", "body", "aspect_ratio")
-    yield from (
-        ("slab", ("grid", "aspect_ratio", i)) for i, a in enumerate(grid.get("aspect_ratio", ())) if not isinf(a)
-    )
-    if scene.body.layers is not None:
-        yield "layers", ("scene", "body", "layers")
+    yield from _slabs_without_a_period(scene, grid)
     if scene.counter_body is not None:
         yield "rough bodies", ("scene", "counter_body")
     elif scene.follows_topography:
@@ -233,11 +227,35 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
             yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured):
-            asked = {"cutoff": surface.cutoff, "points": surface.points}
-            yield from ((key, ("scene", *place, key)) for key, value in asked.items() if value is not None)
-            if surface.periodic != "none":
-                yield "treated ends", ("scene", *place, "periodic")
+        if isinstance(surface, Measured) and surface.periodic != "none":
+            yield "treated ends", ("scene", *place, "periodic")
+
+
+def _slabs_without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """Slabs and layers that the table may refuse around a window."""
+    body = scene.body
+    if body.layers is not None and body.is_half_space:
+        yield "layers on a half-space", ("scene", "body", "base")
+        return
+    heights: dict[Location, float]
+    if body.layers is not None:
+        heights = {("scene", "body", "layers"): sum(layer.height for layer in body.layers) / (scene.length or 1.0)}
+    elif "aspect_ratio" in grid:
+        heights = {("grid", "aspect_ratio", i): height for i, height in enumerate(grid["aspect_ratio"])}
+    else:
+        heights = {("scene", "body", "aspect_ratio"): body.aspect_ratio}
+    slabs = [at for at, height in heights.items() if not isinf(height)]
+    yield from (("tall slab", at) for at in slabs if heights[at] > TALLEST)
+    if slabs and scene.interface.couples:
+        yield "coupled slab", slabs[0]
+    if slabs and body.is_incompressible and "poissons_ratio" not in grid:
+        yield (
+            "incompressible slab",
+            ("scene", "body", *(() if body.layers is None else ("layers", 0)), "poissons_ratio"),
+        )
+    ratios = grid.get("poissons_ratio", ()) if slabs and body.layers is None else ()
+    copies = [body.model_copy(update={"poissons_ratio": nu}).is_incompressible for nu in ratios]
+    yield from (("incompressible slab", ("grid", "poissons_ratio", i)) for i, each in enumerate(copies) if each)
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:

@@ -59,7 +59,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
         response = _response(problem, change)
         equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
     else:
-        equilibrium, sunk = _without_period(problem, state, change, punch, start, slid)
+        equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
@@ -70,17 +70,20 @@ def solve(problem: Problem, state: State | range) -> Contact:
 
 
 def _without_period(
-    problem: Problem, state: State, change: Change, punch: Reals, start: Start | None, slid: Reals
+    problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, laws, load = punch.shape[1:], problem.interface, problem.mean_pressure
-    response = free_window.response(shape, laws, problem.body, change.factor)
-    wide = free_window.padded(punch, load, laws)
+    shape, laws, factor = punch.shape[1:], problem.interface, state.change(problem.step).factor
+    response = free_window.response(shape, laws, problem.body, factor)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response)
     shared = None if load is None else free_window.share(len(shape)) * load
-    found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
+    for farther in free_window.FARTHER:
+        wide = free_window.padded(punch, load, laws, factor, farther)
+        found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
+        if not free_window.touches_around(found, shape):
+            break
     sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
     return free_window.in_window(found, shape, sunk), sunk
 

@@ -12,7 +12,7 @@ from typing import Literal
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
 from gfmd_numba.roughness.measurements import Measurement, measurement
-from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
+from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic, patch
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import Content, content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
@@ -102,7 +102,10 @@ def periodic_surface(
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
     signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
-    made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
+    if repeats:
+        made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
+    else:
+        made = patch(heights, sizes, record.cutoff, record.points)
     doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, repeats)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *replaced, *levelled, *made.done)

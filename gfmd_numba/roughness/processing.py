@@ -74,6 +74,19 @@ def made_periodic(
     return Processed(heights, lengths, tuple(done))
 
 
+def patch(heights: Reals, lengths: tuple[float, ...], cutoff: float | None, points: int | None) -> Processed:
+    """Heights of a field of these sizes that does not repeat, filtered and resampled as `made_periodic` does.
+
+    Its Fourier series is that of the field and its mirror images, so that no wave knows of a jump between its ends.
+    """
+    if cutoff is None and points is None:
+        return Processed(heights, lengths, ())
+    whole = made_periodic(heights, lengths, "mirror", cutoff, None if points is None else 2 * points)
+    corner = tuple(slice(n // 2) for n in whole.heights.shape)
+    done = tuple(f"{each}, together with its mirror images" for each in whole.done[1:])
+    return Processed(whole.heights[corner], lengths, done)
+
+
 def filtered(heights: Reals, lengths: tuple[float, ...], cutoff: float) -> Reals:
     """Periodic heights without the waves that are shorter than a cutoff; ValueError if that is none of them or all."""
     shape = heights.shape

@@ -80,10 +80,8 @@ def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> lis
 
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
-        n = heights.shape[axis]
-        found.append(
-            np.asarray(CubicSpline(np.arange(n) * (length / n), heights, axis=axis)(np.arange(n) * (length / n), 1))
-        )
+        nodes = np.arange(heights.shape[axis]) * (length / heights.shape[axis])
+        found.append(np.asarray(CubicSpline(nodes, heights, axis=axis)(nodes, 1)))
     return found
 
 

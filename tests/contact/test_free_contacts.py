@@ -1,14 +1,18 @@
 """Contacts without a period: Hertz's, those of a dense solution, and what periodic ones tend to."""
 
+from warnings import catch_warnings
+
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.special import ellipe, ellipk
 
 import gfmd_numba
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.elasticity import free_half_space, stiffness
+from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -59,7 +63,7 @@ def pressed(heights, pressure, solver="active_set_newton", **more):
 def dense(punch, pressure):
     """Pressures `[node]` of the equilibrium of a punch by linear algebra alone: contact is guessed and revised."""
     shape, n = punch.shape, punch.size
-    kernel = np.fft.irfftn(free_half_space.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
+    kernel = np.fft.irfftn(free_body.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
     places = np.stack(np.unravel_index(np.arange(n), shape))
     influence = kernel[tuple(abs(places[:, :, np.newaxis] - places[:, np.newaxis]))]
     contact = np.ones(n, dtype=bool)
@@ -179,6 +183,44 @@ def test_a_flat_part_at_the_edge_of_the_window_does_not_touch_what_is_across():
     assert int(of_map["n_segments"]) == 2
 
 
+def test_an_ellipse_sinks_in_and_presses_as_hertz_has_it():
+    """Of half-axes a and b (Johnson, Contact Mechanics, 4.26 to 4.32, with E* = 1)."""
+    a, peak, n = 0.3, 0.02, 128
+    for ratio, error in ((2.0, 3e-5), (5.0, 6e-4)):
+        b, m = a / ratio, 1.0 - ratio**-2
+        along, across = ellipk(m) - ellipe(m), ratio**2 * ellipe(m) - ellipk(m)
+        x = np.arange(n) / n - 0.5
+        heights = -peak * b / (m * a**2) * (along * x**2 + across * x[:, np.newaxis] ** 2)
+        _, gradient = given_surface(heights, periodic=False)
+        contact = pressed(heights, 2.0 * np.pi * a * b * peak / 3.0 / gradient)
+        assert contact.approach.item() * gradient == pytest.approx(peak * b * ellipk(m), rel=error)
+        assert contact.equilibrium.pressure.max() * gradient == pytest.approx(peak, rel=error)
+        wide, high = (contact.equilibrium.touching[0].any(axis).mean() for axis in (0, 1))
+        assert wide == pytest.approx(2.0 * a, abs=1.0 / n)
+        assert high == pytest.approx(2.0 * b, abs=1.0 / n)
+
+
+def test_a_measured_patch_is_filtered_and_resampled_without_a_seam():
+    """A tilted wave: as many nodes, twice as many, and half its waves; where a period would close it jumps."""
+    x = np.arange(64) / 64
+    heights = 0.01 * np.cos(6.0 * np.pi * (x + 1.0 / 128)) + 0.05 * x  # even about both ends but for the tilt
+    whole = {"method": "measured", "heights": heights}
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": WALL, "periodic": False}
+    scene |= {"loading": {"reduced_pressure": 1e-3}}
+
+    def resampled(**how):
+        with catch_warnings(action="ignore"):
+            return gfmd_numba.solve({"scene": scene | {"roughness": whole | how}})["height"].values
+
+    finer = resampled(points=128)
+    assert finer.shape == (128,)
+    np.testing.assert_allclose(finer[::2], heights, atol=1e-12)
+    assert abs(np.diff(finer)).max() < 0.002
+    smooth = resampled(cutoff=0.5)
+    assert abs(np.polynomial.Polynomial.fit(x, smooth, 1).convert().coef[1] - 0.05) < 0.01
+    assert smooth.std() < heights.std()
+
+
 def test_a_path_of_loads_comes_back_to_where_it_was():
     file = scene_of(parabola(64, 2), {"force": 1e-3}, path=[{"force": 2e-3}, {"force": 1e-3}])
     for solver in ("auto", "truncated_newton"):
@@ -248,11 +290,18 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it():
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}, "aspect_ratio"),
+        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 2.0}}, "aspect_ratio"),
+        ({"body": {"poissons_ratio": 0.5, "aspect_ratio": 0.5}}, "poissons_ratio"),
+        (
+            {
+                "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
+                "interface": WALL | {"friction": {"coefficient": 0.3}},
+            },
+            "aspect_ratio",
+        ),
         ({"interface": WALL | {"friction": {"coefficient": 0.3}}, "body": {"poissons_ratio": 0.0}}, "poissons_ratio"),
         ({"boundary": {"normal_traction": 0.0}}, "boundary"),
         ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
-        ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "points": 8}}, "points"),
         ({"periodic": "perhaps"}, "periodic"),
     ],
 )
@@ -266,7 +315,7 @@ def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
 def influence_of_all(shape, nu):
     """Displacement `[component, node, component, node]` by unit tractions, from the compliance of each wave."""
     wide, n = tuple(2 * m for m in shape), int(np.prod(shape))
-    response = free_half_space.response(shape, nu)
+    response = free_body.response(shape, nu)
     found = []
     for component in range(len(shape) + 1):
         for place in np.ndindex(shape):
@@ -344,3 +393,85 @@ def test_a_cohesive_law_holds_sideways():
     found = gfmd_numba.solve(file)
     assert (found["status"] == 0).all()
     assert float(found["mean_tangential_traction"].isel(step=1)) > 0.0
+
+
+CAMPAIGN = {
+    "name": "patches",
+    "seed": 1,
+    "realisations": 2,
+    "scene": {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1},
+        "interface": WALL,
+        "loading": {"reduced_pressure": 0.05},
+        "periodic": False,
+    },
+    "reference": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2},
+    "grid": {"reduced_pressure": [0.02, 0.05]},
+}
+
+
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge")
+def test_a_campaign_takes_the_means_of_patches(tmp_path):
+    found = gfmd_numba.run(CAMPAIGN, tmp_path / "patches")
+    assert (found["status"] == 0).all()
+    file = {"scene": CAMPAIGN["scene"], "discretisation": CAMPAIGN["reference"], "seed": 1, "realisation": 1}
+    alone = gfmd_numba.solve(file)
+    last = found.isel(case=1, realisation=1)
+    for name in ("approach", "kappa", "rms_gradient", "mean_gap"):
+        assert float(last[name]) == pytest.approx(float(alone[name]), rel=1e-9)
+    assert (found["approach"].diff("case") > 0.0).all()
+
+
+@pytest.mark.parametrize("key", [{"limits": {"eps_c": [1 / 8]}}, {"target": {"kappa": 0.05}}])
+def test_a_campaign_of_patches_has_no_limit(key):
+    without = {name: value for name, value in CAMPAIGN.items() if "target" not in key or name != "realisations"}
+    with pytest.raises(gfmd_numba.InputError, match="limits"):
+        gfmd_numba.run(without | key, "nowhere")
+
+
+LAYERS = ElasticBody.layered((0.02, 0.08), (Material(1.0, 0.3), Material(0.3, 0.4)), None)
+
+
+@pytest.mark.parametrize("body", [ElasticBody(0.3, 0.1), ElasticBody(0.45, 0.25), ElasticBody(0.2, 1.0), LAYERS])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_slab_is_pressed_as_in_a_period_that_is_long_beside_its_height(body, dimension):
+    n, pressure = (64 if dimension == 1 else 16), 0.05
+    periods = 4 if body.aspect_ratio < 0.2 else 16 if dimension == 1 else 12
+    heights = rough(n, dimension)
+    surface, _ = given_surface(heights, periodic=False)
+    numerics = Options("active_set_newton", residual=1e-10)
+    contact = solve(Problem(surface, body, Interactions(True), pressure, None, numerics, periodic=False), range(1))
+    punch, found = contact.heights.max() - contact.heights[0], contact.equilibrium.pressure[0]
+    wide = np.full((1, *(periods * n,) * dimension), punch.max() + 1.0)
+    corner = (0, *(slice(n),) * dimension)
+    wide[corner] = punch
+    symbol = body.condensed_stiffness(grid.magnitudes(wide.shape[1:], (float(periods),) * dimension))
+    pressures = equilibrate(wide, SpectralResponse.of_normal(symbol), pressure / periods**dimension, numerics).pressure
+    np.testing.assert_allclose(found, pressures[corner], atol=1e-4 * found.max())
+    assert contact.approach.item() > 0.0
+
+
+def test_a_slab_is_no_half_space_where_only_its_mean_tells():
+    """A slab as high as the window is wide holds what a half-space lets go."""
+    heights = parabola(64, 1)
+    approaches = []
+    for body in ({"poissons_ratio": 0.3}, {"poissons_ratio": 0.3, "aspect_ratio": 1.0}):
+        scene = {"body": body | {"youngs_modulus": 1.0}}
+        approaches.append(float(gfmd_numba.solve(scene_of(heights, {"line_load": 1e-3}, scene=scene))["approach"]))
+    assert approaches[1] < 0.9 * approaches[0]
+
+
+@pytest.mark.parametrize("height", [0.03, 0.1, 0.5])
+@pytest.mark.parametrize("depth", [0.3, 3.0])
+def test_a_slab_that_keeps_its_volume_bulges_around_the_window_and_touches_nothing_there(height, depth):
+    """Pressed all over the window: what it is displaced by is that of the pressure in the window alone."""
+    n, body = 40, ElasticBody(0.499, height)
+    surface, _ = given_surface(parabola(n, 1), periodic=False)
+    numerics = Options("active_set_newton", residual=1e-9)
+    contact = solve(Problem(surface, body, Interactions(True), None, depth, numerics, periodic=False), range(1))
+    assert contact.equilibrium.status[0] == 0
+    wide = np.zeros((1, 2 * n))
+    wide[0, :n] = -contact.equilibrium.pressure[0]
+    expected = free_body.normal_response((n,), body).apply(wide)[0, :n]
+    np.testing.assert_allclose(contact.equilibrium.displacement[0], expected, atol=1e-9 * depth)

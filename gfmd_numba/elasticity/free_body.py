@@ -1,4 +1,4 @@
-"""A half-space without a period: what its surface does under tractions on a window of nodes.
+"""A body without a period: what its surface does under tractions on a window of nodes.
 
 The displacement at a distance r of a line load on a profile is (2/pi E*) ln(R/r) into the body, of a force on a map
 1/(pi E* r). Cut off at r = R, these kernels have Fourier transforms in closed form,
@@ -7,7 +7,7 @@ The displacement at a distance r of a line load on a profile is (2/pi E*) ln(R/r
 
 On a grid that is twice as wide as the window, no image of a node is nearer to another node of the window than half its
 period. A kernel that is right up to there, on a pressure that is zero beyond the window, gives the displacements in the
-window: those of a free half-space, with nothing periodic left. The waves of the kernel end at Nyquist as on a periodic
+window: those of a free body, with nothing periodic left. The waves of the kernel end at Nyquist as on a periodic
 grid, so that nodes mean the same.
 
 Profiles are cut at the length of the window: R = L_x, where the displacement is zero. Maps have to be cut beyond the
@@ -18,10 +18,14 @@ Tangential tractions displace the surface in the same way. The compliance of a w
 1 / q times a constant, cos f, cos 2f or sin 2f (Boussinesq, Cerruti: Johnson, Contact Mechanics, 3.2 and 3.6), and its
 kernel 1 / (2 pi r) times the same of the direction in the plane. The kernel of m f, less (r/R)^m / R, is cut at R: its
 transform is int_0^(q R) J_m(t) dt - J_(m+1)(q R) over q.
+
+On a rigid base the kernel of a slab decays within some of its heights. It is sampled on so many windows that its images
+are farther away than that, and kept up to the width of one.
 """
 
 from collections.abc import Callable
 from functools import lru_cache
+from math import ceil
 
 import numpy as np
 from scipy.fft import dct, dst
@@ -29,9 +33,11 @@ from scipy.special import itj0y0, j0, j1, jn, sici
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 
 WIDER = 2  # the padded grid over the window, along each direction
+_HEIGHTS = 12.0  # of a slab, beyond which its kernel is 0
 _SAMPLED, _CUT = 4, 2.0  # windows over which the kernel of maps is sampled, and at which it is cut
 
 
@@ -40,36 +46,62 @@ def padded_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(WIDER * n for n in shape)
 
 
-def normal_response(shape: tuple[int, ...]) -> SpectralResponse:
+def _side(shape: tuple[int, ...]) -> int:
+    """Nodes along each side of a window; raises ValueError for a map that is not square."""
+    if len(set(shape)) > 1:
+        raise ValueError(f"a window of {' x '.join(map(str, shape))} nodes, not as many along y as along x")
+    return shape[-1]
+
+
+def normal_response(shape: tuple[int, ...], body: ElasticBody) -> SpectralResponse:
     """Response of the normal displacement alone on the padded grid of a window, in E*/L_x."""
-    return SpectralResponse.of_normal(1.0 / compliance(shape))
+    return SpectralResponse.of_normal(1.0 / (compliance(shape) if body.aspect_ratio is None else _of_slab(shape, body)))
+
+
+@lru_cache(maxsize=2)
+def _of_slab(shape: tuple[int, ...], slab: ElasticBody) -> Reals:
+    """Compliance `[(2 ny,) nx + 1]` of the normal displacement of a slab, or layers, on a rigid base, in L_x/E*."""
+    n, height = _side(shape), slab.aspect_ratio
+    assert height is not None
+    half = ceil(0.5 + 0.5 * _HEIGHTS * height) + 1  # of the windows that are sampled
+    k = np.arange(half * n + 1) * (np.pi / half)
+    across = k if len(shape) > 1 else k[:1]
+    kernel = np.empty((across.size, n + 1))
+    for row, q in zip(kernel, across, strict=True):
+        row[:] = dct(1.0 / slab.condensed_stiffness(np.hypot(q, k)), type=1)[: n + 1] / (2 * half * n)
+    if len(shape) == 1:
+        return np.asarray(dct(kernel[0], type=1))
+    kernel = dct(kernel, type=1, axis=0)[: n + 1] / (2 * half * n)
+    quarter = dct(dct(kernel, type=1, axis=0), type=1, axis=1)
+    return np.concatenate((quarter, quarter[-2:0:-1]))
 
 
 def response(shape: tuple[int, ...], poissons_ratio: float) -> SpectralResponse:
-    """Response of all displacements on the padded grid of a window, in E*/L_x; Poisson's ratio is above 0.
+    """Response of all displacements of a half-space on the padded grid of a window, in E*/L_x.
 
-    Below that, waves along an axis would give way by themselves where the kernel ends.
+    Poisson's ratio is above 0: below that, waves along an axis would give way by themselves where the kernel ends.
     """
     k11, k13, k33 = (float(each) for each in stiffness.half_space_elements(poissons_ratio))
     determinant = k11 * k33 - k13**2
     along, both, out = k33 / determinant, -k13 / determinant, k11 / determinant
     if len(shape) == 1:
-        isotropic, odd = _of_profiles(shape[0])
+        isotropic, odd = _of_profiles(_side(shape))
         return SpectralResponse.of_compliance(np.array([along * isotropic, both * odd, out * isotropic]))
     across = 1.0 / float(moduli.c44(poissons_ratio))
     mean, half = 0.5 * (along + across), 0.5 * (along - across)
-    isotropic, twice, mixed = (_of_maps(shape[0], kind) for kind in ("1", "cos 2f", "sin 2f"))
+    n = _side(shape)
+    isotropic, twice, mixed = (_of_maps(n, kind) for kind in ("1", "cos 2f", "sin 2f"))
     elements = (mean * isotropic + half * twice, half * mixed, mean * isotropic - half * twice)
-    ends = (both * _of_maps(shape[0], kind) for kind in ("cos f", "sin f"))
-    return SpectralResponse.of_compliance(np.array([*elements, *ends, out * isotropic]))
+    coupled = (both * _of_maps(n, kind) for kind in ("cos f", "sin f"))
+    return SpectralResponse.of_compliance(np.array([*elements, *coupled, out * isotropic]))
 
 
 def compliance(shape: tuple[int, ...]) -> Reals:
-    """Compliance `[(2 ny,) nx + 1]` of the normal displacement on the padded grid of a window, in L_x/E*.
+    """Compliance `[(2 ny,) nx + 1]` of the normal displacement of a half-space on the padded grid, in L_x/E*.
 
-    It is positive. A map has as many nodes along y as along x.
+    It is positive. A map has as many nodes along y as along x; raises ValueError for another.
     """
-    n = shape[-1]
+    n = _side(shape)
     return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_maps(n, "1")))
 
 

@@ -21,7 +21,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.amplitudes import complex_gaussian
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 HURST, PRESSURE, SHORTEST, RESOLUTION, SEED = 0.8, 0.007, 256, 4, 2018
 PERIODS = (1, 2, 4, 8, 16)  # L_x/lambda_l

@@ -17,7 +17,7 @@ from gfmd_numba.roughness import self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SURFACES, BATCHES = 200, 8
 PERIOD, ROLL_OFF = 10.0, 5.0  # um

@@ -20,7 +20,7 @@ import psutil
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.block_work import watched
 from gfmd_numba.campaign.cases import block_bytes
-from gfmd_numba.contact.path_measures import measured
+from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.elasticity import stiffness

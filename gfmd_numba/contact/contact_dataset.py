@@ -24,6 +24,7 @@ from gfmd_numba.contact.dataset import (
 )
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OF_PUNCH,
     OF_SUM,
@@ -31,7 +32,6 @@ from gfmd_numba.contact.observables import (
     recorded,
     recorded_along,
 )
-from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Effect, Problem

@@ -33,9 +33,8 @@ from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.memory import arrays_of_a_loaded_body, beyond_memory
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.solvers.table import able
+from gfmd_numba.solvers.table import Options, able
 
 Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa and m, or E* and L_x
 

@@ -21,8 +21,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.units import in_reduced_units
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.table import SOLVERS, automatic
+from gfmd_numba.solvers.table import SOLVERS, Options, automatic
 
 _NU = "Poisson's ratio"
 _ROUNDING = float(np.finfo(float).eps) / 2

@@ -11,8 +11,8 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier.resampling import resample
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate, refine
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more

@@ -7,8 +7,7 @@ import gfmd_numba
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.energy_balance import Balance
-from gfmd_numba.contact.load_path import load_path, solve_path
-from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.load_path import PathRecord, load_path, solve_path
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
 from support.friction_losses import slipping_losses

@@ -11,8 +11,8 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.stability import smallest_curvature
+from gfmd_numba.solvers.table import Options
 from support import adhesive_sphere
 from support.maps import body, rough
 

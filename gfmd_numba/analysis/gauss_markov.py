@@ -7,10 +7,15 @@ shrunk towards "common offset plus independent residuals" with the weight of twi
 pseudo-realisations as there are cases.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.linear_fit import POWER_OF_WANING, Means, linear_influence
+from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import has_slope_law
 
 
 def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
@@ -157,3 +162,31 @@ def degrees_of_freedom(values: Reals, covariance: Reals, columns: Reals) -> floa
     variances = np.array([weights @ information @ weights for information in parts])
     freedom = np.maximum(2, sizes - patterns.sum(axis=1))
     return float(variances.sum() ** 2 / (variances**2 / freedom).sum())
+
+
+def means_of(group: Group, values: Reals) -> Means:
+    """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
+    covariance = covariance_of_one(values)
+    mean, of_means = best_means(values, covariance)
+    waning = (
+        POWER_OF_WANING[group.dimension]
+        if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
+        else 1.0
+    )
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, waning)
+    scatter = scatter_of(values)
+    if scatter is None:
+        return means
+    influence, contrasts = linear_influence(means)
+    fewest = int(np.isfinite(values).sum(axis=0).min())
+    factor = inflation(scatter, of_means, influence, contrasts, fewest)
+    return replace(means, whitener=means.whitener / np.sqrt(factor))
+
+
+def scatter_of(values: Reals) -> Reals | None:
+    """Return the scatter of the means of values (realisation, case); None if they have none."""
+    covariance = covariance_of_one(values)
+    mean, of_means = best_means(values, covariance)
+    if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
+        return None
+    return scatter_of_means(values, covariance, of_means)

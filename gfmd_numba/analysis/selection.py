@@ -14,8 +14,7 @@ from gfmd_numba.analysis.arguments import Limit, Variable, checked
 from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import brief
-from gfmd_numba.text.si_prefix import si_prefix
-from gfmd_numba.text.uncertain import with_error
+from gfmd_numba.text.numbers import si_prefix, with_error
 
 PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
 

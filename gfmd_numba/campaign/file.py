@@ -18,22 +18,21 @@ from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, Num
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.scene.checks import (
+    arrays_of_topography,
+    arrays_per_realisation,
     check_anisotropy_fits,
     check_discretisation,
     check_points,
     check_surfaces,
 )
-from gfmd_numba.scene.document import Document, Location, plain_scalar
+from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, plain_scalar, validate
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
 from gfmd_numba.scene.scene_file import located_boundary
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
-from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import ABSENT
 from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
 

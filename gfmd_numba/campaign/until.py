@@ -36,7 +36,7 @@ from gfmd_numba.campaign.run import (
 )
 from gfmd_numba.campaign.status import finished, seconds_per_price, unused
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.source import Source
+from gfmd_numba.scene.document import Source
 
 _PILOT_SECONDS = 2.0  # to predict what the pilot itself costs
 

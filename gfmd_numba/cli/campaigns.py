@@ -28,8 +28,7 @@ from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, show_fit, show_goal, show_means, show_paths
 from gfmd_numba.cli.terminal import progress_bar, say, show_queue, waiting, warn, warn_of_doubts
 from gfmd_numba.text.input_error import InputError
-from gfmd_numba.text.printable import printable
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     import xarray as xr

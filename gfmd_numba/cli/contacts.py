@@ -13,8 +13,7 @@ import click
 from gfmd_numba.cli.arguments import file_argument, output_option
 from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
-from gfmd_numba.cli.quantities import column, line, readable
-from gfmd_numba.cli.tables import endings
+from gfmd_numba.cli.tables import column, endings, line, readable
 from gfmd_numba.cli.terminal import print_table, say, waiting, warn, warn_of_doubts
 
 if TYPE_CHECKING:
@@ -25,7 +24,7 @@ from typing import TYPE_CHECKING
 
 from gfmd_numba.cli.group import INTERRUPTED
 from gfmd_numba.cli.outputs import companion, say_written
-from gfmd_numba.cli.quantities import unit
+from gfmd_numba.cli.tables import unit
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,11 +15,10 @@ import click
 
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.quantities import dimensions
+from gfmd_numba.cli.tables import dimensions
 from gfmd_numba.cli.terminal import say, waiting, warn
 from gfmd_numba.text.input_error import InputError
-from gfmd_numba.text.printable import printable
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.file import Campaign

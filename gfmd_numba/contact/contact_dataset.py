@@ -9,7 +9,6 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import branch, law_resolution
-from gfmd_numba.contact.bodies import contact_modulus, elastic_body
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
@@ -33,9 +32,9 @@ from gfmd_numba.contact.observables import (
     recorded_along,
 )
 from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
+from gfmd_numba.contact.scales import SLIDING, Sliding, contact_modulus, elastic_body, reduced_pressure, steps_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed

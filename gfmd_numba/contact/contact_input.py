@@ -8,10 +8,10 @@ import numpy as np
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.law_resolution import check_resolved
-from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.scales import reduced_pressure, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface

@@ -17,9 +17,9 @@ from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
-from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.scales import reduced_step, steps_of
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.surfaces import SummedSurface

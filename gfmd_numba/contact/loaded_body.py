@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus, elastic_body
 from gfmd_numba.contact.contact_dataset import forming_tractions
 from gfmd_numba.contact.contact_input import check_rules, with_measured
 from gfmd_numba.contact.dataset import (
@@ -24,14 +23,15 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.scales import contact_modulus, elastic_body
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
+from gfmd_numba.scene.checks import arrays_of_a_loaded_body, beyond_memory
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.memory import arrays_of_a_loaded_body, beyond_memory
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options, able

@@ -10,9 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.contact.bodies import compliance_share, contact_modulus, elastic_body, stiffness_scale
-from gfmd_numba.contact.prescribed_load import reduced_load
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.scales import compliance_share, contact_modulus, elastic_body, reduced_load, stiffness_scale
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness

@@ -17,7 +17,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.roughness import spectral
 from gfmd_numba.roughness.amplitudes import stream
 from gfmd_numba.roughness.generators import Shape, band

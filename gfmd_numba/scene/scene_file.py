@@ -6,14 +6,18 @@ from pathlib import Path
 from typing import Any
 
 from gfmd_numba.scene.body_record import Body
-from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_surfaces
-from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.checks import (
+    arrays_of_a_loaded_body,
+    arrays_of_path,
+    arrays_per_realisation,
+    check_anisotropy_fits,
+    check_discretisation,
+    check_surfaces,
+)
+from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_of_a_loaded_body, arrays_of_path, arrays_per_realisation
 from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
-from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import InputError
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")

@@ -4,15 +4,12 @@ from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.checks import check_points
-from gfmd_numba.scene.document import Document
+from gfmd_numba.scene.checks import ARRAYS_OF_A_SURFACE, check_points
+from gfmd_numba.scene.document import Document, Source, document_of, existing_file, validate
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import ARRAYS_OF_A_SURFACE
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import in_unit_of
-from gfmd_numba.scene.validation import validate
 
 
 class HurstRange(BaseModel):

@@ -16,7 +16,7 @@ from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, Units, cf_attrib
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.load_path import load_path, solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.contact.prescribed_load import steps_of
+from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import (

@@ -9,7 +9,7 @@ from click import unstyle
 
 from gfmd_numba.cli import main, terminal
 from gfmd_numba.cli.terminal import print_table, say, say_command
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import word
 from support.campaigns import campaign
 from support.command_line import gfmd
 from support.scenes import SCENE

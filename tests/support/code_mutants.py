@@ -217,7 +217,7 @@ MUTANTS = [
         "test_interactions.py::test_one_cross_level_leaves_the_other_pairs_open",
     ),
     (
-        "group_means.py",
+        "gauss_markov.py",
         "whitener=means.whitener / np.sqrt(factor)",
         "whitener=means.whitener / factor",
         "test_interactions.py::test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation",

@@ -29,7 +29,7 @@ from gfmd_numba.analysis.plots.style import (
 )
 from gfmd_numba.analysis.selection import axes, ensemble_mean, groups, key
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 _DASHES = ("-", "--", ":", "-.")
 

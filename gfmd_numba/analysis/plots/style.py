@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 # Okabe and Ito: told apart with any colour vision. In grey the first two are alike: lines of both need a dash or marker
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")

@@ -112,7 +112,7 @@ class Recursion:
         once the mean of its two neighbours, or of the four of a map, is known.
         """
         h = self.hurst
-        left = 1.0 - 2.0 ** (2.0 * h - 2.0) if self.dimension == 1 else 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)
+        left = {1: 1.0 - 2.0 ** (2.0 * h - 2.0), 2: 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)}[self.dimension]
         return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
 
 

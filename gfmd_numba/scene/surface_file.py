@@ -51,10 +51,10 @@ class SurfaceFile(BaseModel):
         check_scales(self, self.length, has_moduli=False)
         if surface.points is None:
             raise broken_rule(("surface", "points"), "a whole number at least 4, with cut_on and roll_off")
-        if self.dimension != 2 and surface.of_maps:
-            raise broken_rule(("dimension",), f"2, which {surface.named_by} {getattr(surface, surface.named_by)} needs")
-        if self.dimension != 2 and getattr(surface, "anisotropy", None) is not None:
-            raise broken_rule(("dimension",), "2, which an anisotropy needs")
+        of_maps = [f"{surface.named_by} {getattr(surface, surface.named_by)}"] if surface.of_maps else []
+        of_maps += ["an anisotropy"] if getattr(surface, "anisotropy", None) is not None else []
+        if self.dimension != 2 and of_maps:
+            raise broken_rule(("dimension",), f"2, which {of_maps[0]} needs")
         wrong = surface.misfit(self.length or 1.0)
         if wrong is not None:
             raise broken_rule(("surface", wrong[0]), wrong[1])

@@ -8,7 +8,7 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="a terminal of POSIX")
 
-BEGIN = "from gfmd_numba.cli import progress; terminal._PATIENCE = 0.0"
+BEGIN = "from gfmd_numba.cli import terminal; terminal._PATIENCE = 0.0"
 SPINNER = f"""{BEGIN}
 with terminal.waiting("fitting"):
     input()

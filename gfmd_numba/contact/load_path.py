@@ -1,11 +1,10 @@
-"""The problem that a scene with its loading path reduces to, its solution, and what is recorded of it.
+"""The solution of a problem along its loading path, and what is recorded of it.
 
 The solution is a fold over the steps of the path. The contact is recorded at every step, and the path as a whole.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
-from itertools import islice
+from dataclasses import dataclass, field
 from math import isinf, isnan, nan
 from typing import Any
 
@@ -13,26 +12,15 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.contact import branch, solution, two_step
-from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
-from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.scales import reduced_step, steps_of
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
-
-
-def load_path(given: ContactInput) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene with the steps of its path, and what became of each of its effects."""
-    file, surfaces, gradient = given.file, given.surfaces, given.surfaces.rms_gradient
-    problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, given.tractions, surfaces.rough)
-    steps = islice(steps_of(file.scene, file.path), 1, None)
-    return replace(problem, path=tuple(reduced_step(*step, gradient) for step in steps)), effects
 
 
 def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed]:

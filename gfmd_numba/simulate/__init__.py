@@ -7,7 +7,7 @@ import xarray as xr
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.contact_dataset import path_dataset
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.loaded_body import (
     loaded_body_dataset,
     read_loaded_body,
@@ -40,7 +40,7 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
     """
     given = read_contact(file, document)
-    problem, effects = load_path(given)
+    problem, effects = given.reduced
     return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
 
 
@@ -51,5 +51,5 @@ def doubt(file: SceneFile, document: Document) -> str:
     """
     if not file.scene.interface.reaches_across:
         return ""
-    problem, _ = load_path(read_contact(file, document))
+    problem, _ = read_contact(file, document).reduced
     return law_resolution.doubt(problem, file.discretisation)

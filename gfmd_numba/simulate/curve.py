@@ -14,7 +14,7 @@ from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, Units, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
@@ -182,7 +182,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     numbers = implausible(curve.given.file.scene)
     for i in range(curve.realisations):
         given = _given(curve, i)
-        whole, _ = load_path(given)
+        whole, _ = given.reduced
         steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
         for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
             short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)

@@ -22,7 +22,7 @@ from gfmd_numba.scene.checks import (
     arrays_per_realisation,
     check_anisotropy_fits,
     check_discretisation,
-    check_points,
+    check_nodes,
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, plain_scalar, validate
@@ -275,7 +275,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
-        check_points(document, ("grid", "points", i), value, campaign.scene.dimension, arrays)
+        check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
     for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:

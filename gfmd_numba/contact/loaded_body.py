@@ -29,8 +29,7 @@ from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
-from gfmd_numba.scene.checks import arrays_of_a_loaded_body, beyond_memory
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
@@ -78,15 +77,16 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     check_combination(document, file.scene, file.numerics)
     rough = _rough_body(file, measured, document)
     body, dimension = file.scene.body, file.scene.dimension
+    needed = arrays_of_a_loaded_body(dimension, file.slope_order)
     shape = None if file.points is None else (file.points,) * dimension
     if rough is not None:
         shape = rough.heights.shape
-        _check_memory(document, ("scene", "body", "roughness"), shape, file)
-    elif shape is not None:
-        _check_memory(document, ("points",), shape, file)
+        check_nodes(document, ("scene", "body", "roughness"), rough.heights.size, needed)
+    elif file.points is not None:
+        check_nodes(document, ("points",), float(file.points) ** dimension, needed)
     arrays = read_boundary(document, file.scene.boundary, dimension, shape)
     name, given = next(iter(arrays.items()))
-    _check_memory(document, ("scene", "boundary", name), given.shape, file)
+    check_nodes(document, ("scene", "boundary", name), given.size, needed)
     if body.is_half_space:
         for component in COMPONENTS[dimension][::-1]:
             held = component.key("displacement")
@@ -129,12 +129,6 @@ def _rough_body(file: BoundaryFile, measured: MeasuredSurfaces, document: Docume
     ensemble = ensemble_of_rough_bodies(scene, file.discretisation, file.seed, order, measured, document)
     (body,) = check_drawn(scene, *ensemble, file.realisation, document)
     return body
-
-
-def _check_memory(document: Document, place: Location, shape: tuple[int, ...], file: BoundaryFile) -> None:
-    arrays = arrays_of_a_loaded_body(len(shape), file.slope_order)
-    if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays):
-        raise document.error(place, document.value(place), allowed)
 
 
 @dataclass(frozen=True)

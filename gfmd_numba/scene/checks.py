@@ -95,13 +95,13 @@ def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -
     """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
     for place, surface in scene.surfaces.items():
         if surface.points is not None:
-            check_points(document, ("scene", *place, "points"), surface.points, scene.dimension, arrays)
+            check_nodes(document, ("scene", *place, "points"), float(surface.points) ** scene.dimension, arrays)
 
 
-def check_points(document: Document, location: Location, points: int, dimension: int, arrays: int) -> None:
-    """Raise InputError for a surface of so many points each way that arrays of its size do not fit in memory."""
-    if allowed := beyond_memory(float(points) ** dimension, arrays):
-        raise document.error(location, points, allowed)
+def check_nodes(document: Document, location: Location, nodes: float, arrays: int) -> None:
+    """Raise InputError for what stands there if so many arrays of so many nodes do not fit in memory."""
+    if allowed := beyond_memory(nodes, arrays):
+        raise document.error(location, document.value(location), allowed)
 
 
 def check_anisotropy_fits(

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import yaml
 from pydantic import BaseModel, Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
@@ -25,7 +24,16 @@ from gfmd_numba.scene.checks import (
     check_nodes,
     check_surfaces,
 )
-from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, plain_scalar, validate
+from gfmd_numba.scene.document import (
+    Document,
+    Location,
+    Source,
+    document_of,
+    existing_file,
+    located,
+    plain_scalar,
+    validate,
+)
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
@@ -262,9 +270,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if document.path is None:
         document = replace(document, text=written(asked))
     if campaign.n_cases > MOST_CASES:
-        raise document.error(
-            ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
-        )
+        raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
@@ -343,13 +349,10 @@ def _begun(campaign: Campaign) -> Campaign:
 
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
-    try:
+    with located(document):
         check_waves(scene.surfaces, scene.length)
         check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
         check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
-    except PydanticCustomError as error:
-        rule = error.context or {}
-        raise document.error(rule["location"], document.value(rule["location"]), rule["allowed"]) from None
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, scene, campaign.numerics, campaign.path, varied)
 

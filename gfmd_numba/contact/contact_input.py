@@ -1,12 +1,11 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem
@@ -20,7 +19,7 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
 
 Described = TypeVar("Described", Scene, LoadedBody)
@@ -74,7 +73,8 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
     """
     scene, measured = with_measured(file.scene, document)
     file = file.model_copy(update={"scene": scene})
-    check_rules(file.check_period, document, ())
+    with located(document):
+        file.check_period()
     return file, measured
 
 
@@ -87,18 +87,9 @@ def with_measured(
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
     scene = scene if length is None else scene.model_copy(update={"length": length})
-    check_rules(scene.check_period, document, ("scene",))
+    with located(document, ("scene",)):
+        scene.check_period()
     return scene, measured
-
-
-def check_rules(rules: Callable[[], None], document: Document, place: Location) -> None:
-    """Raise InputError where rules of a record at a place of the document are broken."""
-    try:
-        rules()
-    except PydanticCustomError as error:
-        context = error.context or {}
-        at = (*place, *context["location"])
-        raise document.error(at, document.value(at), context["allowed"]) from None
 
 
 def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
@@ -107,7 +98,7 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
         try:
             reduced_pressure(scene, surfaces.rms_gradient)
         except ValueError as error:
-            raise document.error(place, document.value(place), str(error)) from None
+            raise document.refused(place, str(error)) from None
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
@@ -143,4 +134,4 @@ def check_room(
                 in_unit_of(displacement, room),
                 "as an incompressible body has no room for more of this punch",
             )
-            raise document.error(place, document.value(place), f"at most {most}, {reason}")
+            raise document.refused(place, f"at most {most}, {reason}")

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import forming_tractions
-from gfmd_numba.contact.contact_input import check_rules, with_measured
+from gfmd_numba.contact.contact_input import with_measured
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
     Units,
@@ -30,6 +30,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
 from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
+from gfmd_numba.scene.document import located
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
@@ -73,7 +74,8 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
     scene, measured = with_measured(file.scene, document)
     file = file.model_copy(update={"scene": scene})
-    check_rules(file.check_period, document, ())
+    with located(document):
+        file.check_period()
     check_combination(document, file.scene, file.numerics)
     rough = _rough_body(file, measured, document)
     body, dimension = file.scene.body, file.scene.dimension
@@ -94,9 +96,8 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
                 remedy = f"or {body.holder} or a {held}, as nothing holds a half-space"
                 arrays = balanced(document, arrays, component.key("traction"), remedy)
     elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
-        raise document.error(
+        raise document.refused(
             ("scene", "boundary", "normal_displacement"),
-            document.value(("scene", "boundary", "normal_displacement")),
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
     return LoadedBodyInput(file, dict(arrays), rough, tuple(measured.values()))

@@ -246,7 +246,7 @@ def _measured(
 
 
 def _unusable(document: Document, place: Place, error: ValueError) -> InputError:
-    return document.error(place, document.value(place), f"a usable surface, not {error}")
+    return document.refused(place, f"a usable surface, not {error}")
 
 
 def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:

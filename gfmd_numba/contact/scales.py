@@ -168,7 +168,7 @@ def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid:
     for location, pressure in _prescribed("pressure", scene, path, grid):
         if pressure >= plastic:
             allowed = f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {at_most(scene.interface)}"
-            raise document.error(location, document.value(location), allowed)
+            raise document.refused(location, allowed)
     own = scene.roughness.rms_gradient if isinstance(scene.roughness, Random) else None
     gradients = grid.get("rms_gradient", () if own is None else (own,))
     if not gradients:

@@ -76,15 +76,14 @@ def check_discretisation(
     nodes = prod((nx,) * dimension)  # a power of floats raises where their product is infinite
     if allowed := beyond_memory(nodes, arrays, f"nx = {nx:.6g}"):
         axis = min(varied or eps, key=eps.__getitem__)
-        raise document.error(locations[axis], document.value(locations[axis]), allowed)
+        raise document.refused(locations[axis], allowed)
     misfit = discretisation.misfit
     if misfit is not None:
         axis = misfit if not varied or misfit in varied else next(iter(varied))
         others = " and ".join(f"{name} = {value:.6g}" for name, value in eps.items() if name != axis)
         fit = discretisation.nearest_fit(axis)
-        raise document.error(
+        raise document.refused(
             locations[axis],
-            document.value(locations[axis]),
             "a value that makes 1/eps_t, 1/(eps_t eps_f) and nx = 2/(eps_t eps_f eps_c) whole numbers, "
             f"nx at least 4, with {others}",
             "" if fit is None else f"did you mean {fit}?",
@@ -101,7 +100,7 @@ def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -
 def check_nodes(document: Document, location: Location, nodes: float, arrays: int) -> None:
     """Raise InputError for what stands there if so many arrays of so many nodes do not fit in memory."""
     if allowed := beyond_memory(nodes, arrays):
-        raise document.error(location, document.value(location), allowed)
+        raise document.refused(location, allowed)
 
 
 def check_anisotropy_fits(

@@ -3,6 +3,7 @@
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
@@ -12,7 +13,7 @@ from typing import Any, TypeVar
 
 import yaml
 from pydantic import BaseModel, ValidationError
-from pydantic_core import ErrorDetails
+from pydantic_core import ErrorDetails, PydanticCustomError
 
 from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
 from gfmd_numba.scene.units import has_unit, respelt
@@ -80,6 +81,10 @@ class Document:
     def error(self, location: Location, given: object, allowed: str, suggestion: str = "") -> InputError:
         """InputError that says where a value stands, what it is, and what is allowed."""
         return InputError(self.line(location, brief(given), allowed, suggestion))
+
+    def refused(self, location: Location, allowed: str, suggestion: str = "") -> InputError:
+        """InputError about the value that stands at a location."""
+        return self.error(location, self.value(location), allowed, suggestion)
 
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""
@@ -236,6 +241,16 @@ def validate(document: Document, model: type[Record]) -> Record:
         faults = error.errors(include_url=False)
         said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
         raise InputError(*said, more=len(faults[MOST_LINES:])) from None
+
+
+@contextmanager
+def located(document: Document, place: Location = ()) -> Iterator[None]:
+    """Raise InputError, as the document has it, for a broken rule of a record that stands at a place of it."""
+    try:
+        yield
+    except PydanticCustomError as error:
+        context = error.context or {}
+        raise document.refused((*place, *context["location"]), context["allowed"]) from None
 
 
 @cache

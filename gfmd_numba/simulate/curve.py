@@ -18,6 +18,7 @@ from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
+from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import (
     RECORD,
@@ -113,11 +114,8 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
     loaded = _loaded(file, prescribed, checked.loads[0])
-    try:
+    with located(asked):
         check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("loads",))
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise asked.error(context["location"], asked.value(context["location"]), context["allowed"]) from None
     _check_order(asked, checked.loads)
     if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
         allowed = "1, as no surface of this scene is random"

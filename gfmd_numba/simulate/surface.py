@@ -78,12 +78,12 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     if file.hurst_range is not None:
         if made.unit == "1" and any(given_with_units(file.hurst_range)):
             allowed = "wavelengths without a unit, as neither the file nor a length tells the period in m"
-            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed)
+            raise document.refused(("hurst_range",), allowed)
         try:
             _add_hurst_exponent(dataset, file.hurst_range, made)
         except ValueError as error:
             allowed = f"a range that holds waves, not {error}"
-            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed) from None
+            raise document.refused(("hurst_range",), allowed) from None
     sentences = [*implausible(file), *made.doubts]
     for sentence in sentences:
         warnings.warn(sentence, stacklevel=2)
@@ -101,7 +101,7 @@ def made_surface(file: SurfaceFile, document: Document) -> Made:
             given = f"{file.surface.shown} ({error})"
             allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
             raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
-        raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
+        raise document.refused(("surface",), f"a usable surface, not {error}") from None
 
 
 def _described(made: Made) -> xr.Dataset:

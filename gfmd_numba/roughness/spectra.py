@@ -168,12 +168,7 @@ class Mounded:
         The factor cos or J0 is the transform of two points or of a ring at q_m = 2 pi/lambda: the spectrum is that
         of the model averaged over them, a sum of positive terms where (3.18) is a difference of huge ones.
         """
-        mound = 2.0 * np.pi / self.separation
-        if self.dimension == 1:
-            return 0.5 * (self.model.psd(abs(q - mound)) + self.model.psd(q + mound))
-        if isinstance(self.model, KCorrelationSpectrum):
-            return _k_correlation_ring(self.model, q, mound)
-        return _ring_mean(self.model, q, mound)
+        return _AROUND[self.dimension](self.model, q, 2.0 * np.pi / self.separation)
 
 
 def matern(z: Reals, order: float) -> Reals:
@@ -281,7 +276,13 @@ def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> 
     return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
 
 
-def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+def _two_points(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    return 0.5 * (model.psd(abs(q - mound)) + model.psd(q + mound))
+
+
+def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    if isinstance(model, KCorrelationSpectrum):
+        return _k_correlation_ring(model, q, mound)
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
     t = np.arange(-60, 61) / 16.0
     part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
@@ -289,6 +290,9 @@ def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     q = np.asarray(q, dtype=np.float64)
     apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
     return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
+
+
+_AROUND = {1: _two_points, 2: _ring}  # mean of a model over all places so far from the origin, by the dimension
 
 
 def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ...]) -> None:
@@ -305,6 +309,10 @@ def _require(condition: bool, otherwise: str) -> None:
 
 # outgoing wave, by the dimension, of a phase
 _WAVE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: hankel1(0, phase)}
+_LOG_SIZE = {  # of the terms of the series, by the dimension, of alpha k and ln k!
+    1: lambda alpha_k, factorial: gammaln(alpha_k + 1.0) - factorial,
+    2: lambda alpha_k, factorial: 2.0 * gammaln(1.0 + alpha_k / 2.0) - factorial + alpha_k * np.log(2.0),
+}
 _FAR = 30.0
 _TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
 _STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
@@ -365,11 +373,7 @@ def _near(q: Reals, alpha: float, dimension: int) -> Reals:
 
 def _far(q: Reals, alpha: float, dimension: int) -> Reals:
     k = np.arange(1, _TERMS + 1)
-    if dimension == 1:
-        log_size = gammaln(alpha * k + 1.0) - gammaln(k + 1.0) - np.log(np.pi)
-    else:
-        log_size = 2.0 * gammaln(1.0 + alpha * k / 2.0) - gammaln(k + 1.0) + alpha * k * np.log(2.0)
-        log_size -= 2.0 * np.log(np.pi)
+    log_size = _LOG_SIZE[dimension](alpha * k, gammaln(k + 1.0)) - dimension * np.log(np.pi)
     sign = -((-1.0) ** k) * np.sin(np.pi * alpha * k / 2.0)
     terms = log_size - (alpha * k + dimension) * np.log(q)[:, np.newaxis]
     return np.asarray((sign * np.exp(terms)).sum(axis=1))

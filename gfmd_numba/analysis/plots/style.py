@@ -103,3 +103,9 @@ def named_last_step(dataset: xr.Dataset) -> str:
             factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
             said += f", {symbol} = {told(factor * float(dataset[name][-1]), unit)}"
     return said
+
+
+def edges(centres: Reals) -> Reals:
+    """Return the edges of bins of one width around their centres."""
+    half = 0.5 * (centres[1] - centres[0])
+    return np.append(centres - half, centres[-1] + half)

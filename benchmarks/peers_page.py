@@ -56,9 +56,9 @@ are in contact in one code and open in another. {agreement}
 [What can be combined](combinations.md) lists what gfmd-numba refuses. Some of it, and more, is in the other codes:
 
 - **Tamaas**: more laws of adhesion (squared exponential, Maugis); plastic flow inside the body with isotropic
-  hardening; viscoelastic bodies (generalised Maxwell); an operator for contacts that are not periodic; several threads
+  hardening; viscoelastic bodies (generalised Maxwell); several threads
   (OpenMP), and many machines (MPI) when built from source.
-- **ContactMechanics**: contacts that are not periodic along one or both axes; many machines (MPI). Its companions are
+- **ContactMechanics**: contacts that are periodic along one axis alone; many machines (MPI). Its companions are
   Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
 
 In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several

@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, check_fields
+from gfmd_numba.analysis.forms import CONTACT, check_fields, is_periodic
 from gfmd_numba.analysis.gap_percolation import regions, sizes
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.theory import persson
@@ -45,7 +45,8 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     counted, size, function = _CONTACTS[len(nodes)]
     total = np.prod([dataset.sizes[dim] for dim in nodes])
     octaves = 2.0 ** np.arange(np.log2(total) + 1)
-    result[counted] = _histogram(touching, nodes, size, octaves, function)
+    around = is_periodic(dataset)
+    result[counted] = _histogram(touching, nodes, size, octaves, function, around=around)
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
@@ -57,7 +58,9 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
     result["mean_gap"] = gap.mean(nodes)
     if len(nodes) == 2:
-        result["perimeter"] = xr.apply_ufunc(_perimeter, touching, input_core_dims=[nodes], vectorize=True)
+        result["perimeter"] = xr.apply_ufunc(
+            _perimeter, touching, kwargs={"around": around}, input_core_dims=[nodes], vectorize=True
+        )
     for name in map(str, result.variables):
         if name in _LONG_NAMES:
             result[name].attrs = {"long_name": _LONG_NAMES[name], "units": "1"}
@@ -86,10 +89,16 @@ def _histogram(
     nodes: list[str],
     dim: str,
     edges: Reals,
-    function: Callable[[npt.NDArray[np.generic], Reals], Reals],
+    function: Callable[..., Reals],
+    **options: bool,
 ) -> xr.DataArray:
     result: xr.DataArray = xr.apply_ufunc(
-        function, values, kwargs={"edges": edges}, input_core_dims=[nodes], output_core_dims=[[dim]], vectorize=True
+        function,
+        values,
+        kwargs={"edges": edges} | options,
+        input_core_dims=[nodes],
+        output_core_dims=[[dim]],
+        vectorize=True,
     )
     return result
 
@@ -98,26 +107,33 @@ def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
     return np.asarray(np.histogram(values, edges)[0] / (values.size * np.diff(edges)))
 
 
-def _segments(row: npt.NDArray[np.generic], edges: Reals) -> Reals:
-    """Number of stretches by their number of nodes; full contact is one of them."""
+def _segments(row: npt.NDArray[np.generic], edges: Reals, around: bool) -> Reals:
+    """Number of stretches by their number of nodes, also `around` the end of a period; full contact is one of them."""
     if row.all():
         return np.asarray(np.histogram([row.size], edges)[0])
     begins_free = np.roll(row, -int(np.argmin(row)))  # so that no stretch is cut by the end of the period
+    if not around:
+        begins_free = np.concatenate(([False], row))
     changes = np.flatnonzero(np.diff(begins_free.astype(np.int8), append=0))
     return np.asarray(np.histogram(changes[1::2] - changes[::2], edges)[0])
 
 
-def _clusters(touching: Flags, edges: Reals) -> Reals:
-    """Number of clusters by their number of nodes; full contact is one of them."""
-    return np.asarray(np.histogram(sizes(regions(touching)), edges)[0])
+def _clusters(touching: Flags, edges: Reals, around: bool) -> Reals:
+    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them."""
+    return np.asarray(np.histogram(sizes(regions(touching, around, around)), edges)[0])
 
 
-def _perimeter(touching: Flags) -> float:
-    """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense."""
+def _perimeter(touching: Flags, around: bool) -> float:
+    """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
+
+    Where nothing goes `around` the map, nothing touches beyond its ends.
+    """
+    nx = touching.shape[1]
+    touching = touching if around else np.pad(touching, 1)
     along_y = np.roll(touching, 1, axis=0)
     crossed = [np.count_nonzero(touching != other) for other in (along_y, np.roll(touching, 1, axis=1))]
     diagonal = [np.count_nonzero(touching != np.roll(along_y, side, axis=1)) for side in (1, -1)]
-    return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / touching.shape[1])
+    return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / nx)
 
 
 # of profiles and of maps: how contacts are counted, over what, and by which function

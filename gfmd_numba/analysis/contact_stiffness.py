@@ -21,13 +21,14 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     """Return the stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces.
 
     Takes a campaign of several `reduced_pressure`, whose cases are equal except for the load, or the `step` of load
-    paths, perhaps of several realisations. K, in Pa/m (E*/L_x without units), leaves out the uniform compression of the
-    bodies. It is the difference of the mean pressures over that of the mean gaps. Its standard error (nan for one
-    surface) is that of these differences over the realisations that are ok at both loads. K stands at the logarithmic
-    mean of the two loads, where it is exact if K is proportional to p, as at light loads (Akarapu, Sharp and Robbins,
-    PRL 106, 204301, 2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011:
-    K = p / (gamma h_rms)). If the dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p,
-    with the h_rms of each surface. Raises UnusableDataError for results without two loads of the same surfaces.
+    paths, perhaps of several realisations. Without a period the approach of the punch takes the place of the gap. K, in
+    Pa/m (E*/L_x without units), leaves out the uniform compression of the bodies. It is the difference of the mean
+    pressures over that of the mean gaps. Its standard error (nan for one surface) is that of these differences over the
+    realisations that are ok at both loads. K stands at the logarithmic mean of the two loads, where it is exact if K is
+    proportional to p, as at light loads (Akarapu, Sharp and Robbins, PRL 106, 204301, 2011; Campana, Persson and
+    Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)). If the dataset has heights over x, or an
+    `rms_height`, `stiffness_reduced` is K h_rms / p, with the h_rms of each surface. Raises UnusableDataError for
+    results without two loads of the same surfaces.
     """
     along = "case" if "case" in dataset.dims else "step"
     if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:
@@ -42,7 +43,10 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]
     usable = _usable(lower) & _usable(upper)
     rise = (upper["mean_pressure"] - lower["mean_pressure"]).where(usable)
-    approach = (lower["mean_gap"] - upper["mean_gap"]).where(usable)
+    if "approach" in dataset:
+        approach = (upper["approach"] - lower["approach"]).where(usable)
+    else:
+        approach = (lower["mean_gap"] - upper["mean_gap"]).where(usable)
     load = _logarithmic_mean(lower["mean_pressure"], upper["mean_pressure"]).where(usable)
     result = xr.Dataset(attrs={"title": "contact stiffness"})
     result["mean_pressure"] = load.mean(others)

@@ -284,7 +284,12 @@ ROUNDS = Form(
 
 
 _FIELDS = ("height", "pressure", "gap")
-_POINTS = "points_per_period"
+_POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"
+
+
+def is_periodic(dataset: xr.Dataset) -> bool:
+    """Return whether the two ends of the fields meet, or they are those of a window that has no period."""
+    return _POINTS_OF_WINDOW not in dataset["x"].attrs
 
 
 def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, check_fields
+from gfmd_numba.analysis.forms import CONTACT, check_fields, is_periodic
 from gfmd_numba.arrays import Flags, Reals
 
 
@@ -42,9 +42,9 @@ def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
     return np.bincount(labels.ravel())[1:].astype(np.int64)
 
 
-def connects(flags: Flags, axis: int) -> bool:
-    """Whether a region touches both ends of `axis`; it may go around the other axis, whose ends are one."""
-    labels = np.moveaxis(regions(flags, around_y=axis != 0, around_x=axis != 1), axis, 0)
+def connects(flags: Flags, axis: int, around: bool = True) -> bool:
+    """Whether a region touches both ends of `axis`; it may go `around` the other axis, whose ends are one."""
+    labels = np.moveaxis(regions(flags, around and axis != 0, around and axis != 1), axis, 0)
     shared = np.intersect1d(labels[0], labels[-1])
     return bool((shared > 0).any())
 
@@ -65,20 +65,22 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Percolation of the gap on maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     `gap_connects` and `contact_connects` are 1 where open nodes, or touching ones, lead from one side of the period to
-    the other; across that direction the map is periodic. `critical_gap` has the unit of the gap and is 0 without a
-    channel. Regions, which may go around both periods, connect through the sides of nodes, not through corners: where
+    the other; across that direction a periodic map goes around. `critical_gap` has the unit of the gap and is 0 without
+    a channel. Regions, which may go around both periods, connect through the sides of nodes, not through corners: where
     two contacts meet at a corner, neither they nor the gaps next to it are connected. Raises UnusableDataError for a
     dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    touching = dataset["gap"] <= 0.0
+    touching, around = dataset["gap"] <= 0.0, {"around": is_periodic(dataset)}
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
-    result["gap_connects"] = _by_direction(_connects, ~touching, nodes)
-    result["contact_connects"] = _by_direction(_connects, touching, nodes)
-    result["critical_gap"] = _by_direction(_critical_gap, dataset["gap"], nodes)
+    result["gap_connects"] = _by_direction(_connects, ~touching, nodes, around)
+    result["contact_connects"] = _by_direction(_connects, touching, nodes, around)
+    result["critical_gap"] = _by_direction(_critical_gap, dataset["gap"], nodes, around)
     for name, flags in (("gap", ~touching), ("contact", touching)):
-        result[f"largest_{name}_fraction"] = xr.apply_ufunc(_largest, flags, input_core_dims=[nodes], vectorize=True)
-    result["n_gaps"] = xr.apply_ufunc(_count, ~touching, input_core_dims=[nodes], vectorize=True)
+        result[f"largest_{name}_fraction"] = xr.apply_ufunc(
+            _largest, flags, kwargs=around, input_core_dims=[nodes], vectorize=True
+        )
+    result["n_gaps"] = xr.apply_ufunc(_count, ~touching, kwargs=around, input_core_dims=[nodes], vectorize=True)
     for name, long_name in _LONG_NAMES.items():
         unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}
@@ -86,37 +88,39 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     return result
 
 
-def _by_direction(function: Callable[..., Reals], values: xr.DataArray, nodes: list[str]) -> xr.DataArray:
+def _by_direction(
+    function: Callable[..., Reals], values: xr.DataArray, nodes: list[str], around: dict[str, bool]
+) -> xr.DataArray:
     found: xr.DataArray = xr.apply_ufunc(
-        function, values, input_core_dims=[nodes], output_core_dims=[["direction"]], vectorize=True
+        function, values, kwargs=around, input_core_dims=[nodes], output_core_dims=[["direction"]], vectorize=True
     )
     return found
 
 
-def _connects(flags: Flags) -> Reals:
-    return np.array([connects(flags, axis) for axis in _DIRECTIONS.values()], dtype=np.int8)
+def _connects(flags: Flags, around: bool) -> Reals:
+    return np.array([connects(flags, axis, around) for axis in _DIRECTIONS.values()], dtype=np.int8)
 
 
-def _critical_gap(gap: Reals) -> Reals:
-    return np.array([_narrowest(gap, axis) for axis in _DIRECTIONS.values()])
+def _critical_gap(gap: Reals, around: bool) -> Reals:
+    return np.array([_narrowest(gap, axis, around) for axis in _DIRECTIONS.values()])
 
 
-def _narrowest(gap: Reals, axis: int) -> float:
+def _narrowest(gap: Reals, axis: int, around: bool) -> float:
     """Largest level at which the nodes of at least that gap still connect the two sides, by bisection."""
     levels = np.unique(gap[gap > 0.0])
     fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
     while fewest < most:
         middle = (fewest + most) // 2
-        if connects(gap >= levels[middle], axis):
+        if connects(gap >= levels[middle], axis, around):
             fewest = middle + 1
         else:
             most = middle
     return float(levels[fewest - 1]) if fewest else 0.0
 
 
-def _largest(flags: Flags) -> float:
-    return float(sizes(regions(flags)).max(initial=0) / flags.size)
+def _largest(flags: Flags, around: bool) -> float:
+    return float(sizes(regions(flags, around, around)).max(initial=0) / flags.size)
 
 
-def _count(flags: Flags) -> int:
-    return len(sizes(regions(flags)))
+def _count(flags: Flags, around: bool) -> int:
+    return len(sizes(regions(flags, around, around)))

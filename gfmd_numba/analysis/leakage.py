@@ -9,7 +9,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields
+from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, is_periodic
 from gfmd_numba.analysis.gap_percolation import regions
 from gfmd_numba.arrays import Flags, Indices, Reals
 
@@ -24,19 +24,21 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Leakage through the gap of maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across
-    which the map is periodic: div(u^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch. `hydraulic_gap`
-    d is the gap of parallel walls that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x
-    through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol.
-    100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the flow through a node over
-    the mean flow of all nodes. `flow_residual` is the relative difference of the flow by outlet and by dissipation;
-    beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap is not-a-number. The
-    attribute `validity` names factors above 1, and those that differ much by direction. Raises UnusableDataError for a
-    profile, a dataset without these fields, a run that is not ok, or more nodes than memory takes.
+    which a periodic map goes around, and walls close a window: div(u^3 grad p) = 0 (Reynolds 1886), without flow into
+    nodes that touch. `hydraulic_gap` d is the gap of parallel walls that leak as much: a pressure difference P drives
+    d^3 P / (12 eta) times L_y / L_x through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir
+    & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the
+    flow through a node over the mean flow of all nodes. `flow_residual` is the relative difference of the flow by
+    outlet and by dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap
+    is not-a-number. The attribute `validity` names factors above 1, and those that differ much by direction. Raises
+    UnusableDataError for a profile, a dataset without these fields, a run that is not ok, or more nodes than memory
+    takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
     hydraulic, residual, flow = xr.apply_ufunc(
         _both_directions,
         dataset["gap"],
+        kwargs={"around": is_periodic(dataset)},
         input_core_dims=[nodes],
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
@@ -84,16 +86,18 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
         )
 
 
-def _both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
+def _both_directions(gap: Reals, around: bool) -> tuple[Reals, Reals, Reals]:
     """Hydraulic gaps along x and y, their residuals, and the flow through nodes `[direction, y, x]`."""
-    found = [_along_rows(np.moveaxis(gap, axis, 0)) for axis in _DIRECTIONS.values()]
+    found = [_along_rows(np.moveaxis(gap, axis, 0), around) for axis in _DIRECTIONS.values()]
     gaps, residuals, flows = zip(*found, strict=True)
     turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
     return np.array(gaps), np.array(residuals), np.array(turned)
 
 
-def _along_rows(gap: Reals) -> tuple[float, float, Reals]:
+def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     """Hydraulic gap from the first row to the last, the residual, and the flow through nodes over its mean.
+
+    The fluid may flow `around` the ends of rows that are periodic.
 
     Nodes are cells, whose faces conduct as their halves in series do. So walls of a gap that varies along the flow
     alone are solved exactly: d^-3 is the mean of u^-3.
@@ -102,13 +106,15 @@ def _along_rows(gap: Reals) -> tuple[float, float, Reals]:
     if largest <= 0.0:
         return 0.0, 0.0, flow
     conductivity = (gap / largest) ** 3
-    reached = _channels(conductivity > 0.0)
+    reached = _channels(conductivity > 0.0, around)
     if not reached.any():
         return 0.0, 0.0, flow
     conductivity = np.where(reached, conductivity, 0.0)
     number = np.cumsum(reached).reshape(reached.shape) - 1
     along = _faces(conductivity[:-1], conductivity[1:], number[:-1], number[1:])
-    across = _faces(conductivity, np.roll(conductivity, -1, axis=1), number, np.roll(number, -1, axis=1))
+    columns = slice(None) if around else slice(-1)
+    beside = (np.roll(each, -1, axis=1)[:, columns] for each in (conductivity, number))
+    across = _faces(conductivity[:, columns], next(beside), number[:, columns], next(beside))
     one, other, conductance = (np.concatenate(parts) for parts in zip(along, across, strict=True))
     inlet, outlet = (np.zeros(int(reached.sum())) for _ in range(2))
     for ends, row in ((inlet, 0), (outlet, -1)):
@@ -118,18 +124,18 @@ def _along_rows(gap: Reals) -> tuple[float, float, Reals]:
     dissipated = float(
         conductance @ (pressure[one] - pressure[other]) ** 2 + inlet @ (1.0 - pressure) ** 2 + outlet @ pressure**2
     )
-    rows, columns = gap.shape
+    rows, nx = gap.shape
     residual = abs(out - dissipated) / dissipated
-    cube = dissipated * rows / columns if residual <= _LARGEST_RESIDUAL else np.nan
+    cube = dissipated * rows / nx if residual <= _LARGEST_RESIDUAL else np.nan
     ends = inlet * (1.0 - pressure) + outlet * pressure
     parts = (_through_nodes(*faces, pressure, rim) for faces, rim in ((along, ends), (across, 0.0)))
-    flow[reached] = np.hypot(*parts) * columns / out if residual <= _LARGEST_RESIDUAL else np.nan
+    flow[reached] = np.hypot(*parts) * nx / out if residual <= _LARGEST_RESIDUAL else np.nan
     return float(largest * np.cbrt(cube)), residual, flow
 
 
-def _channels(open_nodes: Flags) -> Flags:
-    """Open nodes of the regions that connect the first row with the last."""
-    labels = regions(open_nodes, around_y=False)
+def _channels(open_nodes: Flags, around: bool) -> Flags:
+    """Open nodes of the regions that connect the first row with the last, also `around` the ends of rows."""
+    labels = regions(open_nodes, around_y=False, around_x=around)
     shared = np.intersect1d(labels[0], labels[-1])
     return np.isin(labels, shared[shared > 0])
 

@@ -12,6 +12,7 @@ from typing import Any
 from pydantic import BaseModel
 
 from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene.form_record import FormSlope
 from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
@@ -143,6 +144,11 @@ AXES = (
     Axis("correlation_length_x", Length, "roughness", "xi_x", r"$\xi_x$", "correlation length along x", "height"),
     Axis("correlation_length_y", Length, "roughness", "xi_y", r"$\xi_y$", "correlation length along y", "height"),
     Axis("mound_separation", Length, "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds", "height"),
+    Axis("radius", Length, "form", "R", "$R$", "radius of the form, a ball or a cylinder", "height"),
+    Axis("radius_y", Length, "form", "R_y", "$R_y$", "radius of the form along y", "height"),
+    Axis("slope", FormSlope, "form", "slope", r"$\tan\beta$", "slope of the flanks of the form, a wedge or a cone"),
+    Axis("width", Length, "form", "W", "$W$", "width of the form, a flat punch, between its edges", "height"),
+    Axis("edge_radius", Length, "form", "R_e", "$R_e$", "radius of the edges of the form", "height"),
     Axis("displacement", SignedLength, "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
     Axis(
         "friction_coefficient",

@@ -15,10 +15,10 @@ from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
 from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
 from gfmd_numba.contact.scales import reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
@@ -119,10 +119,11 @@ def expand(
             if scene.follows_topography:
                 surface, rough = bodies_of(scene, level.discretisation, found)
                 rms_gradient = surface.rms_gradient
-            elif found is not None and found.punch is not None:
-                surface, rms_gradient = found.punch
             else:
-                surface, rms_gradient = random_surface_of(scene.roughness, level.discretisation)
+                own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
+                if own is None and scene.roughness is not None:
+                    own = random_surface_of(scene.roughness, level.discretisation)
+                surface, rms_gradient = punch_on_its_form(scene, own, document)
             tractions = tractions_of(scene, surface.shape, rms_gradient)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
@@ -292,7 +293,7 @@ def block_bytes(problem: Problem, realisations: int) -> int:
     together = 1 if problem.path or problem.rough is not None else realisations
     dimension = len(surface.shape)
     boundary = () if problem.tractions is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *boundary))
+    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *boundary), problem.periodic)
     if problem.rough is not None:
         arrays = max(arrays, arrays_of_topography(dimension, problem.rough.order))
     return arrays * 8 * together * surface.nodes

@@ -15,7 +15,7 @@ from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, v
 from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
 from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
 from gfmd_numba.campaign.output_directory import home_of
-from gfmd_numba.contact.refusal import check_combination
+from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene.checks import (
     arrays_of_topography,
     arrays_per_realisation,
@@ -191,15 +191,14 @@ class Campaign(BaseModel):
     @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
-        rough = bool(self.scene.surfaces)  # else the combinations refuse the scene
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):
             given = name in self.model_fields_set
             if random and name == "realisations" and not given and self.target is not None:
                 continue
             if random and (not given or getattr(self, name) is None):
                 raise broken_rule((name,), allowed)
-            if rough and given and not random:
-                raise broken_rule((name,), "nothing, as a measured surface is not random")
+            if given and not random:
+                raise broken_rule((name,), "nothing, as no surface is random")
         return self
 
     @model_validator(mode="after")
@@ -275,7 +274,8 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*campaign.scene.interface.laws, *boundary))
+    laws = (*campaign.scene.interface.laws, *boundary)
+    arrays = arrays_per_realisation(dimension, laws, campaign.scene.periodic)
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)
@@ -355,6 +355,8 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
         check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, scene, campaign.numerics, campaign.path, varied)
+    if campaign.limits.varied:
+        check_where(document, scene, "limits", campaign.numerics)
 
 
 def _with_a_file(document: Document) -> Document:

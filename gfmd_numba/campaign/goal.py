@@ -166,7 +166,7 @@ def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterab
     `place` is where the variable stands in the file.
     """
     scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
-    if LIMITED[fit.variable].needs_hardness and all(scene.interface.hardness is None for scene, _ in scenes):
+    if LIMITED[fit.variable].needs == "hardness" and all(scene.interface.hardness is None for scene, _ in scenes):
         raise document.error(place, fit.variable, "what these contacts have; this needs a hardness of the hard_wall")
     if along and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
         raise document.error(place, fit.variable, f"what this path has; {needed_for(fit.variable)}")

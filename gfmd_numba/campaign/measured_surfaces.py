@@ -86,7 +86,7 @@ def said_of(measured: Measurements, what: str) -> list[str]:
 
 def _measured(scene: Scene, surfaces: MeasuredSurfaces, document: Document, name: str) -> MeasuredScene:
     """Return what the files of a scene give; its punch has a `name` if a grid varies it."""
-    punch = None if scene.follows_topography else _punch(surfaces[PUNCH], scene.roughness, document)
+    punch = None if scene.follows_topography else _punch(surfaces[PUNCH], scene, document)
     of_punch = f" ({name})" if name else ""
 
     def said(what: str) -> tuple[str, ...]:
@@ -102,10 +102,11 @@ def _measured(scene: Scene, surfaces: MeasuredSurfaces, document: Document, name
     return MeasuredScene(scene.dimension, scene.length, document, said("done"), said("doubts"), punch, kept)
 
 
-def _punch(surface: MeasuredSurface, record: Surface | None, document: Document) -> tuple[GivenSurface, float]:
+def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[GivenSurface, float]:
+    record = scene.roughness
     assert isinstance(record, Measured)  # a rigid punch is the only surface there is
     try:
-        return given_surface(surface.in_periods)
+        return given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
 

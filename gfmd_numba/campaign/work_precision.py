@@ -380,7 +380,7 @@ class Study:
     def _next_order(self, values: Measures) -> float:
         """Return the mean of what the next order would add to a displacement (L_x), the largest of a path."""
         surface = self.problem.surface
-        if not isinstance(surface, SummedSurface):
+        if self.problem.rough is None or not isinstance(surface, SummedSurface):
             return nan
         error = values["next_order"].reshape(len(values["status"]), -1)
         means = [column[np.isfinite(column)].mean() for column in error.T if np.isfinite(column).any()]

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_pressure",
     "contact_area_fraction",
+    "approach",
     "mean_gap",
     "peak_pressure",
     "n_segments",
@@ -102,7 +103,7 @@ def _show_steps(dataset: xr.Dataset) -> None:
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
     view = _with_stiffness(dataset)
-    found = dict(column(view, name) for name in (*_SHOWN[:3], "contact_stiffness", *_SHOWN[3:]) if name in view)
+    found = dict(column(view, name) for name in (*_SHOWN[:4], "contact_stiffness", *_SHOWN[4:]) if name in view)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     print_table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
 
@@ -112,7 +113,8 @@ def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
     if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
         return dataset
-    rise, fall = dataset["mean_pressure"].diff("step"), -dataset["mean_gap"].diff("step")
+    closed = dataset["approach"] if "approach" in dataset else -dataset["mean_gap"]
+    rise, fall = dataset["mean_pressure"].diff("step"), closed.diff("step")
     stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
     return dataset.assign(contact_stiffness=stiffness)
 

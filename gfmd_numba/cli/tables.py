@@ -34,6 +34,7 @@ WORDS = {
     "contact_area_fraction": "contact area fraction",
     "contact_area": "contact area",
     "contact_length": "contact length",
+    "approach": "approach",
     "mean_gap": "mean gap",
     "contact_stiffness": "stiffness",
     "peak_pressure": "peak pressure",
@@ -55,7 +56,7 @@ _PRESSURES = {"mean_pressure", "peak_pressure", "pull_off_pressure"} | {
     "mean_tangential_traction",
     "mean_tangential_traction_y",
 }
-_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "mean_gap", "mean_plastic_depth"}
+_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "approach", "mean_gap", "mean_plastic_depth"}
 _ENERGIES = {"elastic_energy", "energy_lost", "hysteresis"}
 
 

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from scipy.sparse.linalg import LinearOperator, lobpcg
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import solution
+from gfmd_numba.contact import free_window, solution
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
@@ -120,10 +120,16 @@ def stability(problem: Problem, contact: Contact) -> float | None:
         return None
     if found.status[0] != Status.ok:
         return float("nan")
-    stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
+    apart, touching = gap(contact), found.touching
+    if problem.periodic:
+        stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
+    else:  # the law acts in the window alone
+        stiffness = free_window.response(contact.punch.shape[1:], problem.interface, problem.body).normal.copy()
+        apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)))
+        touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_))
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):
         stiffness.flat[0] = 0.0  # a rigid mean stores no energy
-    return smallest_curvature(gap(contact)[0], found.touching[0], stiffness, law)
+    return smallest_curvature(apart[0], touching[0], stiffness, law)
 
 
 def is_followed(problem: Problem) -> bool:

@@ -24,9 +24,10 @@ class Refusal:
     present: str
     refused: str
     allowed: str
-    because: Literal["physics", "solver", "without effect"]
+    because: Literal["physics", "solver", "not built yet", "without effect"]
 
 
+LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
 _NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
@@ -47,6 +48,28 @@ def _laws_with_each_other() -> Iterator[Refusal]:
             yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} with {first}", "solver")
 
 
+def _without_a_period() -> Iterator[Refusal]:
+    """What a contact without a period cannot be yet, and what it does not need."""
+    not_yet = {
+        "slab": "no aspect_ratio",
+        "layers": "a body of one material",
+        "rough bodies": "a rough rigid punch on one smooth body",
+        "boundary": "no boundary",
+        "cutoff": "no cutoff, as a Fourier series repeats the surface (filter it before)",
+        "points": "no points, as a Fourier series repeats the surface (resample it before)",
+        "limits": "no limits",
+        "accuracy": "no `gfmd accuracy`",
+    }
+    for feature, allowed in not_yet.items():
+        yield Refusal(
+            "no period", feature, f"{allowed} where periodic is false: this is not built yet", "not built yet"
+        )
+    least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
+    yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
+    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
+    yield Refusal("no period", "treated ends", no_ends, "without effect")
+
+
 REFUSALS = (
     Refusal(
         "dimension 2",
@@ -58,6 +81,7 @@ REFUSALS = (
     Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
+    Refusal("dimension 1", "radius_y", "nothing with dimension 1; radius_y needs dimension 2", "physics"),
     Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_with_each_other(),
@@ -102,6 +126,7 @@ REFUSALS = (
         "physics",
     ),
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
+    *_without_a_period(),
     Refusal(
         "loaded by tractions alone",
         "single",
@@ -120,6 +145,20 @@ REFUSALS = (
         "higher topography_order",
         "0, or nothing, with a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
         "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
+        "physics",
+    ),
+    Refusal(
+        "form alone",
+        "reduced_pressure",
+        "a pressure, line_load, force or displacement with a form alone: a reduced_pressure counts in the rms gradient "
+        "of a roughness, and a form has none that means the same in another period",
+        "physics",
+    ),
+    Refusal(
+        "form between elastic bodies",
+        "higher topography_order",
+        "0, or nothing, with a form between two elastic bodies: a form is a gap and not a topography, as it does not "
+        "say which of the two has it",
         "physics",
     ),
 )
@@ -145,6 +184,11 @@ allowed in place of the first.
 
 These pairs make sense, but no solver does both.
 """,
+    "not built yet": """\
+## Pairs that are not built yet
+
+These pairs make sense, and a later version may accept them.
+""",
     "without effect": """\
 ## Options without effect
 
@@ -162,33 +206,47 @@ them.
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",
+    "boundary": "prescribed tractions under a punch",
     "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "contact without drag": "no friction and no cohesive law",
     "contact without reach": "no exponential and no cohesive law",
+    "cutoff": "a `cutoff` of a measured surface",
     "dimension 1": "a profile (`dimension: 1`)",
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",
     "force": "a load `force`",
+    "form alone": "a `form` without roughness",
+    "form between elastic bodies": "a `form` between two elastic bodies",
     "half-space": "a half-space",
     "higher topography_order": "a `topography_order` above 0",
+    "layers": "`layers`",
     "layers on a half-space": "`layers` on a half-space",
+    "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "line_load": "a load `line_load`",
     "loaded by tractions alone": "a body loaded without a punch by tractions alone",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
+    "no period": "a scene without a period (`periodic: false`)",
     "plane stress": "plane stress",
+    "points": "`points` of a measured surface",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",
+    "radius_y": "a second radius (`radius_y`)",
+    "reduced_pressure": "a `reduced_pressure`",
+    "rough bodies": "a rough deformable body, or two of them",
     "rigid mean": "a prescribed displacement of incompressible bodies",
     "single": "single precision",
+    "slab": "a slab (a finite `aspect_ratio`)",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
+    "stiff sideways": "a small or negative `poissons_ratio` under friction or a cohesive law",
     "sticking": "an infinite coefficient of friction",
     "topography_order": "`topography_order`",
+    "treated ends": "`periodic: mirror` or `window` of a measured surface",
     "tractions of a file": "tractions from a file",
     "hard wall": "a hard wall",
     "hardness": "a hard wall of finite `hardness`",

@@ -24,7 +24,8 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.solvers import status
 
 CONVENTIONS = "CF-1.11"
-POINTS = "points_per_period"  # attribute of x, which tells a whole period from a part of one
+# attributes of x, which tell a whole period from a part of one, and a window that has no period
+POINTS, POINTS_OF_WINDOW = "points_per_period", "points_per_window"
 # coordinates of what a loading prescribes; the fields of a contact have the short names
 PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 INDICES = {
@@ -51,6 +52,7 @@ class Units:
             "1": (1.0, "1"),
             "E*/stiffness": (1.0 / stiffness_scale(scene), "1"),
             "gradient": (rms_gradient, "1"),
+            "length": (scene.length or 1.0, metre),
             "height": (height, metre),
             "pressure": (pressure, pascal),
             "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
@@ -73,14 +75,17 @@ class Units:
         attributes = measure_attributes(name, self.names[row.unit], row.long_name)
         return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
 
-    def positions(self, shape: tuple[int, ...], profile: str, length: float | None) -> dict[str, Any]:
-        """Coordinates of the nodes of a whole period; `profile` says along what those of a profile lie."""
+    def positions(
+        self, shape: tuple[int, ...], profile: str, length: float | None, periodic: bool = True
+    ) -> dict[str, Any]:
+        """Coordinates of the nodes of a whole period, or window; `profile` says along what those of a profile lie."""
+        points = POINTS if periodic else POINTS_OF_WINDOW
         ways = {1: (profile,), 2: AXES}[len(shape)]
         return {
             dim: (
                 dim,
                 np.arange(nodes) / nodes * (length or 1.0),
-                cf_attributes(f"position along {way}", self.names["height"]) | {POINTS: nodes},
+                cf_attributes(f"position along {way}", self.names["height"]) | {points: nodes},
             )
             for dim, way, nodes in zip(AXES[-len(shape) :], ways, shape, strict=True)
         }

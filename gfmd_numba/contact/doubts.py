@@ -30,7 +30,8 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    own = (doubt(given, dataset) for doubt in (_beyond_small_strains, _past_asperities, _overlap, _rounded_heights))
+    each = (_beyond_small_strains, _at_the_edge, _past_asperities, _overlap, _rounded_heights)
+    own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
 
@@ -58,7 +59,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
     touching = dataset["gap"] <= 0.0
-    steep = _slopes(dataset, nodes).where(touching, 0.0)
+    steep = _slopes(dataset, nodes, scene.periodic).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
@@ -72,10 +73,28 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _slopes(dataset: xr.Dataset, nodes: list[str]) -> xr.DataArray:
+def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
+    if given.file.scene.periodic:
+        return ""
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    touching = dataset["gap"] <= 0.0
+    ends = sum(int(touching.isel({dim: [0, -1]}).sum()) for dim in nodes)
+    if ends == 0:
+        return ""
+    return (
+        "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface goes "
+        "on, take a larger patch or a smaller load"
+    )
+
+
+def _slopes(dataset: xr.Dataset, nodes: list[str], periodic: bool) -> xr.DataArray:
     """Size of the gradient of the heights between the neighbours of each node."""
+    height = dataset["height"]
     squares = [
-        ((dataset["height"].roll({dim: -1}) - dataset["height"].roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
+        ((height.roll({dim: -1}) - height.roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
+        if periodic
+        else height.differentiate(dim) ** 2
         for dim in nodes
     ]
     found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
@@ -87,7 +106,7 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
 
     Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
     """
-    if "sliding" not in dataset or "tangential_displacement" not in dataset:
+    if not {"sliding", "tangential_displacement", "nayak"} <= dataset.variables.keys():
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     ends = ("", "_y")[: len(nodes)]

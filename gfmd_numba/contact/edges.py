@@ -115,16 +115,27 @@ def _along(direction: float, logarithm: Callable[[Reals], Reals]) -> float:
 
 
 def contact_length(
-    pressure: Reals, touching: Flags, edge: Edge, elastic: Flags | None = None, filled: Reals | None = None
+    pressure: Reals,
+    touching: Flags,
+    edge: Edge,
+    elastic: Flags | None = None,
+    filled: Reals | None = None,
+    ends: bool = False,
 ) -> tuple[Reals, Reals]:
     """Contact length over L_x from the pressures `[realisation, x]` at the edges of its stretches, and its error.
 
     The error `[realisation]` is one standard deviation, of the edges whose position between two nodes is unknown. Those
     of nodes that are not `elastic`, by default none, are where the share says by which such nodes are `filled`.
+    Profiles are periodic unless they have `ends`, where a stretch that reaches them has no edge.
     """
     nx = pressure.shape[1]
     elastic = touching if elastic is None else elastic
     shares = touching.sum(axis=1) if filled is None else filled.sum(axis=1)
+    inside = slice(None)
+    if ends:
+        margin, inside = ((0, 0), (_LEAST_NODES, _LEAST_NODES)), slice(_LEAST_NODES, -_LEAST_NODES)
+        pressure = np.pad(pressure, margin, "edge")
+        touching, elastic = np.pad(touching, margin, "edge"), np.pad(elastic, margin, "edge")
     beyond = np.zeros(len(pressure))
     unknown = np.zeros(len(pressure))
     for inward in (1, -1):
@@ -135,6 +146,8 @@ def contact_length(
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = pressure / np.roll(pressure, -inward, axis=1)
             b = (1.0 - ratio * edge.second) / (ratio * (edge.second - 1.0) - 1.0)
-        beyond += np.where(last, np.where(resolved, 0.5 + np.clip(b, -1.0, 0.0), 0.0) - edge.excess, 0.0).sum(axis=1)
-        unknown += (last & ~resolved).sum(axis=1)
+        beyond += np.where(last, np.where(resolved, 0.5 + np.clip(b, -1.0, 0.0), 0.0) - edge.excess, 0.0)[
+            :, inside
+        ].sum(axis=1)
+        unknown += (last & ~resolved)[:, inside].sum(axis=1)
     return (shares + beyond) / nx, np.sqrt(unknown / 12.0) / nx

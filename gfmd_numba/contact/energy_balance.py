@@ -50,7 +50,8 @@ class Balance:
                 components(found.tangential.traction, u).mean(axis=1),
             )
             sideways = components(found.tangential.displacement, u)
-            potential += 0.5 * float(traction @ sideways.mean(axis=1))
+            if contact.approach is None:
+                potential += 0.5 * float(traction @ sideways.mean(axis=1))
             slip = sliding[:, np.newaxis] - sideways
             if laws.friction is not None and isfinite(laws.friction):
                 dragged = components(found.tangential.traction, u)
@@ -63,6 +64,11 @@ class Balance:
             potential += float(laws.cohesive.energy(apart, slip).mean())
         lossless = pressure if repels else wall_pressure(problem, contact, slip)
         load, mean = problem.load, float(u.mean())
+        if contact.approach is not None:  # the elastic energy is all there is, and the load works on the approach
+            sunk, force = float(np.ravel(contact.approach)[0]), float(pressure.mean())
+            if problem.mean_pressure is not None:
+                return cls(load, sunk, sliding, traction, potential - load * sunk, lossless, apart, rubbing)
+            return cls(load, force, sliding, traction, potential, lossless, apart, rubbing)
         if problem.mean_pressure is not None:
             return cls(load, -mean, sliding, traction, potential - load * mean, lossless, apart, rubbing)
         force = float(pressure.mean())

@@ -58,11 +58,23 @@ def filled(contact: Contact) -> npt.NDArray[Any]:
     return np.where(_fringe(contact, plastic), share, touching(contact))
 
 
+def beside(contact: Contact, flags: npt.NDArray[np.bool_], side: int, axis: int) -> npt.NDArray[np.bool_]:
+    """Flag of the neighbour on one side (1: before, -1: behind) of each node.
+
+    Beyond the end of a window nothing is known: a node there counts as its own neighbour.
+    """
+    found = np.roll(flags, side, axis=axis)
+    if contact.approach is not None:
+        end = 0 if side == 1 else -1
+        np.moveaxis(found, axis, 0)[end] = np.moveaxis(flags, axis, 0)[end]
+    return found
+
+
 def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.bool_]:
     """Elastic nodes with both plastic and open neighbours."""
     now = touching(contact)
     next_to_plastic, next_to_open = (
-        np.logical_or.reduce([np.roll(some, side, axis=axis) for axis in range(1, now.ndim) for side in (1, -1)])
+        np.logical_or.reduce([beside(contact, some, side, axis) for axis in range(1, now.ndim) for side in (1, -1)])
         for some in (plastic, ~now)
     )
     return np.asarray(now & ~plastic & next_to_plastic & next_to_open)
@@ -76,15 +88,18 @@ def plastic_area_fraction(contact: Contact) -> Reals:
 @once
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
-    now = touching(contact)
+    now, ends = touching(contact), contact.approach is not None
     if now.ndim == 3:
-        return np.array([0 if each.all() else _clusters(each) for each in now])
-    return np.asarray(np.count_nonzero(now & ~np.roll(now, 1, axis=1), axis=1))
+        return np.array([0 if each.all() and not ends else _clusters(each, ends) for each in now])
+    begun = np.count_nonzero(now & ~beside(contact, now, 1, 1), axis=1)
+    return np.asarray(begun + now[:, 0] if ends else begun)
 
 
-def _clusters(flags: npt.NDArray[np.bool_]) -> int:
-    """Clusters of flags `[y, x]` on a torus that touch with a side of a node."""
+def _clusters(flags: npt.NDArray[np.bool_], ends: bool) -> int:
+    """Clusters of flags `[y, x]` that touch with a side of a node, on a torus or in a window that `ends`."""
     labels, count = label(flags)
+    if ends:
+        return int(count)
     joined = np.arange(count + 1)
     for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
         for a, b in {(int(a), int(b)) for a, b in zip(one, other, strict=True) if a and b}:
@@ -98,7 +113,7 @@ def perimeter(contact: Contact) -> tuple[Indices, ...]:
     now, elastic = touching(contact), elastic_nodes(contact)
     axes = tuple(range(1, len(now.shape)))
     return tuple(
-        np.sum([np.count_nonzero(elastic & ~np.roll(now, side, axis=axis), axis=axes) for side in (1, -1)], axis=0)
+        np.sum([np.count_nonzero(elastic & ~beside(contact, now, side, axis), axis=axes) for side in (1, -1)], axis=0)
         for axis in axes[::-1]
     )
 
@@ -153,7 +168,10 @@ def contact_area_fraction_edges_error(contact: Contact) -> Reals:
 @once
 def _located(contact: Contact) -> tuple[Reals, Reals]:
     found = contact.equilibrium
-    return edges.contact_length(found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact))
+    ends = contact.approach is not None
+    return edges.contact_length(
+        found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
+    )
 
 
 @_of_profiles
@@ -161,6 +179,12 @@ def mean_segment_length(contact: Contact) -> Reals:
     """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
     area, segments = contact_area_fraction(contact), n_segments(contact)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
+
+
+def contact_radius(contact: Contact) -> Reals:
+    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`."""
+    area = contact_area_fraction(contact)
+    return 0.5 * area if contact.heights.ndim == 2 else np.sqrt(area / np.pi)
 
 
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
@@ -232,6 +256,8 @@ def peak_pressure(contact: Contact) -> Reals:
 @once
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
+    if contact.approach is not None:
+        return statistics.rms_gradient_of_patch(contact.roughness, _periods(contact))
     return np.sqrt(_moment(contact, 2))
 
 
@@ -244,10 +270,16 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     elastic = elastic_nodes(contact)
     for axis in axes:
         for side in (1, -1):
-            share -= bias * (elastic & ~np.roll(now, side, axis=axis))
+            share -= bias * (elastic & ~beside(contact, now, side, axis))
+    if contact.approach is not None:
+        gradients = statistics.gradients_of_patch(contact.roughness, _periods(contact))
+    else:
+        gradients = [
+            statistics.gradient(contact.roughness.swapaxes(axis, -1)).swapaxes(axis, -1) for axis in axes[::-1]
+        ]
     square = np.zeros(contact.heights.shape)
-    for axis in axes[::-1]:
-        square += statistics.gradient(contact.heights.swapaxes(axis, -1)).swapaxes(axis, -1) ** 2
+    for gradient in gradients:
+        square += gradient**2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
 
 
@@ -266,6 +298,11 @@ def mean_gap(contact: Contact) -> Reals:
     return mean_of_nodes(gap(contact))
 
 
+def approach(contact: Contact) -> Reals:
+    """Return how far the punch has sunk in since first touch in g L_x `[realisation]`, without a period."""
+    return np.asarray(np.reshape(np.asarray(contact.approach), -1) * np.ones(len(contact.heights)))
+
+
 def mean_plastic_depth(contact: Contact) -> Reals:
     """Mean depth in g L_x by which the punch has been flattened since it was first loaded `[realisation]`."""
     return mean_of_nodes(np.asarray(contact.plastic_depth))
@@ -280,7 +317,9 @@ def plastic_work(contact: Contact) -> Reals:
 
 
 def full_contact_pressure(contact: Contact) -> Reals:
-    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`."""
+    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
+    if contact.approach is not None:
+        return np.asarray(0.5 * rms_gradient(contact))
     return contact.equilibrium.full_contact_pressure
 
 
@@ -294,20 +333,24 @@ def elastic_energy(contact: Contact) -> Reals:
     """Elastic energy per nominal area of what the punch adds to the deformation, in g^2 E* L_x `[realisation]`.
 
     That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of each tangential one.
+    Without a period it is all the energy, -<p u> / 2.
     """
     along = tuple(range(1, contact.heights.ndim))
     u, tangential = contact.equilibrium.displacement, contact.equilibrium.tangential
-    work = -contact.equilibrium.pressure * (u - u.mean(axis=along, keepdims=True))
+    if contact.approach is None:
+        u = u - u.mean(axis=along, keepdims=True)
+    work = -contact.equilibrium.pressure * u
     if tangential is not None:
         v = tangential.displacement
-        inside = tuple(axis + 1 for axis in along)
-        work = work + (tangential.traction * (v - v.mean(axis=inside, keepdims=True))).sum(axis=1)
+        if contact.approach is None:
+            v = v - v.mean(axis=tuple(axis + 1 for axis in along), keepdims=True)
+        work = work + (tangential.traction * v).sum(axis=1)
     return np.asarray(0.5 * work.mean(axis=along))
 
 
 @once
 def _power(contact: Contact) -> Reals:
-    return statistics.power(contact.heights, _periods(contact))
+    return statistics.power(contact.roughness, _periods(contact))
 
 
 def _moment(contact: Contact, order: int) -> Reals:
@@ -322,7 +365,7 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
     found = contact.equilibrium
-    rows = recorded(found.plastic is not None)
+    rows = recorded(found.plastic is not None, contact.approach is None, contact.form is not None)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         values = {name: _value(name, row, contact) for name, row in rows.items()}
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}

@@ -14,11 +14,10 @@ from gfmd_numba.scene import Scene
 class Observable:
     """A recorded quantity: what it tells of, its unit and its meaning.
 
-    Units are 1, g, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a `stiffness_scale`.
-    `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a run the equilibrium
-    has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0,
-    or unknown on maps. One that `needs_hardness` is recorded of contacts with a hardness alone, and one of a path where
-    what it `needs` is there.
+    Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a
+    `stiffness_scale`. `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a
+    run the equilibrium has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok:
+    without contact it is 0/0, or unknown on maps. One is recorded where what it `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
@@ -26,14 +25,15 @@ class Observable:
     """
 
     of: Literal["contact", "surface", "run", "path"]
-    unit: Literal["1", "E*/stiffness", "gradient", "height", "pressure", "energy", "s"]
+    unit: Literal["1", "E*/stiffness", "gradient", "length", "height", "pressure", "energy", "s"]
     long_name: str
     function: str | None = None
     undefined_at_times: bool = False
-    needs_hardness: bool = False
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
-    needs: Literal["", "drag", "drag of maps", "friction", "loss", "tension"] = ""
+    needs: Literal[
+        "", "hardness", "form", "period", "window", "drag", "drag of maps", "friction", "loss", "tension"
+    ] = ""
 
     @property
     def without_limit(self) -> str:
@@ -82,10 +82,10 @@ OBSERVABLES = {
         no_limit=_OF_AN_ERROR,
     ),
     "plastic_area_fraction": Observable(
-        "contact", "1", "nodes at the hardness over all nodes", needs_hardness=True, held="gradient"
+        "contact", "1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"
     ),
     "mean_plastic_depth": Observable(
-        "contact", "height", "mean depth by which the punch has been flattened", needs_hardness=True, held="height"
+        "contact", "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"
     ),
     "kappa_edges": Observable(
         "contact",
@@ -113,6 +113,13 @@ OBSERVABLES = {
         undefined_at_times=True,
         no_limit="contacts become ever smaller as eps_f and eps_t go to 0",
     ),
+    "contact_radius": Observable(
+        "contact",
+        "length",
+        "half the contact length of a profile, of a map the radius of a disc as large as the contact area",
+        needs="form",
+        no_limit="contact_area_fraction, which has one, says the same",
+    ),
     "elastic_energy": Observable(
         "contact",
         "energy",
@@ -132,13 +139,22 @@ OBSERVABLES = {
         no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
     ),
     "mean_gap": Observable("contact", "height", "mean gap between the surfaces", held="height"),
+    "approach": Observable(
+        "contact",
+        "height",
+        "displacement of the punch into the body beyond first touch",
+        needs="window",
+        no_limit="it is that of a window, which has no thermodynamic limit",
+    ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
         "contact", "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
-    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch"),
+    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs="period"),
     "full_contact_pressure": Observable(
-        "surface", "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)"
+        "surface",
+        "pressure",
+        "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)",
     ),
     "status": Observable("run", "1", "how the run ended"),
     "residual": Observable(
@@ -182,9 +198,10 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness."""
-    return {name: row for name, row in OBSERVABLES.items() if hardness or not row.needs_hardness}
+def recorded(hardness: bool, periodic: bool = True, form: bool = False) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness, a period, and a form of its punch."""
+    has = {"": True, "hardness": hardness, "period": periodic, "window": not periodic, "form": form}
+    return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 
 def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:

@@ -38,6 +38,7 @@ class Scales(NamedTuple):
 
 _OF_WAVES = Common(1e-10, 0.1, "shorter than an atom", "longer than 10 cm", ("um", "mm", "nm"))
 _OF_LAWS = Common(1e-10, 1e-5, "shorter than an atom", "longer than forces between surfaces reach", ("nm", "um"))
+_OF_FORMS = Common(1e-9, 1.0, "sharper than any tip", "more than 1 m", ("mm", "um", "nm"))
 _OF_PUNCHES = Common(1e-13, 1e-2, "less than a thousandth of an atom", "more than 1 cm", ("um", "nm"))
 Given = tuple[Location, float, Quantity]
 COMMON = {
@@ -52,6 +53,7 @@ COMMON = {
     "rms_height": Common(1e-11, 1e-3, "less than a tenth of an atom", "more than 1 mm", ("um", "nm")),
     **dict.fromkeys(("cut_on", "roll_off", "cutoff", "correlation_length", "mound_separation"), _OF_WAVES),
     **dict.fromkeys(("correlation_length_x", "correlation_length_y"), _OF_WAVES),
+    **dict.fromkeys(("radius", "radius_y", "width", "edge_radius"), _OF_FORMS),
     **dict.fromkeys(("displacement", "sliding", "sliding_y"), _OF_PUNCHES),
 }
 LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}

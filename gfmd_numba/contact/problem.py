@@ -19,16 +19,19 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES, Observable
 from gfmd_numba.contact.state import LoadStep, Process
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface
+from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, Random, Scene
+from gfmd_numba.scene import Discretisation, LoadedBody, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.table import SOLVERS, Options
+
+WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that its ends do not meet
 
 
 @dataclass(frozen=True)
@@ -76,7 +79,8 @@ class Problem:
 
     `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
     has the bodies, and the surface is the sum of theirs. `processes` happen in addition to what a hardness and the
-    tractions do. `sliding` of the punch (none: 0) and `duration` are those of the load, as in a `LoadStep`.
+    tractions do. `sliding` of the punch (none: 0) and `duration` are those of the load, as in a `LoadStep`. A
+    surface that is not `periodic` is a window, around which the body is free.
     """
 
     surface: Surface
@@ -92,6 +96,7 @@ class Problem:
     processes: tuple[Process, ...] = ()
     sliding: tuple[float, ...] = ()
     duration: float = 0.0
+    periodic: bool = True
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -105,6 +110,12 @@ class Problem:
     def n_loads(self) -> int:
         """Number of loads that are solved one after another: one without a path."""
         return 1 + len(self.path)
+
+    @property
+    def has_form(self) -> bool:
+        """Whether the punch has a smooth form."""
+        parts = self.surface.parts if isinstance(self.surface, SummedSurface) else ()
+        return any(isinstance(part.surface, SmoothSurface) for part in parts)
 
     @property
     def load(self) -> float:
@@ -143,6 +154,8 @@ class Problem:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
+        if not self.periodic:
+            content["periodic"] = False
         if self.processes:
             content["processes"] = [repr(each) for each in self.processes]
         if any(self.sliding) or self.duration:
@@ -163,8 +176,10 @@ def _fields(record: Any) -> dict[str, Any]:
     return {name: getattr(record, name) for name in record.__dataclass_fields__}
 
 
-def _surface_content(surface: Surface) -> dict[str, Any]:
+def _surface_content(surface: Surface | SmoothSurface) -> dict[str, Any]:
     content = _fields(surface)
+    if isinstance(surface, SmoothSurface):
+        content["form"] = repr(surface.form)
     if isinstance(surface, SummedSurface):
         content["parts"] = [_fields(part) | {"surface": _surface_content(part.surface)} for part in surface.parts]
     content.pop("heights", None)
@@ -173,6 +188,8 @@ def _surface_content(surface: Surface) -> dict[str, Any]:
         content["generator"] = repr(surface.generator)
         if not surface.by_theory:
             del content["by_theory"]
+        if surface.periods == 1:
+            del content["periods"]
     return content
 
 
@@ -199,16 +216,43 @@ def random_surface(scene: Scene, discretisation: Discretisation | None, seed: in
     if not isinstance(scene.roughness, Random):
         raise TypeError("a random surface needs a random roughness of the punch")
     period = scene.length or 1.0
-    surface = generators.random_surface(scene.roughness, discretisation, period, scene.dimension, seed)
+    cut_from = 1 if scene.periodic else WIDER_THAN_A_PATCH
+    surface = generators.random_surface(scene.roughness, discretisation, period, scene.dimension, seed, cut_from)
     return surface, generators.rms_gradient(scene.roughness, surface, period)
 
 
-def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenSurface, float]:
+def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
+    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
+
+    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
+    """
+    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
+    if smooth is None:
+        assert rough is not None  # a scene has one of the two
+        return rough
+    if rough is None:
+        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
+        return SummedSurface((smooth,), gradient), gradient
+    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
+
+
+def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
+    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
+    if isinstance(scene, LoadedBody) or scene.form is None:
+        return None
+    if shape is None:
+        assert scene.form.points is not None  # the promise of a scene without roughness
+        shape = (scene.form.points,) * scene.dimension
+    form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
+    return Topography(SmoothSurface(form, shape), 1.0, False)
+
+
+def given_surface(heights: Reals, gradient: float | None = None, periodic: bool = True) -> tuple[GivenSurface, float]:
     """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
 
     Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
     """
-    scale, slope = scaled_gradient(heights)
+    scale, slope = scaled_gradient(heights, periodic)
     rounding = heights.shape[-1] * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
     own = slope * scale
     if slope <= 100.0 * rounding:
@@ -221,10 +265,11 @@ def given_surface(heights: Reals, gradient: float | None = None) -> tuple[GivenS
     return GivenSurface(unit.shape[-1], digest, unit), own if gradient is None else gradient
 
 
-def scaled_gradient(heights: Reals) -> tuple[float, float]:
+def scaled_gradient(heights: Reals, periodic: bool = True) -> tuple[float, float]:
     """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
     scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
-    return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim))
+    of_heights = statistics.rms_gradient if periodic else statistics.rms_gradient_of_patch
+    return scale, float(of_heights(heights / scale, (1.0,) * heights.ndim))
 
 
 _PACKAGE = Path(__file__).parent.parent

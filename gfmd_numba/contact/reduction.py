@@ -50,7 +50,8 @@ def reduce(
         share = compliance_share(scene, scene.counter_body)
         facing = CounterBody(elastic_body(scene.counter_body, scene.length), share)
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
-    interface, interactions = _interface(scene.interface, given, facing, is_tilted, period, modulus, rms_gradient)
+    may_slip = is_tilted or not scene.periodic  # as inclined surfaces do, and punches that a free body is dragged by
+    interface, interactions = _interface(scene.interface, given, facing, may_slip, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     body, elasticity = _body(given, interface, displacement is not None, tractions is not None, tolerance)
@@ -66,7 +67,18 @@ def reduce(
         )
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
-    problem = Problem(surface, body, interface, pressure, displacement, options, tractions, counter, rough=rough)
+    problem = Problem(
+        surface,
+        body,
+        interface,
+        pressure,
+        displacement,
+        options,
+        tractions,
+        counter,
+        rough=rough,
+        periodic=scene.periodic,
+    )
     return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
 
 
@@ -146,7 +158,7 @@ def _interface(
     asked: Interface,
     body: ElasticBody,
     counter: CounterBody | None,
-    is_tilted: bool,
+    may_slip: bool,
     period: float,
     modulus: float,
     rms_gradient: float,
@@ -154,7 +166,7 @@ def _interface(
     laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
     interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
-    reason = "" if interactions.friction is None or is_tilted else _why_nothing_slips(body, counter)
+    reason = "" if interactions.friction is None or may_slip else _why_nothing_slips(body, counter)
     if reason:
         interactions = replace(interactions, friction=None)
         effects["friction"] = Effect("friction", "dropped", reason)

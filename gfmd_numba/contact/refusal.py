@@ -5,7 +5,7 @@ from itertools import chain
 from math import isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import REFUSALS, Refusal
+from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location, nearest
 from gfmd_numba.scene.loading import Step
@@ -18,7 +18,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy"]
+Where = Literal["accuracy", "limits"]
 
 
 def check_combination(
@@ -44,8 +44,9 @@ def check_combination(
 
 
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`."""
-    _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [()]}))
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or has no limits."""
+    at: Location = (where,) if where == "limits" else ()
+    _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [at]}))
 
 
 def refusals(
@@ -129,7 +130,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
-    yield from _half_spaces(scene, grid)
+    yield from _half_spaces(scene, grid) if scene.periodic else _without_a_period(scene, grid)
+    yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
         if value < 0.0:
@@ -138,6 +140,19 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    if scene.form is None:
+        return
+    if not scene.surfaces:
+        yield "form alone", ("scene", "form")
+    if scene.counter_body is not None:
+        yield "form between elastic bodies", ("scene", "form")
+    if scene.form.radius_y is not None:
+        yield "radius_y", ("scene", "form", "radius_y")
+    if "radius_y" in grid:
+        yield "radius_y", ("grid", "radius_y")
 
 
 def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -164,7 +179,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         yield "displacement", ("scene", "loading", "displacement")
         if scene.loading.displacement < 0.0:
             yield "negative displacement", ("scene", "loading", "displacement")
-    for load in ("line_load", "force"):
+    for load in ("reduced_pressure", "line_load", "force"):
         if getattr(scene.loading, load) is not None:
             yield load, ("scene", "loading", load)
     for i, step in enumerate(path):
@@ -191,6 +206,37 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
         for i, value in enumerate(grid.get(axis, ())):
             if isinf(value):
                 yield "half-space", ("grid", axis, i)
+
+
+def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What the table refuses or may refuse of a scene without a period."""
+    yield "no period", ("scene", "periodic")
+    if not isinf(scene.body.aspect_ratio) and "aspect_ratio" not in grid:
+        yield "slab", ("scene", "body", "aspect_ratio")
+    yield from (
+        ("slab", ("grid", "aspect_ratio", i)) for i, a in enumerate(grid.get("aspect_ratio", ())) if not isinf(a)
+    )
+    if scene.body.layers is not None:
+        yield "layers", ("scene", "body", "layers")
+    if scene.counter_body is not None:
+        yield "rough bodies", ("scene", "counter_body")
+    elif scene.follows_topography:
+        yield "rough bodies", ("scene", "body", "roughness")
+    if scene.boundary is not None:
+        yield "boundary", ("scene", "boundary")
+    if scene.interface.couples and scene.body.layers is None:
+        for i, nu in enumerate(grid.get("poissons_ratio", ())):
+            if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
+                yield "stiff sideways", ("grid", "poissons_ratio", i)
+        nu = scene.body.surface_poissons_ratio
+        if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
+            yield "stiff sideways", ("scene", "body", "poissons_ratio")
+    for place, surface in scene.surfaces.items():
+        if isinstance(surface, Measured):
+            asked = {"cutoff": surface.cutoff, "points": surface.points}
+            yield from ((key, ("scene", *place, key)) for key, value in asked.items() if value is not None)
+            if surface.periodic != "none":
+                yield "treated ends", ("scene", *place, "periodic")
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:

@@ -78,7 +78,19 @@ def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Docu
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
         return _of_rough_bodies(file, measured, document)
-    return PressedSurfaces(*_of_the_punch(file, measured, document))
+    rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
+    return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+
+
+def punch_on_its_form(
+    scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
+) -> tuple[Surface, float]:
+    """Surface of a rigid punch and its rms gradient g, as `problem.rigid_punch` has it; raises InputError."""
+    try:
+        return problem.rigid_punch(scene, rough)
+    except ValueError as error:
+        place = ("scene", "form")
+        raise document.error(place, document.value(place), f"a form that is not flat, not {error}") from None
 
 
 def _of_the_punch(
@@ -87,7 +99,7 @@ def _of_the_punch(
     scene = file.scene
     if isinstance(scene.roughness, Measured):
         try:
-            return problem.given_surface(measured["roughness",].in_periods)
+            return problem.given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
         except ValueError as error:
             raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     try:
@@ -125,12 +137,16 @@ def ensemble_of_rough_bodies(
             surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
             parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
-    fixed = (part for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
-    shape = next(fixed).surface.shape
+    fixed = (part.surface.shape for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
+    shape = next(fixed, None)
     for place, part in parts.items():
-        if part.surface.shape != shape:
+        if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
+    gradient, smooth = _asked_for(asked, parts), problem.smooth_part(scene, shape)
+    if smooth is not None:
+        parts["form",] = smooth
+        gradient = gradient or smooth.rms_gradient
     places = list(parts)
     bodies = tuple(
         DeformableBody(
@@ -141,8 +157,7 @@ def ensemble_of_rough_bodies(
         )
         for name, body in zip(BODIES, scene.deformable, strict=False)
     )
-    summed = SummedSurface(tuple(parts.values()), _asked_for(asked, parts))
-    return summed, RoughBodies(bodies, order)
+    return SummedSurface(tuple(parts.values()), gradient), RoughBodies(bodies, order)
 
 
 def check_drawn(
@@ -151,7 +166,7 @@ def check_drawn(
     """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
     places = list(scene.surfaces)
     drawn = []
-    for place, part in zip(places, summed.parts, strict=True):
+    for place, part in zip([*places, ("form",)], summed.parts, strict=False):
         try:
             drawn.append(part.drawn(realisation))
         except ValueError as error:
@@ -224,10 +239,10 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 def _measured(
     field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
-    record = field.record
+    record, repeats = field.record, isinstance(scene, LoadedBody) or scene.periodic
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by)
+        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, repeats)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)

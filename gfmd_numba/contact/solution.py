@@ -6,6 +6,7 @@ from functools import partial
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import bear_again, processes_of
 from gfmd_numba.contact.state import Change, Contact, State
@@ -21,10 +22,12 @@ _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
 def begin(problem: Problem, realisations: range) -> State:
     """State of realisations of a problem before the first step; `two_step` has that of rough bodies."""
-    surface = problem.surface
-    assert not isinstance(surface, SummedSurface)
+    surface, processes = problem.surface, processes_of(problem)
+    if isinstance(surface, SummedSurface):
+        heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
+        return State.untouched(heights, processes, surface.form)
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
-    return State.untouched(heights, processes_of(problem))
+    return State.untouched(heights, processes)
 
 
 def solve(problem: Problem, state: State | range) -> Contact:
@@ -51,13 +54,35 @@ def solve(problem: Problem, state: State | range) -> Contact:
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
-    equilibrium = equilibrate(punch, _response(problem, change), load, problem.numerics, problem.interface, start, slid)
+    approach = None
+    if problem.periodic:
+        response = _response(problem, change)
+        equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
+    else:
+        equilibrium, sunk = _without_period(problem, state, change, punch, start, slid)
+        punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
     of_waves = partial(condensed_stiffness, problem)
-    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves)
+    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+
+
+def _without_period(
+    problem: Problem, state: State, change: Change, punch: Reals, start: Start | None, slid: Reals
+) -> tuple[Equilibrium, Reals]:
+    """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
+    shape, laws, load = punch.shape[1:], problem.interface, problem.mean_pressure
+    response = free_window.response(shape, laws, problem.body, change.factor)
+    wide = free_window.padded(punch, load, laws)
+    if start is not None and state.last is not None and state.last.approach is not None:
+        sunk = 0.0 if load is None else state.last.approach
+        start = free_window.start(start, state.last.equilibrium, sunk, response)
+    shared = None if load is None else free_window.share(len(shape)) * load
+    found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
+    sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
+    return free_window.in_window(found, shape, sunk), sunk
 
 
 def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> Start | None:

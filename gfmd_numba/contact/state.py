@@ -99,8 +99,9 @@ class Process(Protocol):
 class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
-    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. A step that
-    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
+    `form` under its roughness are a part of them. A step that `repeats` the load of the last one, on a surface that has
+    hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -108,11 +109,12 @@ class State:
     memory: Mapping[str, Any] = field(default_factory=dict)
     last: "Contact | None" = None
     repeats: bool = False
+    form: Reals | None = None
 
     @classmethod
-    def untouched(cls, heights: Reals, processes: tuple[Process, ...]) -> "State":
+    def untouched(cls, heights: Reals, processes: tuple[Process, ...], form: Reals | None = None) -> "State":
         """State of surfaces before the first step."""
-        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes})
+        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes}, form=form)
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
@@ -162,7 +164,9 @@ class Contact:
     `punch` is the wall the displacement meets: the heights upside down, first touch (or the prescribed
     displacement below it) at zero, moved by what processes do to this step (`change`). `before` is the state in which
     the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
-    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). `found` is what observables have found.
+    `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
+    `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
+    displacements then count from the body at rest, as the punch does. `found` is what observables have found.
     """
 
     heights: Reals
@@ -173,6 +177,7 @@ class Contact:
     change: Change = NO_CHANGE
     followed: Followed | None = None
     stiffness: Callable[[Reals], Reals] = stiffness.half_space
+    approach: Reals | None = None
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
@@ -181,6 +186,19 @@ class Contact:
         assert self.before is not None  # of what was solved
         assert self.step is not None
         return self.before.after(self, self.step)
+
+    @property
+    def roughness(self) -> Reals:
+        """Heights `[realisation, (y,) x]` of the punch without the form below its roughness; those of a form alone."""
+        if self.form is None:
+            return self.heights
+        rough = self.heights - self.form
+        return rough if rough.any() else self.heights
+
+    @property
+    def form(self) -> Reals | None:
+        """Heights `[(y,) x]` of the smooth form of the punch, None without."""
+        return None if self.before is None else self.before.form
 
     @property
     def flattened(self) -> Reals | float:

@@ -1,4 +1,4 @@
-"""Surfaces of a problem that are not random: given heights, and sums of several surfaces that are pressed together."""
+"""Surfaces of a problem that are not random: given heights, smooth forms, and sums of surfaces."""
 
 import math
 from dataclasses import dataclass, field, replace
@@ -8,6 +8,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.scene.form_record import Form
 
 
 @dataclass(frozen=True)
@@ -30,13 +31,32 @@ class GivenSurface:
 
 
 @dataclass(frozen=True)
+class SmoothSurface:
+    """A smooth form about the middle of a period on a grid of a shape; its lengths and heights are in L_x."""
+
+    form: Form
+    shape: tuple[int, ...]
+
+    @property
+    def nx(self) -> int:
+        """Number of grid points over the period."""
+        return self.shape[-1]
+
+    @property
+    def heights(self) -> Reals:
+        """Heights `[(y,) x]`, 0 at the summit."""
+        y, x = (np.arange(n) / n - 0.5 for n in (self.shape[0], self.nx))
+        return np.asarray(self.form.heights(x) if len(self.shape) == 1 else self.form.heights(x, y[:, np.newaxis]))
+
+
+@dataclass(frozen=True)
 class Topography:
-    """One of several rough surfaces that are pressed together: random ones in units of a `gradient`, given ones in L_x.
+    """One of several surfaces that are pressed together, in units of a `gradient` and L_x.
 
     That of a body is `centred`: each of its realisations has zero mean.
     """
 
-    surface: RandomSurface | GivenSurface
+    surface: RandomSurface | GivenSurface | SmoothSurface
     gradient: float
     centred: bool
 
@@ -49,16 +69,16 @@ class Topography:
 
     def drawn(self, realisation: int) -> Reals:
         """Heights `[(y,) x]` in L_x, peaks outwards; raises ValueError for a grid that cannot hold the waves."""
-        if isinstance(self.surface, GivenSurface):
-            heights = self.surface.heights
-        else:
+        if isinstance(self.surface, RandomSurface):
             heights = np.asarray(self.gradient * self.surface.heights(range(realisation, realisation + 1))[0])
+        else:
+            heights = self.gradient * self.surface.heights
         return heights - heights.mean() if self.centred else heights
 
 
 @dataclass(frozen=True)
 class SummedSurface:
-    """What several rough surfaces are together, in units of `rms_gradient`, the g that is asked of all, and L_x."""
+    """What several surfaces are together, in L_x and units of `rms_gradient`, the g that is asked of all rough ones."""
 
     parts: tuple[Topography, ...]
     rms_gradient: float
@@ -82,6 +102,12 @@ class SummedSurface:
         """Heights `[(y,) x]` of each part in L_x; raises ValueError for a grid that cannot hold the waves."""
         return [part.drawn(realisation) for part in self.parts]
 
+    @property
+    def form(self) -> Reals | None:
+        """Heights `[(y,) x]` in its units of the smooth form that is one of them, None without."""
+        smooth = [part.drawn(0) for part in self.parts if isinstance(part.surface, SmoothSurface)]
+        return smooth[0] / self.rms_gradient if smooth else None
+
 
 Surface = RandomSurface | GivenSurface | SummedSurface
 
@@ -95,6 +121,9 @@ def without_shortest(surface: Surface, nx: int, halvings: int) -> Surface | None
         return None if generator is None else replace(surface, nx=nx, generator=generator)
     parts = []
     for part in surface.parts:
+        if isinstance(part.surface, SmoothSurface):
+            parts.append(replace(part, surface=replace(part.surface, shape=(nx,) * len(surface.shape))))
+            continue
         fewer_waves = without_shortest(part.surface, nx, halvings)
         if not isinstance(fewer_waves, RandomSurface):
             return None

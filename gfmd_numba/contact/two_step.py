@@ -69,10 +69,11 @@ def begin(problem: Problem, realisation: int) -> State:
     drawn, order = problem.surface.drawn(realisation), problem.rough.order
     bodies = tuple(rough_body(each, drawn, order) for each in problem.rough.bodies)
     of_bodies = {each.part for each in problem.rough.bodies}
-    punch = next((heights for part, heights in enumerate(drawn) if part not in of_bodies), None)
+    rigid = [heights for part, heights in enumerate(drawn) if part not in of_bodies and len(bodies) == 1]
+    punch = np.sum(rigid, axis=0) if rigid else None
     together, gradient = given_surface(np.sum(drawn, axis=0), problem.surface.rms_gradient)
     slopes = Slopes(problem, bodies, gradient, order, punch)
-    return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes))
+    return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes), problem.surface.form)
 
 
 def solve(problem: Problem, state: State) -> Pressed:

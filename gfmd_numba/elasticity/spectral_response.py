@@ -43,6 +43,11 @@ class SpectralResponse:
         return cls(stiffness[np.newaxis])
 
     @classmethod
+    def of_compliance(cls, elements: Reals) -> "SpectralResponse":
+        """Response of a compliance with these elements, in L_x/E*, which is positive at all waves, also at q = 0."""
+        return cls(_inverse(elements))
+
+    @classmethod
     def on_grid(
         cls, shape: tuple[int, ...], k11: Reals, k13: Reals, k33: Reals, k22: Reals | None = None
     ) -> "SpectralResponse":

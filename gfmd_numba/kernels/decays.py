@@ -350,13 +350,15 @@ def candidates(
     They are the nodes with pressure and those less open than these are, at most, from being closed.
     """
     count = 0
-    approach = 0.0
+    first, beyond = 0.0, 0.0  # gaps almost alike are added up as differences: a sum of a million would lose digits
     for j in range(n):
         if p[j] > 0.0:
+            if count == 0:
+                first = wall[j] + sp[j]
             spare[count] = j
-            approach += wall[j] + sp[j]
+            beyond += wall[j] + sp[j] - first
             count += 1
-    approach = approach / count if free_mean and count > 0 else 0.0
+    approach = first + beyond / count if free_mean and count > 0 else 0.0
     misfit = 0.0
     for k in range(count):
         misfit += abs(wall[spare[k]] + sp[spare[k]] - approach)
@@ -727,11 +729,14 @@ def touching_displacement(p: Reals, sp: Reals, wall: Reals, n: int, free_mean: b
     approach = 0.0
     if free_mean:
         count = 0
+        first, beyond = 0.0, 0.0  # as in `candidates`
         for j in range(n):
             if p[j] > 0.0:
-                approach += wall[j] + sp[j]
+                if count == 0:
+                    first = wall[j] + sp[j]
+                beyond += wall[j] + sp[j] - first
                 count += 1
-        approach /= count
+        approach = first + beyond / count
     for j in range(n):
         u[j] = wall[j]
         gap = wall[j] + sp[j] - approach

@@ -181,9 +181,10 @@ def revise_contact(
     p, gap = iterate.p, iterate.gap
     if free_mean:
         approach = 0.0
-        for k in range(count):
-            approach += gap[nodes[k]]
-        approach /= count
+        first = gap[nodes[0]]
+        for k in range(count):  # as differences: a sum of gaps almost alike would lose digits
+            approach += gap[nodes[k]] - first
+        approach = first + approach / count
         for j in range(n):
             gap[j] -= approach
     changed = 0
@@ -491,10 +492,11 @@ def cg_gap(
     for i in active:
         approach = 0.0
         if free_mean:
-            for k in range(count[i]):
+            first = punch[i, nodes[i, 0]] + sp[i, nodes[i, 0]]
+            for k in range(count[i]):  # as differences: a sum of gaps almost alike would lose digits
                 j = nodes[i, k]
-                approach += punch[i, j] + sp[i, j]
-            approach /= count[i]
+                approach += punch[i, j] + sp[i, j] - first
+            approach = first + approach / count[i]
         for j in range(n):
             gap[i, j] = punch[i, j] + sp[i, j] - approach
 

@@ -67,7 +67,8 @@ class RandomSurface:
 
     Each surface is scaled to the same rms gradient, 1, or, where `by_height`, to the same rms height: that of an
     ensemble whose rms gradient is 1 in theory. Where `by_theory`, all surfaces are scaled by one factor, with
-    which theory expects of the ensemble what each surface has otherwise.
+    which theory expects of the ensemble what each surface has otherwise. A patch without a period, of nx nodes a side,
+    is the corner of a surface of that many `periods` of its length, which its generator and its scale belong to.
     """
 
     generator: Generator
@@ -76,11 +77,17 @@ class RandomSurface:
     dimension: int = 1
     by_height: bool = False
     by_theory: bool = False
+    periods: int = 1
 
     @property
     def shape(self) -> Shape:
         """Shape of a surface, (nx,) or (ny, nx)."""
         return (self.nx,) * self.dimension
+
+    @property
+    def whole(self) -> Shape:
+        """Shape of the periodic surface that a patch is cut from; the same without one."""
+        return tuple(self.periods * n for n in self.shape)
 
     @property
     def nodes(self) -> int:
@@ -89,14 +96,22 @@ class RandomSurface:
 
     def heights(self, realisations: range) -> Reals:
         """Heights `[realisation, (y,) x]` of zero mean; raises ValueError for a grid that cannot hold the waves."""
-        drawn = self.generator.heights(self.shape, self.seed, realisations)
+        drawn = self._periodic(realisations)
+        if self.periods == 1:
+            return drawn
+        corner: Any = (..., *(slice(n) for n in self.shape))
+        patch = self.periods * drawn[corner]
+        return np.asarray(patch - patch.mean(axis=tuple(range(1, patch.ndim)), keepdims=True))
+
+    def _periodic(self, realisations: range) -> Reals:
+        drawn = self.generator.heights(self.whole, self.seed, realisations)
         periods = (1.0,) * self.dimension
         if self.by_theory:
-            height = np.sqrt(self.generator.mean_square_height(self.shape))
+            height = np.sqrt(self.generator.mean_square_height(self.whole))
             centred = drawn - drawn.mean(axis=tuple(range(1, drawn.ndim)), keepdims=True)
-            return np.asarray(centred / (height * gradient_over_height(self.generator, self.shape)))
+            return np.asarray(centred / (height * gradient_over_height(self.generator, self.whole)))
         if self.by_height:
-            return statistics.scaled(drawn, periods, rms_height=1.0 / gradient_over_height(self.generator, self.shape))
+            return statistics.scaled(drawn, periods, rms_height=1.0 / gradient_over_height(self.generator, self.whole))
         return drawn if self.generator.unit_gradient else statistics.scaled(drawn, periods, rms_gradient=1.0)
 
 
@@ -116,27 +131,37 @@ def band(record: PowerLaw, discretisation: Discretisation | None, period: float)
 
 
 def random_surface(
-    record: Random, discretisation: Discretisation | None, period: float, dimension: int, seed: int
+    record: Random,
+    discretisation: Discretisation | None,
+    period: float,
+    dimension: int,
+    seed: int,
+    periods: int = 1,
 ) -> RandomSurface:
-    """Ensemble of a record, whose lengths are in the unit of `period`.
+    """Ensemble of a record, whose lengths are in the unit of `period`, or of patches of so many times that period.
 
     Grid and wavelengths that the record leaves open are those of the discretisation. Raises ValueError for lengths that
     do not go with the period.
     """
-    record, period = in_reduced_units(record, period, 1.0), 1.0
+    record, period = in_reduced_units(record, periods * period, 1.0), 1.0
+    if discretisation is not None and periods > 1:
+        discretisation = discretisation.model_copy(update={"eps_t": discretisation.eps_t / periods})
     nx = discretisation.nx if record.points is None and discretisation is not None else record.points
     assert nx is not None  # the records' promise
+    if record.points is not None:
+        nx *= periods
     make: Maker = resolve_name(record.implementation)
     surface = RandomSurface(
         make(record, discretisation, period, dimension, nx),
-        nx,
+        nx // periods,
         seed,
         dimension,
         by_height=record.rms_height is not None and record.scaling == "each",
         by_theory=record.scaling == "ensemble",
+        periods=periods,
     )
     if record.points is not None and not surface.by_height:  # where it is, the rms gradient below asks for the power
-        surface.generator.power(surface.shape)
+        surface.generator.power(surface.whole)
     return surface
 
 
@@ -144,6 +169,6 @@ def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float
     """Rms gradient asked of a surface, or the one that theory expects of the rms height asked of it."""
     if record.rms_gradient is not None:
         return record.rms_gradient
-    height: float | None = in_reduced_units(record, period, 1.0).rms_height
+    height: float | None = in_reduced_units(record, surface.periods * period, 1.0).rms_height
     assert height is not None  # the record's promise
-    return height * gradient_over_height(surface.generator, surface.shape)
+    return height * gradient_over_height(surface.generator, surface.whole)

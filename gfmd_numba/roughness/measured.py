@@ -76,13 +76,18 @@ def measured_surface(record: Measured, length: float | None, dimension: int | No
 
 
 def periodic_surface(
-    field: Field, length: float | None, dimension: int | None = None, in_si: bool = False, told_by: str = "length"
+    field: Field,
+    length: float | None,
+    dimension: int | None = None,
+    in_si: bool = False,
+    told_by: str = "length",
+    repeats: bool = True,
 ) -> MeasuredSurface:
     """Periodic surface of a field, of period `length` in m, or that of the file, or 1 if heights are in L_x.
 
     `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
-    assumed even without a length. `told_by` names what the length stands in. Raises ValueError, saying what is wrong
-    and what to do.
+    assumed even without a length. `told_by` names what the length stands in. A patch that does not repeat has no seam
+    to be doubted. Raises ValueError, saying what is wrong and what to do.
     """
     record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
@@ -98,7 +103,7 @@ def periodic_surface(
     heights, levelled = detrended(heights, record.detrend)
     signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
-    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs)
+    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, repeats)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)

@@ -112,12 +112,17 @@ def of_field(field: Field) -> Signs:
     return Signs(sentences, min(rms, usual) if sentences and usual > 0.0 else rms, float(np.ptp(level)))
 
 
-def of_surface(heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None) -> tuple[str, ...]:
-    """Sentences about a periodic surface, whose size is not blamed on units if the signs of its field explain it."""
+def of_surface(
+    heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None, repeats: bool = True
+) -> tuple[str, ...]:
+    """Sentences about a surface, whose size is not blamed on units if the signs of its field explain it.
+
+    It is periodic where it `repeats`, or else a patch.
+    """
     named = signs if signs is not None and signs.sentences else None
-    found = [*_seams(heights)]
+    found = [*(_seams(heights) if repeats else ())]
     if named is None or named.rms_gradient > GRADIENT:
-        found.append(_gradient(heights, lengths))
+        found.append(_gradient(heights, lengths, repeats))
     if named is None or named.range > min(lengths):
         found.append(_range(heights, lengths))
     return tuple(filter(None, found))
@@ -278,8 +283,9 @@ def _rms(steps: Reals) -> Reals:
     return np.asarray(np.sqrt((steps**2).mean(axis=tuple(range(steps.ndim - 1)))))
 
 
-def _gradient(heights: Reals, lengths: tuple[float, ...]) -> str:
-    gradient = float(statistics.rms_gradient(heights, lengths))
+def _gradient(heights: Reals, lengths: tuple[float, ...], repeats: bool) -> str:
+    of_heights = statistics.rms_gradient if repeats else statistics.rms_gradient_of_patch
+    gradient = float(of_heights(heights, lengths))
     if gradient <= GRADIENT:
         return ""
     return (

@@ -74,6 +74,28 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
     return grid.signal(grid.derivative(waves), nx) / length
 
 
+def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> list[Reals]:
+    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at the nodes.
+
+    They are those of a cubic spline through the heights.
+    """
+    from scipy.interpolate import CubicSpline  # takes long to load, and periodic surfaces do without
+
+    found = []
+    for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
+        n = heights.shape[axis]
+        found.append(
+            np.asarray(CubicSpline(np.arange(n) * (length / n), heights, axis=axis)(np.arange(n) * (length / n), 1))
+        )
+    return found
+
+
+def rms_gradient_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Root-mean-square gradient `[...]` of heights that end at the edges of a patch."""
+    squares = sum(each**2 for each in gradients_of_patch(heights, lengths))
+    return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+
+
 def typical_slope(heights: Reals, length: float = 1.0) -> Reals:
     """Standard deviation sigma(theta) `[...]` in rad of the slope angle along each row (thesis Tab. 3.2)."""
     return np.asarray(np.arctan(gradient(heights, length)).std(axis=-1))

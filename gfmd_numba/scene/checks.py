@@ -24,9 +24,13 @@ _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
 
 
-def arrays_per_realisation(dimension: int, laws: Iterable[str]) -> int:
-    """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes."""
-    return max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+def arrays_per_realisation(dimension: int, laws: Iterable[str], periodic: bool = True) -> int:
+    """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes.
+
+    Without a period it is solved on a grid of twice as many nodes along each direction.
+    """
+    arrays = max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
+    return arrays if periodic else arrays * 2**dimension
 
 
 def arrays_of_topography(dimension: int, order: int) -> int:
@@ -92,7 +96,8 @@ def check_discretisation(
 
 def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -> None:
     """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
-    for place, surface in scene.surfaces.items():
+    form = scene.form if isinstance(scene, Scene) else None
+    for place, surface in (scene.surfaces | ({} if form is None else {("form",): form})).items():
         if surface.points is not None:
             check_nodes(document, ("scene", *place, "points"), float(surface.points) ** scene.dimension, arrays)
 

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.body_record import Body
+from gfmd_numba.scene.form_record import Form
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.loading import Loading, Step, check_loading
 from gfmd_numba.scene.measured_record import Measured
@@ -105,6 +106,7 @@ class Scene(BaseModel):
     model_config = RECORD
     body: Body = Field(description="Elastic body")
     roughness: Surface | None = Field(None, description="The rigid punch's roughness; None: flat")
+    form: Form | None = Field(None, description="Smooth form of the punch, under its roughness or alone; None: flat")
     counter_body: Body | None = Field(None, description="A second elastic body in place of the rigid punch")
     interface: Interface = Field(description="Interaction between body and punch")
     loading: Loading = Field(description="Load or displacement control")
@@ -114,6 +116,9 @@ class Scene(BaseModel):
         description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
     )
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
+    periodic: bool = Field(
+        True, description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free"
+    )
 
     @property
     def deformable(self) -> tuple[Body, ...]:
@@ -146,12 +151,13 @@ class Scene(BaseModel):
     @property
     def touches_inclined(self) -> bool:
         """Whether the surfaces that touch are inclined: all but those of a rough body under a level rigid punch."""
-        return self.follows_topography and (self.counter_body is not None or self.roughness is not None)
+        upper = (self.counter_body, self.roughness, self.form)
+        return self.follows_topography and any(each is not None for each in upper)
 
     @property
     def knows_lowest_order_only(self) -> bool:
         """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
-        layered = any(body.layers is not None for body in self.deformable)
+        layered = any(body.layers is not None for body in self.deformable) or self.form is not None
         further = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
         return self.dimension == 2 or layered or further
 
@@ -163,12 +169,17 @@ class Scene(BaseModel):
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
         counter = self.counter_body
-        if not self.surfaces:
+        if self.form is None and not self.surfaces:
             raise broken_rule(
                 ("roughness",),
                 "a mapping with a method like 'psd' or 'measured', here for the punch or inside body for the body "
-                "itself",
+                "itself, or a form",
             )
+        if self.form is not None and (self.form.points is None) == (not self.surfaces):
+            allowed = (
+                "grid points over L_x, as no roughness has any" if not self.surfaces else "nothing with a roughness"
+            )
+            raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:
                 raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
@@ -188,6 +199,9 @@ class Scene(BaseModel):
             body.check_layers((name,), self.length)
         check_loading(self.loading, self.length, self.has_moduli)
         check_scales(self, self.length, self.has_moduli)
+        wrong = None if self.form is None else self.form.misfit(self.length or 1.0)
+        if wrong is not None:
+            raise broken_rule(("form", wrong[0]), wrong[1])
 
 
 class Discretisation(BaseModel):

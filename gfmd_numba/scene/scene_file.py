@@ -21,7 +21,7 @@ from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.text.input_error import InputError
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")
-_OF_A_PUNCH = {"roughness", "interface", "loading"}
+_OF_A_PUNCH = {"roughness", "form", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
 
@@ -85,7 +85,8 @@ def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
     scene = file.scene
     if isinstance(file, SceneFile):
         laws = [*file.scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
-        arrays = arrays_per_realisation(scene.dimension, laws) + arrays_of_path(scene.dimension, laws, len(file.path))
+        arrays = arrays_per_realisation(scene.dimension, laws, file.scene.periodic)
+        arrays += arrays_of_path(scene.dimension, laws, len(file.path))
     else:
         arrays = arrays_of_a_loaded_body(scene.dimension, file.slope_order)
     if file.discretisation is not None:

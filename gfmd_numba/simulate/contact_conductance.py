@@ -5,7 +5,7 @@ import xarray as xr
 from scipy.sparse.linalg import LinearOperator, cg
 
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, cf_attributes
+from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, cf_attributes
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.scene import InputError
@@ -92,6 +92,8 @@ def _nodes(contact: xr.Dataset) -> list[str]:
         raise InputError(
             "contact: you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0"
         )
+    if POINTS_OF_WINDOW in contact["x"].attrs:
+        raise InputError("contact: you gave one without a period; gfmd allows a periodic one, as this is not built yet")
     for dim in nodes:
         points = contact[dim].attrs.get(POINTS, contact.sizes[dim]) if dim in contact.coords else "unknown"
         if str(points) != str(contact.sizes[dim]):

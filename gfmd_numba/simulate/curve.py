@@ -37,6 +37,7 @@ from gfmd_numba.text.input_error import brief
 RECORDED = (
     "mean_pressure",
     "contact_area_fraction",
+    "approach",
     "mean_gap",
     "peak_pressure",
     "n_segments",
@@ -53,6 +54,7 @@ SHOWN = (
     "contact_area_fraction",
     "contact_area",
     "contact_length",
+    "approach",
     "mean_gap",
     "contact_stiffness",
     "peak_pressure",
@@ -184,7 +186,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
         steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
         for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
             short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)
-            scalars = step[list(RECORDED)]
+            scalars = step[[name for name in RECORDED if name in step]]
             for name in ("n_iterations", "wall_time"):
                 scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
             scalars["contact_stiffness"] = _stiffness(short, step)
@@ -210,10 +212,14 @@ def _approached(curve: LoadCurve) -> tuple[float, ...]:
 
 
 def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:
-    """Rise of the mean pressure over the fall of the mean gap, infinite where the gap is closed already."""
+    """Rise of the mean pressure over the fall of the mean gap, infinite where the gap is closed already.
+
+    Without a period, over the way of the punch.
+    """
+    name, ends = ("approach", (before, step)) if "approach" in step else ("mean_gap", (step, before))
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = step["mean_pressure"].values - before["mean_pressure"].values
-        return float(rise / (before["mean_gap"].values - step["mean_gap"].values))
+        return float(rise / (ends[1][name].values - ends[0][name].values))
 
 
 def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
@@ -290,7 +296,8 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
-        attributes = cf_attributes(f"real {name.replace('_', ' ')} over one period", unit)
+        whole = "one period" if scene.periodic else "the window"
+        attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     found["contact_stiffness"].attrs = _stiffness_attributes(scene)
 
@@ -300,6 +307,8 @@ def _stiffness_attributes(scene: Scene) -> dict[str, Any]:
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
+    if not scene.periodic:
+        long_name = "contact stiffness, d(mean_pressure)/d(approach)"
     return cf_attributes(long_name, " ".join(per) or "1") | {"comment": _METHOD}
 
 

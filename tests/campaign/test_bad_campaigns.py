@@ -78,7 +78,7 @@ CAMPAIGNS = {
     ),
     "measured profile": (
         ("{method: psd, hurst: 0.8, rms_gradient: 0.01}", "{method: measured, file: steel.npy}"),
-        "bad.yaml:2:7: seed: you gave 2018; gfmd allows nothing, as a measured surface is not random",
+        "bad.yaml:2:7: seed: you gave 2018; gfmd allows nothing, as no surface is random",
     ),
     "pressure axis under displacement": (
         (

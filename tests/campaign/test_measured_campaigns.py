@@ -70,8 +70,8 @@ def test_another_surface_is_another_problem(folder):
 @pytest.mark.parametrize(
     ("changes", "said"),
     [
-        ({"seed": 1}, r"seed: you gave 1; gfmd allows nothing, as a measured surface is not random"),
-        ({"realisations": 1}, r"realisations: you gave 1; gfmd allows nothing, as a measured surface is not random"),
+        ({"seed": 1}, r"seed: you gave 1; gfmd allows nothing, as no surface is random"),
+        ({"realisations": 1}, r"realisations: you gave 1; gfmd allows nothing, as no surface is random"),
         (
             {"scene": SCENE | {"body": SCENE["body"] | {"roughness": RANDOM}}},
             r"seed: you gave nothing; gfmd needs a whole number at least 0 and below 4294967296, as surfaces are "

@@ -99,6 +99,18 @@ def test_a_touching_displacement_overlaps_nowhere(touch, free_mean, rng):
     np.testing.assert_allclose(u, wall - np.where(p > 0, 0.0, np.maximum(wall + sp - approach, 0.0)), atol=1e-15)
 
 
+def test_the_approach_of_many_nodes_keeps_its_digits(rng):
+    n = 200_000
+    p, u = np.ones(n), np.empty(n)
+    wall = rng.uniform(0.0, 1e-2, n)
+    sp = 0.012345 - wall
+    p[-1], sp[-1] = 0.0, sp[-1] + 1e-3  # an open node: by as much as its wall and displacement say
+    kernels.touching_displacement(p, sp, wall, n, True, u)
+    assert wall[-1] - u[-1] == pytest.approx(1e-3, abs=1e-17)
+    _, approach = candidates(p, sp, wall, n, True, 0.0, *np.empty((2, n), dtype=np.int64))
+    assert approach == pytest.approx(0.012345, abs=1e-17)
+
+
 @pytest.mark.parametrize("refine", both(kernels.refined_pressure))
 def test_a_refined_pressure_lies_between_contact_nodes_and_carries_the_load(refine):
     fine, p = np.zeros(8), np.empty(8)

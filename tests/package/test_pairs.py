@@ -45,6 +45,7 @@ FACTORS = {
     },
     "body": {
         "half-space": {"body": {"poissons_ratio": 0.3}},
+        "half-space around a window": {"body": {"poissons_ratio": 0.3}, "periodic": False},
         "slab": {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}},
         "incompressible half-space": {"body": {"poissons_ratio": 0.5}},
         "incompressible slab": {"body": {"poissons_ratio": 0.5, "aspect_ratio": 0.5}},
@@ -149,6 +150,7 @@ def test_every_choice_is_refused_by_the_table_or_allowed(sorted_out):
 
 
 @pytest.mark.filterwarnings("ignore:contacts are")  # a few nodes are enough here
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge")
 def test_every_pair_is_refused_or_solved(sorted_out, tmp_path):
     allowed, _ = sorted_out
     failed = [(choice, status) for choice in covering(allowed) if (status := solved(choice, tmp_path)) != "ok"]
@@ -166,7 +168,7 @@ def test_most_pairs_are_solved(sorted_out):
         for pair in pairs_of(choice):
             kinds[pair].add("solved")
     counted = Counter(next(kind for kind in ("solved", "solver", "physics") if kind in each) for each in kinds.values())
-    assert counted == {"solved": 483, "solver": 39, "physics": 77}  # of 599; change with the tables
+    assert counted == {"solved": 510, "solver": 40, "physics": 79}  # of 629; change with the tables
 
 
 def solved(choice, folder):

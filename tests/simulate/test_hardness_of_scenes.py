@@ -55,7 +55,7 @@ def test_no_hardness_is_no_part_of_a_problem():
     assert problem().identity != problem(hardness=0.1).identity
     assert problem(hardness=0.2).identity != problem(hardness=0.1).identity
     assert "plastic_area_fraction" not in solve()
-    assert OBSERVABLES["plastic_area_fraction"].needs_hardness
+    assert OBSERVABLES["plastic_area_fraction"].needs == "hardness"
 
 
 def test_a_hardness_counts_in_pascals_or_in_units_of_the_contact_modulus():

@@ -27,7 +27,8 @@ _SLOWEST_ALTERNATING = 1e-3
 _SAMPLES = 100  # wave numbers fitted, as many near q = 0, on a logarithmic scale, as twice that near Nyquist
 _RIDGE = 1e-8  # of the size of columns: keeps weights small where fewer decays would do
 _SPACING, _FAINT = 2.0, 1e-3  # of the preconditioner's decays: fewer factor faster, and are close enough here
-_CLOSE = 0.03  # relative error up to which a sum of decays is taken for the compliance
+_CLOSE = 0.06  # relative error up to which a sum of decays is taken for the compliance
+_CLOSER = 0.03  # and up to which steps are so few that they pay in denser contacts, too
 _COARSENING = 4
 _COARSEST = 256  # nodes up to which the first guess is full contact
 _KEPT = 32  # bodies and grids
@@ -140,7 +141,7 @@ _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
 _MOST_KEPT = 4  # grids whose arrays are kept for the next batch
-_DENSE = 0.25  # share of the nodes in contact from which on transforms are cheaper than sums over decays
+_DENSE, _DENSE_OF_MANY_STEPS = 0.25, 0.1  # share of nodes in contact from which on transforms are cheaper than decays
 _HEAVY = 0.32  # load over the rms pressure of full contact at which that share is expected, by (4.16)
 _SMALL = 2**10  # nodes up to which they are not
 _NEXT = 4  # times as many nodes at most as a coarser grid on which twice that share tells as much
@@ -185,9 +186,10 @@ class DecayNewton:
         self._looks = np.zeros(rows, dtype=np.bool_)
         self._target = np.full(rows, _EXACT * options.residual)
         self._rounding = np.finfo(np.float64).eps * np.ptp(batch.punch, axis=1)
+        self._most = _DENSE if model.error <= _CLOSER else _DENSE_OF_MANY_STEPS
         start, dense = batch.uniform_pressure, []
         for i in range(rows):
-            if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > _DENSE * n):
+            if self._guess(i, float(start[i])) or (n > _SMALL and np.count_nonzero(self.pressure[i]) > self._most * n):
                 dense.append(i)
         self._dense = {i: k for k, i in enumerate(dense)}
         self._by_transforms = ActiveSetNewton(_rows(batch, dense), options) if dense else None
@@ -293,7 +295,7 @@ class DecayNewton:
             if (
                 self.field.n > _SMALL
                 and _NEXT * other.n >= self.field.n
-                and np.count_nonzero(other.pressure) > 2.0 * _DENSE * other.n
+                and np.count_nonzero(other.pressure) > 2.0 * self._most * other.n
             ):
                 return True
             pressure = self.pressure[i] if finer is level else finer.pressure

@@ -1,0 +1,132 @@
+"""A contact without a period, as the solvers see it: the window of the punch in a padded grid that nothing touches.
+
+The elastic body is free around the window (`elasticity/free_half_space.py`). The padding is part of the solver's grid,
+so that every solver and its certificate runs as it is. The punch is far away there, and nobody else knows of it: what
+is found is cut back to the window.
+"""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity import free_half_space
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.interface.interactions import Interactions, NormalLaw
+from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
+from gfmd_numba.solvers.iteration import Start
+
+_ABOVE = 1.0  # times the mean pressure over E*, in L_x: a flat punch, the stiffest of all, sinks in by 0.88 of that
+_PULLED = (
+    3.0  # times the traction of a law over E*, in L_x: more than it pulls the surface up, even all over the window
+)
+_NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no more
+_RANGES = 45.0  # of a law of gap and slip, at which it has as little
+_SHORTEST = 1e-9  # range of a law, in L_x
+_APART = 0.1  # of the size of the punch, at which it is where its displacement is prescribed
+
+
+def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, factor: float = 1.0) -> SpectralResponse:
+    """Response of a half-space around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
+
+    It is stiffer by a factor than the body.
+    """
+    found = free_half_space.response(shape, body.nu) if laws.couples else free_half_space.normal_response(shape)
+    return found if factor == 1.0 else SpectralResponse(factor * found.elements)
+
+
+def padded(punch: Reals, load: float | None, laws: Interactions) -> Reals:
+    """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
+
+    That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
+    sinks in by less than one that is flat at its own highest point.
+    """
+    along = tuple(range(1, punch.ndim))
+    highest = punch.max(axis=along, keepdims=True)
+    if load is None:
+        far = np.maximum(highest, 0.0) + _APART * np.abs(punch).max(axis=along, keepdims=True)
+    else:
+        far = highest + _ABOVE * load
+    for law in (laws.normal_law, laws.cohesive):
+        if law is not None:
+            far = far + _PULLED * abs(law.strength) + reach(law)
+    return in_corner(punch, far)
+
+
+def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
+    """Gap beyond which a law acts no more, or up to twice that."""
+    none, gap = np.zeros(1), _SHORTEST * abs(law.strength)
+    if isinstance(law, XuNeedlemanLaw):
+        return _RANGES * law.normal
+    while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):
+        gap *= 2.0
+    return gap
+
+
+def share(dimension: int) -> float:
+    """Share of the padded grid that the window is: of a mean pressure there."""
+    return float(free_half_space.WIDER**-dimension)
+
+
+def start(window: Start, before: Equilibrium, sunk: Reals | float, response: SpectralResponse) -> Start:
+    """Initial state on the padded grid of one in the window: around that, what the tractions before do to the body.
+
+    The solver has the body at rest higher by what the punch has `sunk` in.
+    """
+    corner, along = _corner(window.displacement.shape[1:]), before.tangential
+    tractions = -before.pressure[:, np.newaxis]
+    if along is not None:
+        tractions = np.concatenate((along.traction, tractions), axis=1)
+    loaded = np.zeros((*tractions.shape[:2], *free_half_space.padded_shape(tractions.shape[2:])))
+    loaded[corner] = tractions
+    moved = np.stack([response.apply(each) for each in loaded])
+    displacement = np.asarray(sunk + moved[:, -1])
+    open_nodes = displacement[corner]
+    displacement[corner] = np.where(before.touching, window.displacement, open_nodes)
+    at_rest = Start.at_rest(displacement)
+    if along is None:
+        return replace(at_rest, displacement=displacement)
+    anchor = at_rest.anchor.copy()
+    anchor[corner] = window.anchor
+    return Start(displacement, moved[:, :-1], anchor, window.dragged)
+
+
+def sunk_in(found: Equilibrium, response: SpectralResponse) -> Reals:
+    """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
+    along = tuple(range(1, found.pressure.ndim))
+    return np.asarray((found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True))
+
+
+def in_window(found: Equilibrium, shape: tuple[int, ...], sunk: Reals | float) -> Equilibrium:
+    """What is found in the window, displacements counted from the body at rest, of which the solver's are `sunk`."""
+    corner = _corner(shape)
+    tangential = None if found.tangential is None else _tangential(found.tangential, shape)
+    return replace(
+        found,
+        displacement=found.displacement[corner] - sunk,
+        pressure=found.pressure[corner].copy(),
+        touching=found.touching[corner].copy(),
+        tangential=tangential,
+        plastic=None if found.plastic is None else found.plastic[corner].copy(),
+    )
+
+
+def _tangential(found: Tangential, shape: tuple[int, ...]) -> Tangential:
+    fields = {name: getattr(found, name)[_corner(shape)].copy() for name in ("displacement", "traction", "slip")}
+    return replace(found, **fields)
+
+
+def _corner(shape: tuple[int, ...]) -> Any:
+    return (..., *(slice(n) for n in shape))
+
+
+def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
+    whole = np.empty((len(values), *free_half_space.padded_shape(values.shape[1:])), dtype=values.dtype)
+    whole[:] = around
+    whole[_corner(values.shape[1:])] = values
+    return whole

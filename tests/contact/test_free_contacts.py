@@ -1,0 +1,346 @@
+"""Contacts without a period: Hertz's, those of a dense solution, and what periodic ones tend to."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import gfmd_numba
+from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.solution import solve
+from gfmd_numba.elasticity import free_half_space, stiffness
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.table import Options
+from support.adhesive_sphere import pull_off
+
+WALL = {"hard_wall": {}}
+RADIUS = 4.0  # over L_x
+
+
+def parabola(n, dimension):
+    """Heights `[(y,) x]` in L_x of a cylinder or a sphere in the middle of a window."""
+    x = np.arange(n) / n - 0.5  # a node at the apex
+    return -(x**2 if dimension == 1 else x**2 + x[:, np.newaxis] ** 2) / (2.0 * RADIUS)
+
+
+def scene_of(heights, loading, **more):
+    """Scene of heights in L_x = 1 m that press on a half-space of E* = 1 Pa / 0.75."""
+    own = {"body": {"youngs_modulus": 1.0, "poissons_ratio": 0.5}, "interface": WALL, "length": 1.0}
+    surface = {"method": "measured", "heights": heights, "units": {"z": "m"}}
+    scene = own | {"roughness": surface, "loading": loading, "periodic": False, "dimension": heights.ndim}
+    return {"scene": scene | more.pop("scene", {}), **more}
+
+
+MODULUS = 1.0 / 0.75
+
+
+def rough(n, dimension, seed=1):
+    """Rough heights `[(y,) x]`, the ends of which do not meet."""
+    shape = (2 * n,) * dimension
+    q = grid.magnitudes(shape)
+    waves = np.where((q > 8.0) & (q < 0.5 * np.pi * n), np.maximum(q, 1.0) ** (-0.8 - 0.5 * dimension), 0.0)
+    phases = np.exp(2j * np.pi * np.random.default_rng(seed).random(q.shape))
+    return grid.signal(waves * phases, *shape)[(slice(n),) * dimension]
+
+
+def pressed(heights, pressure, solver="active_set_newton", **more):
+    """Contact of heights `[(y,) x]` without a period, in units of their gradient."""
+    surface, _ = given_surface(heights, periodic=False)
+    loaded = more.pop("displacement", None)
+    load = None if loaded is not None else pressure
+    numerics = Options(solver, residual=1e-10)
+    laws = more.pop("laws", Interactions(True))
+    return solve(Problem(surface, ElasticBody(None, None), laws, load, loaded, numerics, periodic=False), range(1))
+
+
+def dense(punch, pressure):
+    """Pressures `[node]` of the equilibrium of a punch by linear algebra alone: contact is guessed and revised."""
+    shape, n = punch.shape, punch.size
+    kernel = np.fft.irfftn(free_half_space.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
+    places = np.stack(np.unravel_index(np.arange(n), shape))
+    influence = kernel[tuple(abs(places[:, :, np.newaxis] - places[:, np.newaxis]))]
+    contact = np.ones(n, dtype=bool)
+    for _ in range(200):
+        nodes = np.flatnonzero(contact)
+        system = np.block([[influence[np.ix_(nodes, nodes)], -np.ones((len(nodes), 1))], [np.ones(len(nodes)), 0.0]])
+        *found, sunk = np.linalg.solve(system, [*-punch.ravel()[nodes], pressure * n])
+        tractions = np.zeros(n)
+        tractions[nodes] = found
+        gap = punch.ravel() + influence @ tractions - sunk
+        revised = np.where(contact, tractions > 0.0, gap < -1e-14)
+        if (revised == contact).all():
+            return tractions.reshape(shape), sunk
+        contact = revised
+    raise AssertionError("the contact goes on changing")
+
+
+@pytest.mark.filterwarnings("ignore")  # a parabola is no measurement
+@pytest.mark.parametrize(
+    ("dimension", "n", "error"), [(1, 256, 2e-5), (1, 1024, 3e-6), (2, 64, 6e-4), (2, 128, 8e-5), (2, 256, 1e-5)]
+)
+def test_a_cylinder_and_a_sphere_sink_in_and_press_as_hertz_has_it(dimension, n, error):
+    """Of second order in the spacing: approach and peak pressure (Johnson, Contact Mechanics, 4.2 and 4.45)."""
+    a = 0.2
+    if dimension == 1:
+        loading = {"line_load": np.pi * a**2 / (4.0 * RADIUS) * MODULUS}
+        approach, peak = a**2 / (2.0 * RADIUS) * (np.log(2.0 / a) + 0.5), a / (2.0 * RADIUS)
+    else:
+        loading = {"force": 4.0 * a**3 / (3.0 * RADIUS) * MODULUS}
+        approach, peak = a**2 / RADIUS, 2.0 * a / (np.pi * RADIUS)
+    found = gfmd_numba.solve(scene_of(parabola(n, dimension), loading))
+    assert found["status"] == 0
+    assert float(found["approach"]) == pytest.approx(approach, rel=error)
+    assert float(found["pressure"].max()) == pytest.approx(peak * MODULUS, rel=error)
+    area = 2.0 * a if dimension == 1 else np.pi * a**2
+    assert float(found["contact_area_fraction"]) == pytest.approx(area, rel=0.02 if n > 128 else 0.04)
+    energy = 0.4 * loading["force"] * approach if dimension == 2 else None
+    if energy is not None:
+        assert float(found["elastic_energy"]) == pytest.approx(energy, rel=error)
+
+
+@pytest.mark.parametrize(("shape", "pressure"), [((64,), 0.02), ((64,), 0.3), ((20, 20), 0.02), ((20, 20), 0.3)])
+@pytest.mark.parametrize("solver", ["active_set_newton", "conjugate_gradients"])
+def test_a_rough_window_is_pressed_as_linear_algebra_has_it(shape, pressure, solver):
+    contact = pressed(rough(shape[0], len(shape)), pressure, solver)
+    heights = contact.heights[0]
+    expected, sunk = dense(heights.max() - heights, pressure)
+    np.testing.assert_allclose(contact.equilibrium.pressure[0], expected, atol=1e-8 * expected.max())
+    assert contact.equilibrium.status[0] == 0
+    assert float(contact.approach.item()) == pytest.approx(sunk, rel=1e-8)
+    assert (contact.equilibrium.touching[0] == (expected > 0.0)).all()
+    gap = contact.punch - contact.equilibrium.displacement
+    assert gap.min() > -1e-12
+
+
+@pytest.mark.parametrize(("dimension", "order"), [(1, 2.0), (2, 3.0)])
+def test_a_periodic_contact_tends_to_it_as_its_period_grows(dimension, order):
+    """What is left of the images of a contact falls with the square of the period, of maps with its cube."""
+    n, pressure = 16 if dimension == 2 else 64, 0.05
+    contact = pressed(rough(n, dimension), pressure)
+    punch, found = contact.heights.max() - contact.heights[0], contact.equilibrium.pressure[0]
+    errors = []
+    for periods in (2, 4, 8, 16):
+        wide = np.full((1, *(periods * n,) * dimension), punch.max() + 1.0)
+        corner = (0, *(slice(n),) * dimension)
+        wide[corner] = punch
+        symbol = stiffness.half_space(grid.magnitudes(wide.shape[1:], (float(periods),) * dimension))
+        response = SpectralResponse.of_normal(symbol)
+        numerics = Options("active_set_newton", residual=1e-10)
+        pressures = equilibrate(wide, response, pressure / periods**dimension, numerics).pressure[corner]
+        errors.append(np.sqrt(((pressures - found) ** 2).mean()) / found.max())
+    orders = np.log2(np.array(errors[:-1]) / errors[1:])
+    assert errors[-1] < 2e-3
+    assert orders[0] == pytest.approx(order, abs=0.5)
+
+
+@pytest.mark.parametrize("solver", ["active_set_newton", "conjugate_gradients", "truncated_newton", "verlet", "fire"])
+def test_every_solver_finds_the_same_contact(solver):
+    heights = rough(24, 2)
+    expected = pressed(heights, 0.1)
+    surface, _ = given_surface(heights, periodic=False)
+    numerics = Options(solver, residual=1e-7, max_iterations=100_000)
+    problem = Problem(surface, ElasticBody(None, None), Interactions(True), 0.1, None, numerics, periodic=False)
+    found = solve(problem, range(1))
+    assert found.equilibrium.status[0] == 0
+    peak = expected.equilibrium.pressure.max()
+    np.testing.assert_allclose(found.equilibrium.pressure, expected.equilibrium.pressure, atol=1e-4 * peak)
+    assert found.approach.item() == pytest.approx(expected.approach.item(), rel=1e-5)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_prescribed_displacement_is_the_approach_of_its_load(dimension):
+    heights = rough(48 if dimension == 1 else 24, dimension)
+    loaded = pressed(heights, 0.1)
+    moved = pressed(heights, None, displacement=loaded.approach.item())
+    assert moved.approach.item() == pytest.approx(loaded.approach.item(), rel=1e-12)
+    assert moved.equilibrium.pressure.mean() == pytest.approx(0.1, rel=1e-7)
+    for one, other in ((moved.punch, loaded.punch), (moved.equilibrium.displacement, loaded.equilibrium.displacement)):
+        np.testing.assert_allclose(one, other, atol=1e-7)
+
+
+@pytest.mark.filterwarnings("ignore")  # steps are no slips of an instrument
+def test_a_flat_part_at_the_edge_of_the_window_does_not_touch_what_is_across():
+    """A ridge at each end is two contacts, and neither has an edge where the window ends."""
+    heights = np.zeros(64)
+    heights[:5] = heights[-7:] = 0.01
+    heights += np.linspace(0.0, 1e-4, 64)
+    found = gfmd_numba.solve(scene_of(heights, {"line_load": 1e-3}))
+    assert int(found["n_segments"]) == 2
+    assert int((found["gap"] <= 0.0).sum()) == 12
+    assert "the edge of the window" in found.attrs["validity"]
+    assert float(found["contact_area_fraction"]) == pytest.approx((12 - 2 * 0.19) / 64, abs=1e-4)
+    both = np.zeros((16, 16))
+    both[:, :3] = both[:, -3:] = 0.01
+    both += 1e-5 * np.random.default_rng(0).random(both.shape)
+    of_map = gfmd_numba.solve(scene_of(both, {"force": 2e-3}))
+    assert int(of_map["n_segments"]) == 2
+
+
+def test_a_path_of_loads_comes_back_to_where_it_was():
+    file = scene_of(parabola(64, 2), {"force": 1e-3}, path=[{"force": 2e-3}, {"force": 1e-3}])
+    for solver in ("auto", "truncated_newton"):
+        found = gfmd_numba.solve(file | {"numerics": {"solver": solver}})
+        assert (found["status"] == 0).all()
+        first, last = found.isel(step=0), found.isel(step=2)
+        np.testing.assert_allclose(first["pressure"], last["pressure"], atol=1e-6 * float(first["pressure"].max()))
+        approach = found["approach"].values
+        assert approach[1] / approach[0] == pytest.approx(2.0 ** (2.0 / 3.0), rel=5e-3)
+
+
+def test_random_surfaces_are_patches_of_wider_ones():
+    """Their ends do not meet, their numbers belong to the seed, and refining the grid refines the same patch."""
+    roughness = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": roughness, "interface": WALL, "periodic": False}
+    eps = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
+    file = {"scene": scene | {"loading": {"reduced_pressure": 0.05}}, "discretisation": eps, "seed": 3}
+    found = gfmd_numba.solve(file)
+    assert found["status"] == 0
+    assert found.sizes["x"] == 256
+    height = found["height"].values
+    assert abs(height[0] - height[-1]) > 5.0 * abs(np.diff(height)).mean()
+    assert float(found["rms_gradient"]) == pytest.approx(0.1, rel=0.3)
+    finer = gfmd_numba.solve(file | {"discretisation": eps | {"eps_c": 1 / 16}})["height"].values[::2]
+    np.testing.assert_allclose(finer - finer.mean(), height - height.mean(), atol=1e-3 * np.ptp(height))
+    xr.testing.assert_identical(found.drop_vars("wall_time"), gfmd_numba.solve(file).drop_vars("wall_time"))
+
+
+def test_the_dataset_says_that_it_is_a_window():
+    found = gfmd_numba.solve(scene_of(parabola(64, 1), {"line_load": 1e-3}))
+    assert found["x"].attrs["points_per_window"] == 64
+    assert "points_per_period" not in found["x"].attrs
+    assert "nayak" not in found
+    assert found["approach"].attrs["units"] == "m"
+
+
+def test_a_hardness_bounds_the_pressure_and_leaves_a_dent():
+    hardness = 0.03
+    wall = {"interface": {"hard_wall": {"hardness": hardness}}}
+    file = scene_of(parabola(32, 2), {"force": 2e-3}, path=[{"force": 1e-3}], scene=wall)
+    found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["pressure"].max()) == pytest.approx(hardness, rel=1e-6)
+    assert float(found["pressure"].isel(step=1).max()) < hardness
+    assert (found["mean_plastic_depth"].diff("step") == 0.0).all()
+    assert (found["pressure"].mean(["y", "x"]) == pytest.approx([2e-3, 1e-3], rel=1e-7)).all()
+
+
+def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it():
+    """A rigid paraboloid of radius 1, of which no grid and no transform knows (`support/adhesive_sphere.py`)."""
+    work, length, n = 1e-3, 0.02, 48
+    radius = (9.0 * np.pi * work / 8.0) ** (1.0 / 3.0)
+    way = np.linspace(-0.6, -1.1, 6) * radius**2
+    interface = {"hard_wall": {}, "exponential": {"work_of_adhesion": work, "range": length}}
+    surface = {"method": "measured", "heights": RADIUS * parabola(n, 2)}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": surface, "interface": interface, "periodic": False}
+    path = [{"displacement": float(step)} for step in way]
+    file = {"scene": scene | {"loading": {"displacement": 0.0}}, "path": path, "numerics": {"residual": 1e-6}}
+    with pytest.warns(UserWarning, match="rms gradient"):
+        found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["pull_off_pressure"]) == pytest.approx(pull_off(work, length, 160), rel=0.01)
+    assert (found["stability"] > 0.3).all()
+    np.testing.assert_allclose(found["approach"], found["punch_displacement"], rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}, "aspect_ratio"),
+        ({"interface": WALL | {"friction": {"coefficient": 0.3}}, "body": {"poissons_ratio": 0.0}}, "poissons_ratio"),
+        ({"boundary": {"normal_traction": 0.0}}, "boundary"),
+        ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
+        ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "points": 8}}, "points"),
+        ({"periodic": "perhaps"}, "periodic"),
+    ],
+)
+def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": WALL, "loading": {"reduced_pressure": 0.1}}
+    scene |= {"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0]}, "periodic": False}
+    with pytest.raises(gfmd_numba.InputError, match=named):
+        gfmd_numba.solve({"scene": scene | change})
+
+
+def influence_of_all(shape, nu):
+    """Displacement `[component, node, component, node]` by unit tractions, from the compliance of each wave."""
+    wide, n = tuple(2 * m for m in shape), int(np.prod(shape))
+    response = free_half_space.response(shape, nu)
+    found = []
+    for component in range(len(shape) + 1):
+        for place in np.ndindex(shape):
+            traction = np.zeros((len(shape) + 1, *wide))
+            traction[(component, *place)] = 1.0
+            found.append(response.apply(traction)[(..., *(slice(m) for m in shape))].ravel())
+    return np.array(found).T.reshape(len(shape) + 1, n, len(shape) + 1, n)
+
+
+@pytest.mark.parametrize(("shape", "nu"), [((48,), 0.3), ((48,), 0.5), ((10, 10), 0.3)])
+def test_friction_holds_what_coulomb_lets_it_hold_and_the_body_is_displaced_by_that(shape, nu):
+    """Pressed, then dragged along x: displacements by linear algebra, and the conditions at each node."""
+    friction = 0.3
+    heights = rough(shape[0], len(shape))
+    surface, _ = given_surface(heights, periodic=False)
+    laws = Interactions(True, friction=friction)
+    drag = (0.02, *(0.0,) * (len(shape) - 1))
+    numerics = Options("frictional_newton", residual=1e-9)
+    problem = Problem(surface, ElasticBody(nu, None), laws, 0.1, None, numerics, periodic=False)
+    first = solve(problem, range(1))
+    contact = solve(problem.under(problem.step._replace(sliding=drag)), first.after)
+    found = contact.equilibrium
+    assert found.status[0] == 0
+    tangential, pressure = found.tangential, found.pressure[0].ravel()
+    tractions = np.concatenate((tangential.traction[0], -found.pressure), axis=0).reshape(len(shape) + 1, -1)
+    u = np.einsum("inkm,km->in", influence_of_all(shape, nu), tractions)
+    np.testing.assert_allclose(u[-1], found.displacement[0].ravel(), atol=1e-8 * abs(u).max())
+    moved = tangential.displacement[0].reshape(len(shape), -1)
+    np.testing.assert_allclose(u[:-1], moved, atol=1e-8 * abs(u).max())
+    gap = contact.punch[0].ravel() - u[-1]
+    touching = pressure > 0.0
+    assert abs(gap[touching]).max() < 1e-8
+    assert gap.min() > -1e-8
+    rubs = np.linalg.norm(tractions[:-1], axis=0)
+    assert (rubs <= friction * pressure + 1e-7 * pressure.max()).all()
+    slip = tangential.slip[0].reshape(len(shape), -1)
+    slid = np.linalg.norm(slip, axis=0) > 1e-9
+    assert (slid & touching).any()
+    against = -friction * pressure * slip / np.where(slid, np.linalg.norm(slip, axis=0), 1.0)
+    np.testing.assert_allclose(tractions[:-1, slid & touching], against[:, slid & touching], atol=1e-6 * pressure.max())
+
+
+def test_a_sphere_slips_partly_as_cattaneo_and_mindlin_have_it():
+    """Of an incompressible body; that slip is not quite along x (Johnson, Contact Mechanics, 7.2) changes 2 %."""
+    a, friction, nu = 0.25, 0.5, 0.5
+    force = 4.0 * a**3 / (3.0 * RADIUS)
+    modulus = 0.5 * (1.0 - nu)  # G over E*
+    largest = 3.0 * friction * force * (2.0 - nu) / (16.0 * modulus * a)
+    held = 0.6
+    way = largest * (1.0 - (1.0 - held) ** (2.0 / 3.0))
+    scene = {
+        "interface": WALL | {"friction": {"coefficient": friction}},
+        "length": None,
+        "body": {"poissons_ratio": nu},
+    }
+    file = scene_of(parabola(48, 2), {"reduced_pressure": 1.0}, scene=scene, path=[{"sliding": way}])
+    file["scene"]["roughness"].pop("units")
+    gradient = given_surface(parabola(48, 2), periodic=False)[1]
+    file["scene"]["loading"] = {"reduced_pressure": force / gradient}
+    found = gfmd_numba.solve(file).isel(step=1)
+    assert found["status"] == 0
+    assert float(found["mean_tangential_traction"]) == pytest.approx(held * friction * force, rel=0.02)
+    touching = float(found["contact_area_fraction_counted"])
+    stick = (1.0 - held) ** (2.0 / 3.0)  # the square of the radius that sticks over that of contact
+    assert float(found["stick_fraction"]) == pytest.approx(stick, abs=0.05)
+    assert touching == pytest.approx(np.pi * a**2, rel=0.05)
+
+
+@pytest.mark.filterwarnings("ignore")  # the contact reaches the edge of the window
+def test_a_cohesive_law_holds_sideways():
+    law = {"cohesive": {"work_of_adhesion": 1e-4, "normal_length": 0.02, "tangential_length": 0.02}}
+    surface = {"method": "measured", "heights": rough(64, 1) * 0.05}
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": surface, "interface": WALL | law, "periodic": False}
+    file = {"scene": scene | {"loading": {"reduced_pressure": 0.05}}, "path": [{"sliding": 1e-3}]}
+    found = gfmd_numba.solve(file)
+    assert (found["status"] == 0).all()
+    assert float(found["mean_tangential_traction"].isel(step=1)) > 0.0

@@ -16,7 +16,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 RADIUS_AT_PULL_OFF = 0.1  # of the contact, in L_x; the paraboloid has the radius L_x
 

@@ -16,7 +16,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 AMPLITUDE = 0.1
 COARSEST = 0.2  # x, the largest softening of the law over the stiffness of the shortest wave

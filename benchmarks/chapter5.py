@@ -19,7 +19,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 NX = 2560  # 512 times 5: 9/20 and 11/20 are nodes of every grid and mesh
 COARSE, FINE = 320, 640

@@ -12,7 +12,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 RANGE, SURFACES = 1e-3, 6
 

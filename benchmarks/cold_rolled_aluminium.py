@@ -8,7 +8,7 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba.roughness import correlation, spectral, statistics
+from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 RMS_HEIGHT, ROLL_OFF, SURFACES = 0.3, 50.0, 200  # um, um
@@ -28,7 +28,7 @@ for period, nx, cut_on, longest in CASES:
         heights = spectral.surfaces(power, nx, largest, 2018, range(SURFACES))
         heights = statistics.scaled(heights, (period,), rms_height=RMS_HEIGHT)
         ends = (2 * np.pi / roll_off, 2 * np.pi * largest / period)
-        fitted = np.array([correlation.hurst_exponent(h, *ends, (period,))[0] for h in heights])
+        fitted = np.array([statistics.hurst_exponent(h, *ends, (period,))[0] for h in heights])
         slope, angle = statistics.rms_gradient(heights, (period,)), statistics.typical_slope(heights, period)
         print(
             f"{period:4g} um {nx:7} {1e3 * cut_on:6g} nm {longest:5g} um {hurst:8}"

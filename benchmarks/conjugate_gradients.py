@@ -14,7 +14,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SAMPLES, REPETITIONS, SEED = 2**17, 5, 2026
 CASES = (

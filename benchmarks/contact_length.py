@@ -14,7 +14,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 LEVELS = (2, 4, 8, 16, 32, 64)
 VARIABLES = {"kappa_counted": 1, "kappa": 2, "kappa_edges": 2, "kappa_r": 2}

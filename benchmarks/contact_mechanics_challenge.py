@@ -24,8 +24,8 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 PERIOD, MODULUS, WORK, PRESSURE = 100e-6, 25e6, 50e-3, 250e3  # m, Pa, J/m^2, Pa
 ROLL_OFF, CUT_OFF, RANGE = 5, 1000, 2.071e-9  # wave indices; m

@@ -11,7 +11,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 DAMPINGS, SURFACES, MOST = (0.25, 0.5, 1.0, 2.0), 10, 30_000
 

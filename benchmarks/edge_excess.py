@@ -14,8 +14,8 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stiffness import half_space
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 SOFT, STIFF, RUBBER = Material(0.02, 0.3), Material(50.0, 0.3), Material(1.0, 0.5)
 

@@ -17,7 +17,7 @@ from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 RADIUS, HALF_WIDTH = 4.0, 0.2  # of the punch and its contact, in L_x
 SQUARE = 1.1523042  # force over E* L_x times the displacement of a flat square punch: pi times 0.3667896, its capacity

@@ -12,7 +12,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 FEW, MOST = 2, 200_000  # surfaces and iterations of Verlet
 LAWS = {"repulsion": (-1e-4, 1e-3), "attraction, x = 0.02": (0.02, 1e-3), "attraction, x = 0.2": (0.2, 2e-4)}

@@ -6,7 +6,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 NX, LOAD, FINEST = 1024, 0.05, 256
 HEIGHTS = self_affine.profiles(0.8, 2, NX // 8, NX, 3, range(6))

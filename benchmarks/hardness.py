@@ -21,7 +21,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 GRIDS = ((2**13,), (2**15,), (2**17,), (256, 256), (1024, 1024))
 HARDNESSES = (1e-3, 1e-2, 0.1, 0.3, 1.0)

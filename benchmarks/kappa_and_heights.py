@@ -18,10 +18,10 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import distribution, self_affine
+from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.amplitudes import complex_gaussian
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 HURST, PRESSURE, SHORTEST, RESOLUTION, SEED = 0.8, 0.007, 256, 4, 2018
 PERIODS = (1, 2, 4, 8, 16)  # L_x/lambda_l
@@ -60,7 +60,7 @@ def pairs(make, periods, surfaces):
     for first in range(0, surfaces, BLOCK // nx):
         block = range(first, min(first + BLOCK // nx, surfaces))
         heights = make(HURST, periods, cut_off, nx, SEED, block)
-        moments = distribution.skewness(heights), distribution.kurtosis(heights)
+        moments = statistics.skewness(heights), statistics.kurtosis(heights)
         rows.append([kappa(heights), kappa(-heights), *moments])
     return np.concatenate(rows, axis=1)
 

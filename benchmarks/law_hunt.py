@@ -15,7 +15,7 @@ from collections import Counter
 import numpy as np
 
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import following
@@ -172,7 +172,7 @@ def follow(kind, seed, solver="auto"):
     scene = random_scene(kind, seed)
     scene["numerics"]["solver"] = solver
     try:
-        whole, _ = load_path(read_contact(*load_scene(scene)))
+        whole, _ = read_contact(*load_scene(scene)).reduced
     except InputError as error:
         known = any(word in str(error) for word in ("resolve", "room", "snap"))  # of what solves none
         return None if known else sys.exit(f"{seed}: {error}")

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.status import Status
 
@@ -92,7 +92,7 @@ def follow(kind, seed):
 
 def follow_scene(scene):
     """The same of a given scene; raises InputError."""
-    whole, _ = load_path(read_contact(*load_scene(scene)))
+    whole, _ = read_contact(*load_scene(scene)).reduced
     worst, spent, status = 0.0, [], Status.ok
     with warnings.catch_warnings(action="ignore"):
         for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):

@@ -12,7 +12,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SURFACES = 3
 BODIES = {"half-space, nu = 0.3": (0.3, None), "half-space, nu = 0": (0.0, None), "slab, nu = 0.5, a = 1": (0.5, 1.0)}

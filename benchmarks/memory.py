@@ -2,7 +2,7 @@
 
 `python benchmarks/memory.py CASE LOG2_NODES [LOAD [COEFFICIENT]]` measures one case, each in its own process:
 `wall`, `law`, `soft`, `friction`, `cohesive`, with a dimension before it, like `2-friction 18 2 3`. `2-law 18 0.1 3`
-is followed along a path of three steps. The counts of `gfmd_numba/scene/memory.py` are the largest found, rounded up.
+is followed along a path of three steps. The counts of `gfmd_numba/scene/checks.py` are the largest found, rounded up.
 """
 
 import sys
@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 import gfmd_numba
-from gfmd_numba.scene.memory import arrays_of_path, arrays_per_realisation
+from gfmd_numba.scene.checks import arrays_of_path, arrays_per_realisation
 
 LAWS = {
     "wall": {"hard_wall": {}},

@@ -23,7 +23,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 RESIDUAL, FIRST_TOLERANCE, TRIES = 1e-8, 1e-7, 8
 SEED, REPEATED, LONG_ENOUGH = 2018, 5, 0.05  # a solve that takes less seconds is repeated

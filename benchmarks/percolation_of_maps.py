@@ -9,7 +9,7 @@ import argparse
 
 import numpy as np
 
-from gfmd_numba.analysis.connected_regions import connects
+from gfmd_numba.analysis.gap_percolation import connects
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.problem import Problem
@@ -17,8 +17,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 HALVINGS = 7  # of a range of loads by a factor 6, down to 1.4 % of the load, so half of that either way
 

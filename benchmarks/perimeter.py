@@ -12,8 +12,8 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 IMAGES = 9.0336217  # sum of 1/r^3 over the square lattice without the origin
 NUMERICS = Options("active_set_newton", residual=1e-8)

@@ -16,8 +16,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory import persson
 
 # GFMD of Zhou and Mueser as published with Xu et al. (2024): p/E*, contact area and its scatter.

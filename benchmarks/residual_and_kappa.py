@@ -11,7 +11,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SURFACES, SOLVERS = 8, ("verlet", "conjugate_gradients", "active_set_newton")
 RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6)

@@ -15,7 +15,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 ROUNDS, LOAD = 15, 0.05
 

@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import correlation, self_affine, spectral, statistics
+from gfmd_numba.roughness import self_affine, spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SURFACES, BATCHES = 200, 8
 PERIOD, ROLL_OFF = 10.0, 5.0  # um
@@ -41,7 +41,7 @@ def autocorrelations(heights):
     power = statistics.power(heights, (1.0,) * dimension)
     power[(slice(None), *(0,) * dimension)] = 0.0
     found = np.array([spectral.periodic_autocorrelation(p, heights.shape[-1]) for p in power])
-    return np.array([correlation.radial_mean(r, (1.0, 1.0))[1] for r in found]) if dimension == 2 else half(found)
+    return np.array([statistics.radial_mean(r, (1.0, 1.0))[1] for r in found]) if dimension == 2 else half(found)
 
 
 def half(found):
@@ -57,7 +57,7 @@ def compare(name, dimension, hurst, nx, power, draw):
     """One line: deviation of the mean autocorrelation from theory, in w^2 and in sampling errors, in every batch."""
     power = power / grid_sum(power, nx) if name in RECURSIVE else power  # scaled to w = 1 over all waves
     periodic = spectral.periodic_autocorrelation(power, nx)
-    theory = correlation.radial_mean(periodic, (1.0, 1.0))[1] if dimension == 2 else half(periodic)
+    theory = statistics.radial_mean(periodic, (1.0, 1.0))[1] if dimension == 2 else half(periodic)
     seen = power > 1e-12 * power.max()
     means, noises, scores = [], [], []
     for seed in range(BATCHES):
@@ -124,7 +124,7 @@ def filtered(axis):
         }
         powers["R * R"] = powers["FFM"] ** 2
         for name, power in powers.items():
-            found = half(correlation.autocorrelation(spectral.surfaces(power, nx, nx // 2 - 1, 7, range(1)))[0])
+            found = half(statistics.autocorrelation(spectral.surfaces(power, nx, nx // 2 - 1, 7, range(1)))[0])
             deviation = np.sqrt(((found - theory)[near] ** 2).mean())
             print(f"  H = {hurst}: {name:6} {deviation:.4f}")
             axis.plot(distance[near], found[near], style, c=COLOURS.get(name, "#CC79A7"), label=name, lw=1)

@@ -1,6 +1,6 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
-from gfmd_numba.analysis.allocation import Design, cheapest_design
+from gfmd_numba.analysis.allocation import Design, Prediction, cheapest_design, predictions
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.forms import UnusableDataError
@@ -11,12 +11,11 @@ from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
-from gfmd_numba.analysis.plots.fit import plot_fit
+from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
-from gfmd_numba.analysis.prediction import Prediction, predictions
 from gfmd_numba.analysis.selection import ensemble_mean, select_limit
 from gfmd_numba.analysis.smooth_function import smooth_function
 from gfmd_numba.analysis.tfc import fit_tfc

@@ -1,18 +1,142 @@
 """How many realisations of each level reach an accuracy at the least cost, from a few realisations of every case."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
+from scipy.special import chdtri
 
-from gfmd_numba.analysis.arguments import Fixed, Seconds, Target, Variable, checked
-from gfmd_numba.analysis.ensembles import FEWEST, Ensemble, Level, ensembles, level_of_case, levels_of, relative_errors
+from gfmd_numba.analysis.arguments import Counts, Fixed, Seconds, Target, Variable, checked
+from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
-from gfmd_numba.analysis.selection import CROSS, LIMITS
+from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
+from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.posterior import linearised, weighed
+from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
+
+FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
+_CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: errors of fits have noise, too
+
+Level = tuple[str, tuple[float, ...]]  # a limit and its eps, "cross" and all eps, or "reference" and none
+_REFERENCE: Level = ("reference", ())
+
+
+@dataclass(frozen=True)
+class Ensemble:
+    """What a pilot, or results with fewer realisations of some levels, says of one group."""
+
+    covariance: Reals  # (case, case) of one realisation
+    columns: Reals  # (case, coefficient) of the fit at the likeliest laws
+    slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
+    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
+    level: NDArray[np.intp]  # (case)
+    kappa: float
+    doubt: float  # factor on variances
+    freedom: float  # degrees of freedom of the variance of kappa
+
+
+def levels_of(pilot: xr.Dataset) -> list[Level]:
+    """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
+    order = [_REFERENCE[0], *LIMITS, CROSS]
+    return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
+
+
+def level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
+    """Return the number of each case's level (case), 0 for the reference."""
+    numbers = {level: number for number, level in enumerate(levels_of(pilot))}
+    return np.array([numbers[level] for level in _level_of_each(pilot)], dtype=np.intp)
+
+
+def _level_of_each(pilot: xr.Dataset) -> list[Level]:
+    """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
+    references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
+    alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
+    told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
+    eps = {name: pilot[name].values.astype(float).tolist() for name in LIMITS}
+    names = pilot["limit"].values.astype(str).tolist()
+    return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
+
+
+def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
+    """Return what results say of each group, along a path at every step; UnusableDataError where they do not tell."""
+    steps = steps_of(pilot, variable)
+    if len(steps) > 1:
+        return [each for step, one in enumerate(steps) for each in _at_step(step, one, variable, fixed)]
+    (pilot,) = steps
+    given = {limit: exponent_range(value) for limit, value in fixed.items()}
+    found = []
+    for group in groups_to_fit(pilot, variable, omit_nyquist=True):
+        values = group.values[group.complete]
+        if not group.levels:
+            raise UnusableDataError(
+                "you gave cases without a limit to extrapolate to; gfmd allows a campaign with limits"
+            )
+        fewest = int(np.isfinite(values).sum(axis=0).min())
+        if fewest < FEWEST:
+            raise UnusableDataError(f"you gave a pilot of {fewest} good realisations; gfmd allows at least {FEWEST}")
+        if why := inseparable(group):
+            raise UnusableDataError(why)
+        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
+    return found
+
+
+def _at_step(
+    step: int, pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]
+) -> list[Ensemble]:
+    """Return what one step of a path says, which an error names."""
+    try:
+        return ensembles(pilot, variable, fixed)
+    except UnusableDataError as error:
+        advice = "`fit: {step: ...}` names a step that is fitted alone, and `fit: {variable: ...}` something else"
+        raise UnusableDataError(f"{variable} at step {step} of the path: {error}; {advice}") from None
+
+
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
+    means = means_of(group, values)
+    found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
+    likeliest = max(found, key=lambda choice: choice.log_weight.max())
+    columns, slopes, known, kappa = linearised(means, likeliest)
+    covariance = pooled_covariance(values)
+    freedom = degrees_of_freedom(values, covariance, columns)
+    return Ensemble(
+        covariance=covariance,
+        columns=columns,
+        slopes=slopes,
+        known=known,
+        level=level,
+        kappa=kappa,
+        # levels' shares are chosen by it, too
+        doubt=float((freedom + len(level) - 1) / chdtri(freedom, _CONFIDENCE)),
+        freedom=freedom,
+    )
+
+
+def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
+    """Return the relative error of the TFC limit of nested realisations, and what it were at exponents well known."""
+    asked = counts[ensemble.level]
+    information = np.zeros_like(ensemble.covariance)
+    before = 0.0
+    for count in np.unique(asked[asked > 0]):
+        there = np.flatnonzero(asked >= count)
+        information[np.ix_(there, there)] += (count - before) * np.linalg.inv(ensemble.covariance[np.ix_(there, there)])
+        before = count
+    fewest = asked[asked > 0].min()
+    # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
+    dear = asked[(asked > 0) & (asked < before)]
+    controlled = (fewest / dear).sum()
+    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
+    variances = []
+    for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
+        known = np.diag(ensemble.known[: columns.shape[1]])
+        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
+    of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
+    return float(error), float(of_surfaces)
+
 
 _MOST = 10**6  # realisations: more are no plan
 _GAIN = 0.998  # of the error, for which another share of a level is worth taking
@@ -204,3 +328,60 @@ def _described(choice: _Choice, counts: Reals) -> Design:
         limiting=max(relief, key=lambda name: relief[name]),
         cross=tuple(counts[names == CROSS].astype(int).tolist()),
     )
+
+
+_WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
+_OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Relative error of the TFC limit to expect of one group, times the `factor`.
+
+    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
+    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
+    `cheapest_design` promises: a design is chosen once, where a run can go on.
+    """
+
+    error: float
+    exponents: float
+    interactions: float
+    factor: float
+    caution: float
+
+
+@checked
+def predictions(
+    results: Annotated[xr.Dataset, CAMPAIGN],
+    counts: Counts,
+    variable: Variable = "kappa",
+    fixed: Fixed | None = None,
+) -> list[Prediction]:
+    """Predict the error of each group for `counts` (case) of realisations from the results of as many or fewer.
+
+    UnusableDataError for results that do not tell.
+    """
+    number = level_of_case(results)
+    if len(counts) != len(number):
+        raise InputError(f"counts: you gave {len(counts)} numbers; gfmd allows one for each of {len(number)} cases")
+    of_level = np.zeros(number.max() + 1)
+    np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
+    found = []
+    for ensemble in ensembles(results, variable, fixed or {}):
+        factor = float(np.sqrt(ensemble.freedom / chdtri(ensemble.freedom, _OF_THE_FACTOR)))
+        # the doubt is about the scatter of surfaces, not about what is known before
+        sober = replace(ensemble, doubt=factor**2)
+        error, of_surfaces = relative_errors(sober, of_level)
+        caution = relative_errors(ensemble, of_level)[0] / error
+        additive = relative_errors(_additive(sober), of_level)[0]
+        exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
+        found.append(Prediction(error, exponents, interactions, factor, caution))
+    return found
+
+
+def _additive(ensemble: Ensemble) -> Ensemble:
+    """Return the same, with the interactions known."""
+    known = ensemble.known.copy()
+    coefficients = known[: ensemble.columns.shape[1]]
+    coefficients[coefficients > 0] = _WELL_KNOWN
+    return replace(ensemble, known=known)

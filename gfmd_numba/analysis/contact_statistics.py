@@ -8,9 +8,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.connected_regions import regions, sizes
-from gfmd_numba.analysis.forms import CONTACT
-from gfmd_numba.analysis.solved_fields import check_fields, is_periodic
+from gfmd_numba.analysis.forms import CONTACT, check_fields, is_periodic
+from gfmd_numba.analysis.gap_percolation import regions, sizes
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.theory import persson
 

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from gfmd_numba.analysis.estimates import PAIRS, Estimates
+from gfmd_numba.analysis.fit_dataset import PAIRS, Estimates
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST
 from gfmd_numba.analysis.linear_fit import Laws
 from gfmd_numba.analysis.posterior import Choice

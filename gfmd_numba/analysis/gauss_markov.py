@@ -7,10 +7,15 @@ shrunk towards "common offset plus independent residuals" with the weight of twi
 pseudo-realisations as there are cases.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from gfmd_numba.analysis.linear_fit import POWER_OF_WANING, Means, linear_influence
+from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import has_slope_law
 
 
 def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:
@@ -131,3 +136,57 @@ def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
         closest.append(above)
         left.remove(case)
     return order, closest
+
+
+def pooled_covariance(values: Reals) -> Reals:
+    """Return the covariance (case, case) of one realisation from all `values` (realisation, case), nan if not asked."""
+    return covariance_of_levels(values) if np.isfinite(values).all() else covariance_of_one(values)
+
+
+def degrees_of_freedom(values: Reals, covariance: Reals, columns: Reals) -> float:
+    """Return the effective degrees of freedom of the variance of the first coefficient of a fit (Satterthwaite 1946).
+
+    `values` (realisation, case) are nan where a case was not asked; their `covariance` (case, case) is that of one
+    realisation, and the fit has the `columns` (case, parameter). Realisations that were asked of the same cases form a
+    sample of their own. Each adds its part to the variance, and has as many degrees of freedom as realisations beyond
+    its cases.
+    """
+    patterns, sizes = np.unique(np.isfinite(values), axis=0, return_counts=True)
+    parts = []
+    for pattern, size in zip(patterns, sizes, strict=True):
+        there = np.flatnonzero(pattern)
+        information = np.zeros_like(covariance)
+        information[np.ix_(there, there)] = size * np.linalg.inv(covariance[np.ix_(there, there)])
+        parts.append(information)
+    weights = columns @ np.linalg.pinv(columns.T @ sum(parts) @ columns, hermitian=True)[0]
+    variances = np.array([weights @ information @ weights for information in parts])
+    freedom = np.maximum(2, sizes - patterns.sum(axis=1))
+    return float(variances.sum() ** 2 / (variances**2 / freedom).sum())
+
+
+def means_of(group: Group, values: Reals) -> Means:
+    """Return a group's means of values (realisation, case), nan where a case was not asked of a realisation."""
+    covariance = covariance_of_one(values)
+    mean, of_means = best_means(values, covariance)
+    waning = (
+        POWER_OF_WANING[group.dimension]
+        if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
+        else 1.0
+    )
+    means = Means(mean, np.linalg.inv(np.linalg.cholesky(of_means)), group.levels, group.reference, waning)
+    scatter = scatter_of(values)
+    if scatter is None:
+        return means
+    influence, contrasts = linear_influence(means)
+    fewest = int(np.isfinite(values).sum(axis=0).min())
+    factor = inflation(scatter, of_means, influence, contrasts, fewest)
+    return replace(means, whitener=means.whitener / np.sqrt(factor))
+
+
+def scatter_of(values: Reals) -> Reals | None:
+    """Return the scatter of the means of values (realisation, case); None if they have none."""
+    covariance = covariance_of_one(values)
+    mean, of_means = best_means(values, covariance)
+    if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
+        return None
+    return scatter_of_means(values, covariance, of_means)

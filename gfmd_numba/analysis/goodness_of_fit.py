@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.special import fdtri
 
-from gfmd_numba.analysis.group_means import scatter_of
+from gfmd_numba.analysis.gauss_markov import scatter_of
 from gfmd_numba.analysis.linear_fit import Means, known_before, misfit_form
 from gfmd_numba.analysis.posterior import Choice
 from gfmd_numba.analysis.selection import Group

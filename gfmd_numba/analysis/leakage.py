@@ -9,9 +9,8 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.connected_regions import regions
-from gfmd_numba.analysis.forms import CONTACT, UnusableDataError
-from gfmd_numba.analysis.solved_fields import check_fields, is_periodic
+from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, is_periodic
+from gfmd_numba.analysis.gap_percolation import regions
 from gfmd_numba.arrays import Flags, Indices, Reals
 
 _REFINEMENTS, _ROUNDING = 30, 1e-14

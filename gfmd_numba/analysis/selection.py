@@ -1,9 +1,9 @@
-"""Choice of cases from a campaign dataset: groups of equal physics, one limit, good results."""
+"""Choice of cases from a campaign dataset: groups of equal physics, one limit, one step of a path, good results."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import Annotated, Any
 
 import numpy as np
@@ -11,17 +11,59 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis.arguments import Limit, Variable, checked
-from gfmd_numba.analysis.facts_of_cases import (
-    dimension_of,
-    load_of,
-    nodes_per_segment,
-    residual_error,
-    thinnest_layer_of,
-)
 from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.si_prefix import si_prefix
-from gfmd_numba.text.uncertain import with_error
+from gfmd_numba.text.input_error import brief
+from gfmd_numba.text.numbers import si_prefix, with_error
+
+PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
+
+
+def residual_error(cases: xr.Dataset, variable: str) -> Reals:
+    """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
+    if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
+        return np.full(cases.sizes["case"], nan)
+    share = cases["kappa_residual_error"] / cases["kappa"]
+    return np.asarray((share * cases[variable]).mean("realisation").values)
+
+
+def processor_time(dataset: xr.Dataset) -> dict[str, float]:
+    """Return the attribute cpu_seconds: what all cases took, in s, each problem once; none if the dataset has none."""
+    if "case_seconds" not in dataset:
+        return {}
+    _, first = np.unique(dataset["case_id"].values, return_index=True)
+    return {"cpu_seconds": float(dataset["case_seconds"].values[first].sum())}
+
+
+def dimension_of(cases: xr.Dataset) -> int:
+    """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
+    return int(cases["dimension"].values[0]) if "dimension" in cases else 1
+
+
+def thinnest_layer_of(cases: xr.Dataset) -> float:
+    """Return the height of the thinnest layer of the bodies over the period, inf for half-spaces."""
+    return float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf
+
+
+def load_of(cases: xr.Dataset) -> float:
+    """Return the reduced pressure of cases, at a step of a path that step's; nan if it differs or is not known."""
+    for name in (PATH_LOAD, "reduced_pressure"):
+        if name in cases.coords:
+            loads = cases[name].values.astype(float)
+            return float(loads[0]) if np.allclose(loads, loads[0], rtol=1e-9, atol=0.0) else nan
+    return nan
+
+
+def nodes_per_segment(cases: xr.Dataset, dimension: int) -> float:
+    """Return the mean number of nodes in a stretch or patch of contact, of the case that has most; inf if unknown."""
+    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
+        return np.inf
+    nodes = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
+    segments = cases["n_segments"].sum("realisation").values
+    # full contact has neither, and no edges to resolve
+    found = np.divide(nodes, segments, out=np.where(nodes > 0, np.inf, 0.0), where=segments > 0)
+    return float(found.max(initial=0.0)) or np.inf
+
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
 CROSS = "cross"  # in `limit` of a case that differs from the reference in several of them
@@ -332,3 +374,59 @@ def select_limit(dataset: Annotated[xr.Dataset, CAMPAIGN], limit: Limit) -> xr.D
         kept.extend(group["case_id"].values[on_axis])
     chosen = dataset.isel(case=np.isin(dataset["case_id"].values, kept))
     return chosen.isel(case=np.argsort(-chosen[limit].values, kind="stable"))
+
+
+_PATH_STEP = {
+    "long_name": "step of the path, from the first loading",
+    "units": "1",
+    "symbol": "step",
+    "label": "step of the path",
+    "axis": "physics",
+    "rank": 1000,  # the last of all
+}
+
+
+def steps_of(dataset: xr.Dataset, variable: str, step: int | None = None) -> list[xr.Dataset]:
+    """Datasets `(case, realisation)` in which a variable of a path stands: one for each step, told by `path_step`.
+
+    With `step` that one alone. What is known of the path as a whole stands once, with the contact of the step with
+    the largest area. A dataset without a path stands for itself. UnusableDataError for a step that there is not.
+    """
+    along = {"case", "step"} <= set(dataset.dims)
+    at_steps = along and variable in dataset and "step" in dataset[variable].dims
+    if step is not None and not (at_steps and type(step) is int and 0 <= step < dataset.sizes["step"]):
+        steps = f"a step from 0 to {dataset.sizes['step'] - 1}" if at_steps else f"nothing, as {variable} has no steps"
+        raise UnusableDataError(f"step: you gave {brief(step)}; gfmd allows {steps}")
+    if not along:
+        return [dataset]
+    if at_steps:
+        return [_at_step(dataset, each) for each in (range(dataset.sizes["step"]) if step is None else [step])]
+    largest = 0
+    if "contact_area_fraction" in dataset:
+        area = dataset["contact_area_fraction"]
+        area = area.mean(set(area.dims) - {"step"})
+        largest = int(np.nan_to_num(area).argmax())
+    return [_at_step(dataset, largest).drop_vars("path_step")]
+
+
+def joined(fits: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return one fit with the groups of several."""
+    whole = xr.concat(
+        fits,
+        "group",
+        data_vars="minimal",
+        coords="minimal",
+        compat="override",
+        join="override",
+        combine_attrs="override",
+    )
+    return whole.assign_coords(group=("group", np.arange(whole.sizes["group"]), fits[0]["group"].attrs))
+
+
+def _at_step(dataset: xr.Dataset, step: int) -> xr.Dataset:
+    one = dataset.isel(step=step).drop_vars("step", errors="ignore")
+    if {"step_load", "reduced_pressure"} <= set(dataset.variables):  # which is that of the first load
+        first = dataset["step_load"].isel(step=0).values
+        share = np.divide(one["step_load"].values, first, out=np.full(len(first), np.nan), where=first != 0.0)
+        one = one.assign_coords({PATH_LOAD: ("case", one["reduced_pressure"].values * share)})
+    return one.assign_coords(path_step=("case", np.full(one.sizes["case"], step), _PATH_STEP))

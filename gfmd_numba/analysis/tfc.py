@@ -16,10 +16,8 @@ from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.error_budget import SOURCES, error_budget
-from gfmd_numba.analysis.estimates import PAIRS, STEPS, Estimates, GroupFit
 from gfmd_numba.analysis.extrapolation import doubts, mean_distances, of_thin_layers
-from gfmd_numba.analysis.facts_of_cases import processor_time
-from gfmd_numba.analysis.fit_dataset import fit_dataset
+from gfmd_numba.analysis.fit_dataset import PAIRS, STEPS, Estimates, GroupFit, fit_dataset
 from gfmd_numba.analysis.fit_warnings import (
     additivity,
     advice,
@@ -32,16 +30,15 @@ from gfmd_numba.analysis.fit_warnings import (
     shortage,
 )
 from gfmd_numba.analysis.forms import CAMPAIGN
+from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.goodness_of_fit import excess_misfit
-from gfmd_numba.analysis.group_means import means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
 from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
 from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
-from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit
-from gfmd_numba.analysis.steps_of_paths import joined, steps_of
+from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.uncertain import with_error
+from gfmd_numba.text.numbers import with_error
 
 MODEL = (
     "{variable} = {variable}_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = "

@@ -18,7 +18,7 @@ from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.provenance import difference, versions
-from gfmd_numba.contact.path_measures import measured
+from gfmd_numba.contact.load_path import measured
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 

@@ -13,17 +13,17 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
-from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
 from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
+from gfmd_numba.contact.scales import reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
-from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
+from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.scene_file import located_boundary
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes

@@ -5,10 +5,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
+from gfmd_numba.scene.document import Source, document_of, validate
 from gfmd_numba.scene.quantities import RECORD, broken_rule
-from gfmd_numba.scene.source import Source, document_of
 from gfmd_numba.scene.units import MEMORY, TIME
-from gfmd_numba.scene.validation import validate
 
 _LONGEST_WALLTIME = 365 * 86_400.0  # s
 _LONGEST_MARGIN = 120.0  # s

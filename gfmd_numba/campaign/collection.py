@@ -28,6 +28,7 @@ from gfmd_numba.contact.dataset import (
     modulus_attributes,
     scaled,
 )
+from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     PATH_OBSERVABLES,
@@ -35,7 +36,6 @@ from gfmd_numba.contact.observables import (
     Observable,
     recorded_along,
 )
-from gfmd_numba.contact.path_measures import recorded_of as recorded_of_problem
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file

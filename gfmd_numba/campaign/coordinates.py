@@ -11,14 +11,13 @@ from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
-from gfmd_numba.contact.prescribed_load import SLIDING, reduced_pressure, steps_of
+from gfmd_numba.contact.scales import SLIDING, reduced_pressure, steps_of
 from gfmd_numba.scene import InputError, Scene
-from gfmd_numba.scene.document import plain_scalar
+from gfmd_numba.scene.document import nearest, plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
 from gfmd_numba.scene.units import WithUnit, quantities
-from gfmd_numba.scene.validation import nearest
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 Described = tuple[str | tuple[str, ...], list[Any], dict[str, Any]]  # dims, values, attributes
 _REDUCED, _GRADIENT = "reduced_pressure", "rms_gradient_target"

@@ -20,7 +20,7 @@ import psutil
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.block_work import watched
 from gfmd_numba.campaign.cases import block_bytes
-from gfmd_numba.contact.path_measures import measured
+from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.elasticity import stiffness
@@ -289,8 +289,7 @@ def _features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:
             1.0,
             size,
             0.0 if problem.numerics.solver in _STATIC else size,
-            beyond if len(surface.shape) == 1 else 0.0,
-            beyond if len(surface.shape) == 2 else 0.0,
+            *(beyond * (len(surface.shape) == dimension) for dimension in (1, 2)),
             math.log(surface.nx / cut_off / 4),
             math.log(cut_off / cut_on / 1024),
             hurst - 0.5,

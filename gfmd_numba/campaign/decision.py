@@ -16,7 +16,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
-from gfmd_numba.analysis.ensembles import level_of_case
+from gfmd_numba.analysis.allocation import level_of_case
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals

@@ -27,7 +27,7 @@ from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replace
 from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster, load_cluster
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.provenance import versions
-from gfmd_numba.contact.path_measures import measured
+from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import yaml
 from pydantic import BaseModel, Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
@@ -18,22 +17,30 @@ from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, Num
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene.checks import (
+    arrays_of_topography,
+    arrays_per_realisation,
     check_anisotropy_fits,
     check_discretisation,
-    check_points,
+    check_nodes,
     check_surfaces,
 )
-from gfmd_numba.scene.document import Document, Location, plain_scalar
+from gfmd_numba.scene.document import (
+    Document,
+    Location,
+    Source,
+    document_of,
+    existing_file,
+    located,
+    plain_scalar,
+    validate,
+)
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
 from gfmd_numba.scene.scene_file import located_boundary
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
-from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import ABSENT
 from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
 
@@ -262,9 +269,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if document.path is None:
         document = replace(document, text=written(asked))
     if campaign.n_cases > MOST_CASES:
-        raise document.error(
-            ("grid",), document.value(("grid",)), f"at most {MOST_CASES} cases, not {campaign.n_cases}"
-        )
+        raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
     dimension = campaign.scene.dimension
@@ -276,7 +281,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
-        check_points(document, ("grid", "points", i), value, campaign.scene.dimension, arrays)
+        check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
     for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
@@ -344,13 +349,10 @@ def _begun(campaign: Campaign) -> Campaign:
 
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
-    try:
+    with located(document):
         check_waves(scene.surfaces, scene.length)
         check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
         check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
-    except PydanticCustomError as error:
-        rule = error.context or {}
-        raise document.error(rule["location"], document.value(rule["location"]), rule["allowed"]) from None
     varied = {name: values for name, values in campaign.grid if values is not None}
     check_combination(document, scene, campaign.numerics, campaign.path, varied)
     if campaign.limits.varied:

@@ -18,10 +18,9 @@ from gfmd_numba.contact.observables import (
     why_no_limit,
 )
 from gfmd_numba.scene import Document, Scene
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, nearest
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import TIME
-from gfmd_numba.scene.validation import nearest
 from gfmd_numba.text.input_error import InputError, brief
 
 A_VARIABLE = f"one of {', '.join(LIMITED)}"

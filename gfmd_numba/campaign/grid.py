@@ -64,10 +64,10 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
     for axis in OF_THE_SCENE:
         at = ("grid", axis.name)
         if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
-            raise document.error(at, document.value(at), lack)
+            raise document.refused(at, lack)
     for axis, location, varied in varied_scenes(scene, grid):
         if not axis.of_surface and (fault := _fault(varied)):
-            raise document.error(location, document.value(location), fault[1])
+            raise document.refused(location, fault[1])
 
 
 def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
@@ -87,7 +87,7 @@ def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None
             to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
             place = next(to_blame, list(values)[-1])
         location = locations[place]
-        raise document.error(location, document.value(location), allowed)
+        raise document.refused(location, allowed)
 
 
 def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:

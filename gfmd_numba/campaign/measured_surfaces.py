@@ -14,9 +14,8 @@ from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, InputError, Measured, Scene, Surface
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, existing_file
 from gfmd_numba.scene.scene_file import located_files
-from gfmd_numba.scene.source import existing_file
 
 PUNCH = ("roughness",)
 FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")

@@ -15,7 +15,7 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file, json_file
 from gfmd_numba.storage.mark import Content, is_note
 from gfmd_numba.text.input_error import brief
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import word
 
 LABEL = "campaign.yaml"  # copy of the campaign file
 MARK = ".gfmd-campaign"  # written by us alone: whose directory it is, digests of the labels put there, and

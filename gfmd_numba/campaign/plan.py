@@ -23,7 +23,7 @@ from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
-from gfmd_numba.scene.source import Source
+from gfmd_numba.scene.document import Source
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task

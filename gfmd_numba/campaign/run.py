@@ -14,7 +14,7 @@ from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execu
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
-from gfmd_numba.scene.source import Source
+from gfmd_numba.scene.document import Source
 from gfmd_numba.storage import mark
 from gfmd_numba.storage.atomic_file import check as check_file
 

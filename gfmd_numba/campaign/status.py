@@ -16,7 +16,7 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import word
 
 _OTHERS = "a file that gfmd did not write, or that was changed since"
 

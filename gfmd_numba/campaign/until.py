@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.steps_of_paths import steps_of
+from gfmd_numba.analysis.selection import steps_of
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, groups
@@ -36,7 +36,7 @@ from gfmd_numba.campaign.run import (
 )
 from gfmd_numba.campaign.status import finished, seconds_per_price, unused
 from gfmd_numba.scene import InputError
-from gfmd_numba.scene.source import Source
+from gfmd_numba.scene.document import Source
 
 _PILOT_SECONDS = 2.0  # to predict what the pilot itself costs
 

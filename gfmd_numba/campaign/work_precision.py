@@ -17,7 +17,7 @@ from gfmd_numba.campaign.cases import Case, blocks
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact import path_measures
+from gfmd_numba.contact import load_path
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.contact.observables import recorded_along
 from gfmd_numba.contact.problem import Problem
@@ -137,7 +137,7 @@ def _largest(errors: Iterable[float]) -> float:
 
 def measured(problem: Problem, realisations: int) -> Measures:
     """Return measures [realisation], solved in blocks as in a run, so that their memory is bounded."""
-    parts = [path_measures.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
+    parts = [load_path.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
 
 

@@ -4,7 +4,6 @@ from gfmd_numba.cli import (  # noqa: F401 - these are its commands
     accuracy,
     campaigns,
     contacts,
-    curve,
     fits,
     inspection,
     output_directory,

@@ -25,12 +25,10 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
-from gfmd_numba.cli.progress import progress_bar, show_queue, waiting
 from gfmd_numba.cli.tables import duration, endings, show_fit, show_goal, show_means, show_paths
-from gfmd_numba.cli.terminal import say, warn, warn_of_doubts
+from gfmd_numba.cli.terminal import progress_bar, say, show_queue, waiting, warn, warn_of_doubts
 from gfmd_numba.text.input_error import InputError
-from gfmd_numba.text.printable import printable
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -272,8 +270,8 @@ def levels_of(now: Round) -> str:
 
 def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     """Say what a round is about to do, and return the caption of its progress bar."""
-    from gfmd_numba.campaign.cross_levels import added
     from gfmd_numba.campaign.file import is_without_levels
+    from gfmd_numba.campaign.rounds import added
 
     number, now = len(rounds.rounds) - 1, rounds.now
     chosen = is_without_levels(planned.document, planned.campaign)

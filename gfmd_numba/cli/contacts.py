@@ -13,13 +13,22 @@ import click
 from gfmd_numba.cli.arguments import file_argument, output_option
 from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
-from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.quantities import column, line, readable
-from gfmd_numba.cli.tables import endings
-from gfmd_numba.cli.terminal import print_table, say, warn, warn_of_doubts
+from gfmd_numba.cli.tables import column, endings, line, readable
+from gfmd_numba.cli.terminal import print_table, say, waiting, warn, warn_of_doubts
 
 if TYPE_CHECKING:
     import xarray as xr
+
+from math import inf
+from typing import TYPE_CHECKING
+
+from gfmd_numba.cli.group import INTERRUPTED
+from gfmd_numba.cli.outputs import companion, say_written
+from gfmd_numba.cli.tables import unit
+
+if TYPE_CHECKING:
+    import xarray as xr
+
 
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_pressure",
@@ -153,3 +162,166 @@ def surface(file: Path, output: Path) -> None:
 
 def _surface_unit(name: str, unit: str) -> str:
     return {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(name, "") if unit == "1" else unit
+
+
+_MOST = 10_000
+
+
+def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
+    """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
+    ends = option.split(":")
+    if len(ends) == 1:
+        loads = [_load(text) for text in option.split(",")]
+        if len({si for _, si in loads}) > 1:
+            raise click.BadParameter(f"you gave {option!r}; gfmd allows loads with units of one kind, or all without")
+        return [_text(*load) for load in loads]
+    count = ends[-1].strip()
+    if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+    (first, unit_of_first), (last, si), n = _load(ends[0]), _load(ends[1]), int(count)
+    if unit_of_first != si:
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows two ends with units of one kind, or both without")
+    if not (first > 0.0 and last > 0.0 and first != last):
+        raise click.BadParameter(f"you gave {option!r}; gfmd allows two different ends above 0, or a list a,b,c")
+    inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
+    return [_text(load, si) for load in (first, *inner, last)]
+
+
+def _load(text: str) -> tuple[float, str]:
+    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.loading import Loading, control_of, load_meant
+    from gfmd_numba.scene.units import quantities
+
+    control, number, si = control_of(text), plain_scalar(text.strip()), ""
+    if control is not None:
+        quantity = quantities(Loading)[control]
+        number, si = quantity.si_value(text), quantity.si
+    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
+        hint = load_meant(text)
+        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
+        raise click.BadParameter(f"{told}; {hint}" if hint else told)
+    return float(number), si  # type: ignore[arg-type]
+
+
+def _text(load: float, si: str) -> float | str:
+    return f"{load!r} {si}" if si else load
+
+
+@main.command()
+@file_argument
+@click.option(
+    "--loads",
+    required=True,
+    callback=_loads_given,
+    metavar="A:B:N",
+    help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
+)
+@click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
+@output_option
+def curve(file: Path, loads: list[float | str], realisations: int, output: Path) -> None:
+    """Solve the scene in FILE at one load after another.
+
+    The command prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a
+    unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
+    In addition to the netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
+    """
+    with without_collections():
+        from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
+        from gfmd_numba.storage.atomic_file import write_table
+
+    picture, table = picture_path(output), companion(output, "table", ".csv")
+    described, document = load_scene(file)
+    check_output(output, file, *input_files(described))
+    for path in (picture, table):
+        check_output(path, file, *input_files(described), suffixes=[path.suffix])
+    asked = read_curve(described, document, loads, realisations)
+    solved: list[xr.Dataset] = []
+    try:
+        with waiting("solving loads", len(loads) * realisations) as advance:
+            for step in solve_curve(asked):
+                solved.append(step)
+                advance()
+    except KeyboardInterrupt:
+        if not solved:
+            warn("interrupted before the first load was solved; nothing is written")
+            sys.exit(INTERRUPTED)
+    dataset = curve_dataset(asked, solved)
+    write(output, dataset)
+    write_table(table, columns(dataset))
+    say_written("table", table)
+    _draw(dataset, picture)
+    show(dataset)
+    warn_of_doubts(dataset)
+    _end(dataset, realisations)
+
+
+def _draw(dataset: xr.Dataset, picture: Path) -> None:
+    from gfmd_numba.analysis import plot_curve
+    from gfmd_numba.storage.atomic_file import remove
+    from gfmd_numba.storage.mark import is_product
+
+    if not (dataset["n_realisations"] > 0).any():
+        remove(picture, is_product)  # that of an earlier curve
+        warn("no load has a result that could be drawn")
+        return
+    write_picture(picture, lambda: plot_curve(dataset))
+
+
+def _end(dataset: xr.Dataset, realisations: int) -> None:
+    """Say which loads are not to be used, or that the curve was interrupted; exit with 3 or 130 then."""
+    failed = dataset["status"].values != 0
+    if failed.any():
+        loads = ", ".join(f"{load:.4g}" for load in dataset["prescribed_load"].values[failed])
+        left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
+        warn(f"not ok at load {loads}: {left}")
+        for _, sentence in endings(dataset["status"]):
+            warn(sentence)
+    if "interrupted" in dataset.attrs:
+        told = f"interrupted {dataset.attrs['interrupted']}; the files hold these loads; the same command begins again"
+        warn(told)
+        sys.exit(INTERRUPTED)
+    if failed.any():
+        sys.exit(SOME_FAILED)
+
+
+def show(dataset: xr.Dataset) -> None:
+    """Print the curve, one line a load."""
+    from gfmd_numba.simulate.curve import SHOWN
+
+    view, load = _named(dataset), _prescribed(dataset)
+    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
+    shown = [name for name in SHOWN if name in view and name not in same]
+    values = dict(column(view, name) for name in shown)
+    states = dataset["status"].attrs["flag_meanings"].split()
+    if dataset["status"].any():
+        values["status"] = [states[int(status)] for status in dataset["status"]]
+    if int(dataset["n_realisations"].max()) > 1:
+        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
+    heading, loads = column(view, load)
+    print_table("load curve", {heading: loads}, values)
+
+
+def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
+    """Return the columns of the table as in the netCDF file, by name and unit."""
+    view = _named(dataset)
+    names = [str(name) for name in ("prescribed_load", *dataset.data_vars)]
+    units = {
+        name: unit(view, _prescribed(dataset) if name == "prescribed_load" else name.removesuffix("_standard_error"))
+        for name in names
+    }
+    return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
+
+
+def _prescribed(dataset: xr.Dataset) -> str:
+    """Return the name of the variable that the loading prescribes."""
+    from gfmd_numba.contact.dataset import PRESCRIBED
+
+    given = str(dataset.attrs["prescribed"])
+    return PRESCRIBED.get(given, given)
+
+
+def _named(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the dataset whose load has the name of what is prescribed."""
+    return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})

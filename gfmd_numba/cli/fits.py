@@ -21,9 +21,8 @@ from gfmd_numba.cli.arguments import (
 )
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, picture_path, picture_suffixes, pictures, write, write_picture
-from gfmd_numba.cli.progress import waiting
 from gfmd_numba.cli.tables import show_fit, show_goal
-from gfmd_numba.cli.terminal import say
+from gfmd_numba.cli.terminal import say, waiting
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 

@@ -15,12 +15,10 @@ import click
 
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
-from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.quantities import dimensions
-from gfmd_numba.cli.terminal import say, warn
+from gfmd_numba.cli.tables import dimensions
+from gfmd_numba.cli.terminal import say, waiting, warn
 from gfmd_numba.text.input_error import InputError
-from gfmd_numba.text.printable import printable
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.file import Campaign
@@ -144,7 +142,7 @@ def _check_scene(document: Document) -> tuple[str, str]:
     kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
     doubts = [*implausible(file.scene, file.path), *doubts]
     if file.scene.interface.reaches_across:
-        from gfmd_numba.simulate.contact import doubt
+        from gfmd_numba.simulate import doubt
 
         doubts.append(doubt(file, document))
     return kind, "\n".join(doubts)
@@ -242,7 +240,7 @@ def _examine_contact() -> str:
     from gfmd_numba.elasticity.spectral_response import SpectralResponse
     from gfmd_numba.fourier import grid
     from gfmd_numba.solvers.equilibrium import equilibrate
-    from gfmd_numba.solvers.options import Options
+    from gfmd_numba.solvers.table import Options
     from gfmd_numba.theory import closed_forms
 
     nx, amplitude, load = 256, 0.01, 0.01

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.progress import waiting
+from gfmd_numba.cli.terminal import waiting
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 

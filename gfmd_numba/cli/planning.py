@@ -12,10 +12,8 @@ import click
 from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, is_given, target_option, workers_option
 from gfmd_numba.cli.campaigns import goal_in, levels_of, options_named, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
-from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.quantities import dimensions
-from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, duration, said_of_error
-from gfmd_numba.cli.terminal import print_table, say, warn
+from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, dimensions, duration, said_of_error
+from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal

@@ -15,9 +15,8 @@ from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, outpu
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, picture_path, pictures, write, write_picture
-from gfmd_numba.cli.progress import waiting
-from gfmd_numba.cli.quantities import readable
-from gfmd_numba.cli.terminal import print_table, say, warn_of_doubts
+from gfmd_numba.cli.tables import readable
+from gfmd_numba.cli.terminal import print_table, say, waiting, warn_of_doubts
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 

@@ -9,7 +9,6 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import branch, law_resolution
-from gfmd_numba.contact.bodies import contact_modulus, elastic_body
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
@@ -24,6 +23,7 @@ from gfmd_numba.contact.dataset import (
 )
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OF_PUNCH,
     OF_SUM,
@@ -31,11 +31,10 @@ from gfmd_numba.contact.observables import (
     recorded,
     recorded_along,
 )
-from gfmd_numba.contact.path_measures import PathRecord
 from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.contact.prescribed_load import SLIDING, Sliding, reduced_pressure, steps_of
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
+from gfmd_numba.contact.scales import SLIDING, Sliding, contact_modulus, elastic_body, reduced_pressure
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
@@ -299,7 +298,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     """Return the dataset with the loading of each step of a path as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
-    for scene, sliding in steps_of(given.file.scene, given.file.path):
+    for scene, sliding in given.steps:
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if not given.file.path:

@@ -1,24 +1,25 @@
 """What the file of a contact gives: checked records, surfaces made, files read. Errors of files end here."""
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TypeVar
 
 import numpy as np
-from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.law_resolution import check_resolved
-from gfmd_numba.contact.prescribed_load import reduced_pressure, steps_of
+from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.scales import Sliding, reduced_pressure, reduced_step, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
 
 Described = TypeVar("Described", Scene, LoadedBody)
@@ -28,7 +29,7 @@ Described = TypeVar("Described", Scene, LoadedBody)
 class ContactInput:
     """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*.
 
-    `measured` are the surfaces read from files, with what was done to them.
+    `measured` are the surfaces read from files, with what was done to them. All else follows.
     """
 
     file: SceneFile
@@ -36,22 +37,33 @@ class ContactInput:
     tractions: Tractions | None = None
     measured: tuple[MeasuredSurface, ...] = ()
 
+    @cached_property
+    def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
+        """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
+        return tuple(steps_of(self.file.scene, self.file.path))
+
+    @cached_property
+    def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
+        """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
+        file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
+        problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
+        return replace(problem, path=tuple(reduced_step(*step, gradient) for step in self.steps[1:])), effects
+
 
 def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics, file.path)
-    surfaces = pressed_surfaces(file, measured, document)
-    _check_loads(file, surfaces, document)
-    prescribed = _tractions(file, surfaces, document)
+    given = ContactInput(file, pressed_surfaces(file, measured, document), None, tuple(measured.values()))
+    control = file.scene.loading.control
+    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
+    check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
+    given = replace(given, tractions=_tractions(file, given.surfaces, document))
     if file.scene.interface.reaches_across:
-        problem, _ = reduce(file.scene, surfaces.surface, surfaces.rms_gradient, file.numerics, prescribed)
-        check_resolved(document, file.scene.interface, problem, file.discretisation)
-    loading = ("scene", "loading", "displacement")
-    steps = [("path", i, "displacement") for i in range(len(file.path))]
+        check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
-    check_room(file, surfaces, document, dict(zip([loading, *steps], displacements, strict=True)))
-    return ContactInput(file, surfaces, prescribed, tuple(measured.values()))
+    check_room(file, given.surfaces, document, dict(zip(places, displacements, strict=True)))
+    return given
 
 
 def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
@@ -61,7 +73,8 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
     """
     scene, measured = with_measured(file.scene, document)
     file = file.model_copy(update={"scene": scene})
-    check_rules(file.check_period, document, ())
+    with located(document):
+        file.check_period()
     return file, measured
 
 
@@ -74,25 +87,9 @@ def with_measured(
     if "dimension" not in scene.model_fields_set and dimensions == {2}:
         scene = scene.model_copy(update={"dimension": 2})
     scene = scene if length is None else scene.model_copy(update={"length": length})
-    check_rules(scene.check_period, document, ("scene",))
+    with located(document, ("scene",)):
+        scene.check_period()
     return scene, measured
-
-
-def check_rules(rules: Callable[[], None], document: Document, place: Location) -> None:
-    """Raise InputError where rules of a record at a place of the document are broken."""
-    try:
-        rules()
-    except PydanticCustomError as error:
-        context = error.context or {}
-        at = (*place, *context["location"])
-        raise document.error(at, document.value(at), context["allowed"]) from None
-
-
-def _check_loads(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> None:
-    control = file.scene.loading.control
-    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
-    scenes = (scene for scene, _ in steps_of(file.scene, file.path))
-    check_loads(zip(places, scenes, strict=True), surfaces, document)
 
 
 def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
@@ -101,7 +98,7 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
         try:
             reduced_pressure(scene, surfaces.rms_gradient)
         except ValueError as error:
-            raise document.error(place, document.value(place), str(error)) from None
+            raise document.refused(place, str(error)) from None
 
 
 def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
@@ -137,4 +134,4 @@ def check_room(
                 in_unit_of(displacement, room),
                 "as an incompressible body has no room for more of this punch",
             )
-            raise document.error(place, document.value(place), f"at most {most}, {reason}")
+            raise document.refused(place, f"at most {most}, {reason}")

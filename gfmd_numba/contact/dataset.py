@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from gfmd_numba.contact.bodies import contact_modulus, stiffness_scale
 from gfmd_numba.contact.evaluation import finite_status
 from gfmd_numba.contact.observables import Observable
 from gfmd_numba.contact.problem import Effect
+from gfmd_numba.contact.scales import contact_modulus, stiffness_scale
 from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import (

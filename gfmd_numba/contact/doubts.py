@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.bodies import contact_modulus
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
+from gfmd_numba.contact.scales import contact_modulus
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01

@@ -69,9 +69,8 @@ def check_resolved(
     at = locate(("scene", "interface", name, key))
     given = getattr(law, key)
     shortest = in_unit_of(given, float(f"{given * sqrt(x / REFUSED):.3g}"))
-    raise document.error(
+    raise document.refused(
         at,
-        document.value(at),
         f"at least {shortest} on this grid, whose shortest wave stiffens {1 / x:.3g} times as fast as the law "
         f"softens: each node would snap into contact on its own. {_finer(problem, discretisation)}",
     )

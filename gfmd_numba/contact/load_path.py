@@ -1,24 +1,26 @@
-"""The problem that a scene with its loading path reduces to, and its solution: a fold over the steps of the path."""
+"""The solution of a problem along its loading path, and what is recorded of it.
+
+The solution is a fold over the steps of the path. The contact is recorded at every step, and the path as a whole.
+"""
 
 from collections.abc import Callable, Iterator
-from dataclasses import replace
-from itertools import islice
+from dataclasses import dataclass, field
+from math import isinf, isnan, nan
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
 
 from gfmd_numba.contact import branch, solution, two_step
-from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.prescribed_load import reduced_step, steps_of
-from gfmd_numba.contact.problem import Effect, Problem
-from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
+from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import Pressed
-
-
-def load_path(given: ContactInput) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene with the steps of its path, and what became of each of its effects."""
-    file, surfaces, gradient = given.file, given.surfaces, given.surfaces.rms_gradient
-    problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, given.tractions, surfaces.rough)
-    steps = islice(steps_of(file.scene, file.path), 1, None)
-    return replace(problem, path=tuple(reduced_step(*step, gradient) for step in steps)), effects
+from gfmd_numba.solvers.status import Status
 
 
 def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed]:
@@ -33,3 +35,147 @@ def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed
         solved = solve(at_load, state)
         yield solved
         state = solved.after
+
+
+Measures = dict[str, npt.NDArray[Any]]
+
+
+@dataclass
+class PathRecord:
+    """The rows of `PATH_OBSERVABLES` for one realisation, in g L_x and g E*, added to contact by contact."""
+
+    steps: dict[str, list[float]] = field(
+        default_factory=lambda: {name: [] for name, row in PATH_OBSERVABLES.items() if row.of == "contact"}
+    )
+    _certain: list[float] = field(default_factory=list)  # energy lost in jumps and by yielding
+    _loads: list[float] = field(default_factory=list)
+    _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
+    _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
+    _balance: Balance | None = None
+
+    def add(self, problem: Problem, solved: Contact | Pressed, is_ok: bool) -> None:
+        """Record the contact at the next step, not-a-number for one that is not ok."""
+        on_surface, contact = (solved, solved) if isinstance(solved, Contact) else (solved.contact, solved.in_plane)
+        pressure = float(mean_pressure(contact)[0])
+        self._loads.append(problem.load)
+        self._pressures.append(pressure)
+        self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
+        if not is_ok:
+            for values in (*self.steps.values(), self._certain):
+                values.append(nan)
+            return
+        before, self._balance = self._balance, Balance.of(problem, contact)
+        lost = 0.0 if before is None else self._balance.lost(before)
+        if contact.followed is not None:
+            lost = contact.followed.lost
+        elif problem.interface.hardness is not None:
+            lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
+        jumps = contact.followed is not None and not isnan(contact.followed.jump_at)
+        yielded = 0.0 if problem.interface.hardness is None else float(plastic_work(contact)[0])
+        self._certain.append(max(lost, 0.0) if jumps else yielded)
+        self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
+        self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
+        self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
+        self.steps["energy_lost"].append(lost)
+
+    def of_steps(self) -> dict[str, npt.NDArray[Any]]:
+        """Rows of the contact at every step.
+
+        What jumps and yields is lost for good. Of the rest nothing gives lost energy back: what a step seems to lose
+        and a later one to gain was no loss, as forces between the ends of steps are not known.
+        """
+        rows = {name: np.array(values) for name, values in self.steps.items()}
+        certain = np.array(self._certain)
+        rest = rows["energy_lost"] - certain
+        so_far = np.where(np.isnan(rest), np.inf, np.nancumsum(rest))
+        for_good = np.maximum(np.minimum.accumulate(so_far[::-1])[::-1], 0.0)
+        for_good = np.where(np.isnan(rest), np.nan, for_good)
+        return rows | {"energy_lost": certain + np.diff(for_good, prepend=0.0)}
+
+    def of_path(self) -> dict[str, float]:
+        """Rows of the path as a whole, not-a-number if a step is not ok."""
+        lost = float(self.of_steps()["energy_lost"].sum())
+        return {"hysteresis": lost, "pull_off_pressure": nan if isnan(lost) else self._pull_off()}
+
+    def _pull_off(self) -> float:
+        """Largest tension since the punch was deepest; not-a-number if there is none that falls as it is drawn off."""
+        deepest = len(self._loads) - 1 - int(np.argmax(self._loads[::-1]))
+        least = [self._pressures[deepest], *self._least[deepest + 1 :]]
+        at = deepest + int(np.argmin(least))
+        tension = -min(least)
+        falls = at > deepest and self._loads[at] < self._loads[at - 1] and -self._pressures[at] < tension
+        further = min(self._loads[at:]) < self._loads[at]
+        return tension if tension > 0.0 and (falls or further) else nan
+
+
+def stick_fraction(problem: Problem, contact: Contact) -> float:
+    """Touching nodes that bear less than friction allows, over all touching ones; not-a-number without any.
+
+    The residual tells how far the traction of a slipping node may be from its bound.
+    """
+    found, friction = contact.equilibrium, problem.interface.friction
+    touching = found.touching[0]
+    if not touching.any():
+        return nan
+    if found.tangential is None or friction is None or isinf(friction):
+        return 1.0
+    wall = wall_pressure(problem, contact)
+    slack = float(found.residual[0]) * float(wall.max())
+    rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
+    sticks = rubbing < friction * wall - slack
+    return float((sticks & touching).sum() / touching.sum())
+
+
+def measured(problem: Problem, realisations: range) -> Measures:
+    """All that is recorded of realisations of a problem: `[realisation]`, but along a path the contact's have steps.
+
+    Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
+    largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
+    """
+    if problem.path:
+        rows = [_along(problem, realisation) for realisation in realisations]
+        return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
+    if problem.rough is None:
+        return measure(solve(problem, realisations))
+    found = [_measure(problem, next(solve_path(problem, realisation))) for realisation in realisations]
+    return {name: np.concatenate([each[name] for each in found]) for name in found[0]}
+
+
+def recorded_of(problem: Problem) -> dict[str, Observable]:
+    """What is recorded of each contact of a problem."""
+    rows = recorded(problem.interface.hardness is not None, problem.periodic, problem.has_form)
+    return rows if problem.rough is None else recorded_of_rough_bodies(rows)
+
+
+def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
+    """Measures `[realisation]` of one contact."""
+    if isinstance(solved, Contact):
+        return measure(solved)
+    assert isinstance(problem.surface, SummedSurface)  # of rough bodies
+    values = measure(solved.in_plane)
+    error = solved.next_order / problem.surface.rms_gradient
+    return values | {"next_order": np.where(values["status"] == Status.ok, error, nan)}
+
+
+def _along(problem: Problem, realisation: int) -> Measures:
+    """Measures of one realisation: `[step]` of the contact, `[]` of all else."""
+    record, found = PathRecord(), []
+    for one, solved in zip(problem.at_each_load, solve_path(problem, realisation), strict=False):
+        found.append(_measure(one, solved))
+        is_ok = bool(found[-1]["status"][0] == Status.ok)
+        record.add(one, solved, is_ok)
+        if not is_ok:
+            break
+    rows = recorded_of(problem)
+    values = {name: np.concatenate([each[name] for each in found]) for name in rows}
+    joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
+    joined |= {name: _filled(values[name], problem.n_loads) for name, row in rows.items() if row.of == "contact"}
+    joined |= {name: values[name].sum() for name in ("n_iterations", "n_transforms", "wall_time")}
+    joined |= {"status": values["status"][-1], "residual": values["residual"].max()}
+    joined |= {name: _filled(steps, problem.n_loads) for name, steps in record.of_steps().items()}
+    return joined | {name: np.asarray(value) for name, value in record.of_path().items()}
+
+
+def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:
+    """Values of the first of so many steps, not-a-number for the others."""
+    return np.concatenate([values, np.full(steps - len(values), nan)])

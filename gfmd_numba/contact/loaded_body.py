@@ -9,9 +9,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus, elastic_body
 from gfmd_numba.contact.contact_dataset import forming_tractions
-from gfmd_numba.contact.contact_input import check_rules, with_measured
+from gfmd_numba.contact.contact_input import with_measured
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
     Units,
@@ -24,18 +23,18 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.scales import contact_modulus, elastic_body
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
+from gfmd_numba.scene.document import located
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.memory import arrays_of_a_loaded_body, beyond_memory
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.solvers.table import able
+from gfmd_numba.solvers.table import Options, able
 
 Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa and m, or E* and L_x
 
@@ -75,19 +74,21 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
     scene, measured = with_measured(file.scene, document)
     file = file.model_copy(update={"scene": scene})
-    check_rules(file.check_period, document, ())
+    with located(document):
+        file.check_period()
     check_combination(document, file.scene, file.numerics)
     rough = _rough_body(file, measured, document)
     body, dimension = file.scene.body, file.scene.dimension
+    needed = arrays_of_a_loaded_body(dimension, file.slope_order)
     shape = None if file.points is None else (file.points,) * dimension
     if rough is not None:
         shape = rough.heights.shape
-        _check_memory(document, ("scene", "body", "roughness"), shape, file)
-    elif shape is not None:
-        _check_memory(document, ("points",), shape, file)
+        check_nodes(document, ("scene", "body", "roughness"), rough.heights.size, needed)
+    elif file.points is not None:
+        check_nodes(document, ("points",), float(file.points) ** dimension, needed)
     arrays = read_boundary(document, file.scene.boundary, dimension, shape)
     name, given = next(iter(arrays.items()))
-    _check_memory(document, ("scene", "boundary", name), given.shape, file)
+    check_nodes(document, ("scene", "boundary", name), given.size, needed)
     if body.is_half_space:
         for component in COMPONENTS[dimension][::-1]:
             held = component.key("displacement")
@@ -95,9 +96,8 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
                 remedy = f"or {body.holder} or a {held}, as nothing holds a half-space"
                 arrays = balanced(document, arrays, component.key("traction"), remedy)
     elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
-        raise document.error(
+        raise document.refused(
             ("scene", "boundary", "normal_displacement"),
-            document.value(("scene", "boundary", "normal_displacement")),
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
     return LoadedBodyInput(file, dict(arrays), rough, tuple(measured.values()))
@@ -130,12 +130,6 @@ def _rough_body(file: BoundaryFile, measured: MeasuredSurfaces, document: Docume
     ensemble = ensemble_of_rough_bodies(scene, file.discretisation, file.seed, order, measured, document)
     (body,) = check_drawn(scene, *ensemble, file.realisation, document)
     return body
-
-
-def _check_memory(document: Document, place: Location, shape: tuple[int, ...], file: BoundaryFile) -> None:
-    arrays = arrays_of_a_loaded_body(len(shape), file.slope_order)
-    if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays):
-        raise document.error(place, document.value(place), allowed)
 
 
 @dataclass(frozen=True)

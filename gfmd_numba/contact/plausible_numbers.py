@@ -11,7 +11,7 @@ from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.records import Boundary
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, quantities
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 
 class Common(NamedTuple):

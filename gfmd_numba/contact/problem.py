@@ -1,30 +1,35 @@
 """The dimensionless problem of one contact, its surface and its identity: equal problems are solved once.
 
+The version of their results says what is stored of them and which code made it, so that nobody has to remember it.
 Lengths are in L_x, heights in g L_x and stresses in g E*, g the rms gradient.
 """
 
 import hashlib
 import json
 import math
+import re
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.observables import PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
-from gfmd_numba.contact.results_version import results_version, rows_without_prose
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES, Observable
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene import Discretisation, LoadedBody, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_reduced_units
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import SOLVERS, Options
 
 WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that its ends do not meet
 
@@ -265,3 +270,45 @@ def scaled_gradient(heights: Reals, periodic: bool = True) -> tuple[float, float
     scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
     of_heights = statistics.rms_gradient if periodic else statistics.rms_gradient_of_patch
     return scale, float(of_heights(heights / scale, (1.0,) * heights.ndim))
+
+
+_PACKAGE = Path(__file__).parent.parent
+_MAKE_NO_NUMBERS = {"analysis", "campaign", "cli", "scene", "simulate", "storage", "text"}  # of what a shard holds
+_TEXT = rb'"""(?s:.*?)"""'
+_PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text that is no docstring stays
+    rb"^[ \t]*(?P<prose>#.*|[rR]?" + _TEXT + rb")?[ \t]*\n|(?P<kept>" + _TEXT + rb")", re.MULTILINE
+)
+
+
+@lru_cache(maxsize=1)
+def results_version() -> str:
+    """Hash of the code that makes numbers and of the tables' rows: shards of another version are not used.
+
+    Comments and docstrings count for nothing.
+    """
+    decided = {
+        "code": code_digest(_PACKAGE),
+        "observables": rows_without_prose(OBSERVABLES),
+        "solvers": {name: asdict(row) | {"sentence": ""} for name, row in SOLVERS.items()},
+        "laws": {name: (sorted(row.model_fields), row.implementation) for name, row in LAWS.items()},
+    }
+    return hashlib.sha256(json.dumps(decided, sort_keys=True, default=sorted).encode()).hexdigest()[:12]
+
+
+def code_digest(package: Path) -> str:
+    """SHA-256 of the modules of a package that make numbers, without their prose: all but those of rooms known not to.
+
+    What scenes and campaigns describe is in the identity of each problem, number by number.
+    """
+    digest = hashlib.sha256()
+    for file in sorted(package.rglob("*.py")):
+        module = file.relative_to(package).as_posix()
+        if module.partition("/")[0] not in _MAKE_NO_NUMBERS:
+            code = _PROSE.sub(rb"\g<kept>", file.read_bytes().replace(b"\r\n", b"\n"))
+            digest.update(f"{module} {len(code)}\n".encode() + code)
+    return digest.hexdigest()
+
+
+def rows_without_prose(table: Mapping[str, Observable]) -> dict[str, tuple[str, str]]:
+    """What a table of observables decides of the numbers."""
+    return {name: (row.of, row.unit) for name, row in table.items()}

@@ -10,9 +10,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.contact.bodies import compliance_share, contact_modulus, elastic_body, stiffness_scale
-from gfmd_numba.contact.prescribed_load import reduced_load
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.scales import compliance_share, contact_modulus, elastic_body, reduced_load, stiffness_scale
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
@@ -21,8 +20,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.units import in_reduced_units
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.table import SOLVERS, automatic
+from gfmd_numba.solvers.table import SOLVERS, Options, automatic
 
 _NU = "Poisson's ratio"
 _ROUNDING = float(np.finfo(float).eps) / 2

@@ -7,10 +7,9 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
-from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.document import Location, nearest
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surfaces import Random
-from gfmd_numba.scene.validation import nearest
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
 from gfmd_numba.text.input_error import brief
 
@@ -39,7 +38,7 @@ def check_combination(
         raise document.error(("numerics", "solver"), numerics.solver, listed, hint)
     _raise(document, refusals(scene, numerics, path, grid))
     if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
-        from gfmd_numba.contact.prescribed_load import check_bearable  # numbers, which the tables do without
+        from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without
 
         check_bearable(document, scene, path, grid or {})
 

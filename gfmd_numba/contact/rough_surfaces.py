@@ -9,8 +9,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import problem
-from gfmd_numba.contact.bodies import compliance_share, elastic_body
 from gfmd_numba.contact.problem import DeformableBody, RoughBodies
+from gfmd_numba.contact.scales import compliance_share, elastic_body
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
@@ -261,7 +261,7 @@ def _measured(
 
 
 def _unusable(document: Document, place: Place, error: ValueError) -> InputError:
-    return document.error(place, document.value(place), f"a usable surface, not {error}")
+    return document.refused(place, f"a usable surface, not {error}")
 
 
 def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:

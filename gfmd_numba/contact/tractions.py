@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import contact_modulus
+from gfmd_numba.contact.scales import contact_modulus
 from gfmd_numba.roughness.surface_files import read_values
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError, Scene
 from gfmd_numba.scene.quantities import LARGEST

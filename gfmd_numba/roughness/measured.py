@@ -11,10 +11,10 @@ from typing import Literal
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
-from gfmd_numba.roughness.measurements import Measurement, measurement
+from gfmd_numba.roughness.measurements import Content, Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic, patch
 from gfmd_numba.roughness.spikes import without_spikes
-from gfmd_numba.roughness.surface_files import Content, content_of, read_content
+from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.units import WithUnit
 

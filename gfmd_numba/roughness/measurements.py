@@ -8,14 +8,27 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.positions import are_even, laid_out
-from gfmd_numba.roughness.surface_files import Content
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import METRES, PERIOD
 
 _CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
+
+
+@dataclass(frozen=True)
+class Content:
+    """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
+
+    `positions` along each axis or the physical `sizes` may be missing; `units` are those of x, y and z that the file
+    states: names of units of length, or the file's own words for another.
+    """
+
+    heights: npt.NDArray[Any]
+    positions: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
+    sizes: Mapping[str, float] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict)
+    done: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -139,3 +152,146 @@ def _words(axes: list[str]) -> str:
 
 def _example(axes: list[str]) -> str:
     return "{" + ", ".join(f"{axis}: {'um' if axis == 'z' else 'mm'}" for axis in axes) + "}"
+
+
+UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
+_EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
+_ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
+_FEWEST = 4  # values that make an axis on their own
+_SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
+
+
+def laid_out(
+    heights: Reals, axis: int, positions: npt.NDArray[Any], name: str, interpolate: bool
+) -> tuple[Reals, float, tuple[str, ...]]:
+    """Heights on ascending equidistant positions along an axis of that `name`, the size there, and what was done.
+
+    The size is one spacing for each of the `positions` `[n]`. They may be uneven only in a profile that is to be
+    interpolated, linearly, to as many equidistant ones from the least on; heights that are not-a-number leave those
+    next to them not-a-number. Raises ValueError, with the index, for positions that are not distinct finite numbers.
+    """
+    if positions.dtype.kind not in "fiu":
+        raise ValueError(f"positions {name} of type {positions.dtype}, not numbers")
+    x = np.asarray(positions, dtype=np.float64)
+    outside = np.flatnonzero(~(abs(x) <= LARGEST))
+    if len(outside):
+        raise ValueError(f"position {name} = {x[outside[0]]} at index {outside[0]}, not a finite number")
+    mean = (x[-1] - x[0]) / (len(x) - 1)
+    rounding = 4.0 * float(np.finfo(positions.dtype).eps) * abs(x).max() if positions.dtype.kind == "f" else 0.0
+    steps = np.diff(x)
+    off = abs(steps - mean) > UNEVEN * abs(mean) + rounding
+    if mean != 0.0 and not off.any():
+        if mean > 0.0:
+            return heights, mean * len(x), ()
+        return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
+    of_map = heights.ndim == 2
+    if interpolate and not of_map:
+        found = _interpolated(heights, x, name)
+        if are_even(heights):
+            raise ValueError(f"uneven positions {name}")
+        return found
+    if (steps > 0.0).all() or (steps < 0.0).all():
+        worst = int(abs(steps - mean).argmax())
+        wrong = f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
+    else:
+        sign = np.sign(steps)
+        turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
+        wrong = f"positions {name} that are in no order from index {turn} on"
+    remedy = "interpolate the map to a regular grid" if of_map else "give points to have them sorted and interpolated"
+    raise ValueError(f"{wrong}; {remedy}")
+
+
+def are_even(heights: Reals) -> bool:
+    """Whether the heights of a profile are evenly spaced, as positions are."""
+    steps = np.diff(heights)
+    return heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
+
+
+def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` of a table, and the positions along x and y if its first row and first column are axes.
+
+    An axis is strictly monotone and evenly spaced, and no neighbouring row goes on with its steps. The corner where
+    both meet may hold anything. Raises ValueError, with the `line` of the first row, for one axis without the other.
+    """
+    if min(values.shape) < _FEWEST:
+        return values, {}
+    along_x, along_y = _is_axis(values[:, 1:]), _is_axis(values.T[:, 1:])
+    both_even = _is_even(values[0, 1:]) and _is_even(values[1:, 0])
+    corner_fits = _is_even(values[0]) if along_x else _is_even(values[:, 0])  # the only axis, which then begins there
+    if (along_x and along_y) or ((along_x or along_y) and both_even and not corner_fits):
+        return values[1:, 1:], {"x": values[0, 1:], "y": values[1:, 0]}
+    for name, found in (("row", along_x or _is_axis(values)), ("column", along_y or _is_axis(values.T))):
+        if found:
+            where = f"a first row (line {line})" if name == "row" else f"a first column (from line {line} on)"
+            x, y, other = ("x", "y", "column") if name == "row" else ("y", "x", "row")
+            raise ValueError(
+                f"{where} of evenly spaced numbers, unlike the {name}s next to it: if they are positions along {x}, "
+                f"give those along {y} as the first {other}, evenly spaced too, or delete the {name}; if they are "
+                "heights, save the map as .npy"
+            )
+    return values, {}
+
+
+def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
+
+    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile along x. Raises
+    ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
+    """
+    present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
+    x, y, z = x[present], y[present], z[present]
+    unknown = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
+    if len(unknown):
+        raise ValueError(f"a point without a finite x and y in row {unknown[0] + 1} of numbers")
+    (along_x, i), (along_y, j) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells = len(along_x) * len(along_y)
+    place = j * len(along_x) + i
+    order = np.argsort(place, kind="stable")
+    again = np.flatnonzero(np.diff(place[order]) == 0)
+    if len(again):
+        row = order[again[0] + 1]
+        raise ValueError(f"the point x = {x[row]:g}, y = {y[row]:g} twice, again in row {row + 1} of numbers")
+    if len(x) < _SCATTERED * cells:
+        raise ValueError(
+            f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
+            "y, which are no grid: interpolate them to one, or save the map as rows of heights"
+        )
+    heights = np.full(cells, np.nan)
+    heights[place] = z
+    if 1 in (len(along_x), len(along_y)):
+        return heights, {"x": along_x if len(along_y) == 1 else along_y}
+    return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}
+
+
+def _interpolated(heights: Reals, x: Reals, name: str) -> tuple[Reals, float, tuple[str, ...]]:
+    order = np.argsort(x, kind="stable")
+    x, heights = x[order], heights[order]
+    steps = np.diff(x)
+    if not (steps > 0.0).all():
+        raise ValueError(f"the position {name} = {x[int((steps <= 0.0).argmax())]:g} twice")
+    mean = (x[-1] - x[0]) / (len(x) - 1)
+    said = f"interpolated linearly from uneven positions {name}, at most {steps.max() / mean:.4g} mean spacings apart"
+    return np.interp(np.linspace(x[0], x[-1], len(x)), x, heights), float(mean * len(x)), (said,)
+
+
+def _is_axis(rows: Reals) -> bool:
+    """Whether the first of these rows is evenly spaced, and none of the next two goes on with it."""
+    first = rows[0]
+    if len(first) < _FEWEST or not _is_even(first):
+        return False
+    step = (first[-1] - first[0]) / (len(first) - 1)
+    bends = abs(np.diff(rows.mean(axis=1), 2))  # of the slope across the rows: of a plane 0
+    if len(bends) >= _FEWEST and bends[0] > 10.0 * bends[1:].max() + abs(step):
+        return True
+    for row in rows[1:3]:
+        alike = abs(np.diff(row) - step) <= _ALIKE * abs(step)
+        tilted = _is_even(row) and 0.25 <= (row[-1] - row[0]) / (first[-1] - first[0]) <= 4.0
+        if tilted or alike.mean() >= 0.5:
+            return False
+    return True
+
+
+def _is_even(line: Reals) -> bool:
+    steps = np.diff(line)
+    mean = steps.mean()
+    return bool(mean != 0.0 and (abs(steps - mean) <= _EVEN * abs(mean)).all())

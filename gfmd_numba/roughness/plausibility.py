@@ -145,12 +145,10 @@ def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
 
 def offsets(level: Reals) -> list[tuple[int, int, float]]:
     """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
-    if level.ndim == 1:
-        return [(0, int(i), float(step)) for i, step in _of_line(level, float(level.std()))]
     found = []
     for axis in range(level.ndim):
-        other = 1 - axis
-        line = np.append(0.0, np.cumsum(np.median(np.diff(level, axis=axis), axis=other)))
+        steps = np.moveaxis(np.diff(level, axis=axis), axis, 0)
+        line = np.append(0.0, np.cumsum(np.median(steps.reshape(len(steps), -1), axis=1)))
         found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
     return found
 

@@ -8,9 +8,9 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.roughness.measurements import Measurement, place
-from gfmd_numba.scene.memory import arrays_per_realisation, beyond_memory
+from gfmd_numba.scene.checks import arrays_per_realisation, beyond_memory
 from gfmd_numba.scene.units import in_unit_of
 
 Detrend = Literal["none", "mean", "tilt", "curvature"]

@@ -17,7 +17,7 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.roughness import spectral
 from gfmd_numba.roughness.amplitudes import stream
 from gfmd_numba.roughness.generators import Shape, band
@@ -112,7 +112,7 @@ class Recursion:
         once the mean of its two neighbours, or of the four of a map, is known.
         """
         h = self.hurst
-        left = 1.0 - 2.0 ** (2.0 * h - 2.0) if self.dimension == 1 else 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)
+        left = {1: 1.0 - 2.0 ** (2.0 * h - 2.0), 2: 1.0 - 2.0 ** (h - 2.0) - 2.0 ** (2.0 * h - 3.0)}[self.dimension]
         return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
 
 

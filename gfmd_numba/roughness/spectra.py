@@ -11,10 +11,9 @@ from dataclasses import dataclass
 from typing import ClassVar, Literal, Protocol
 
 import numpy as np
-from scipy.special import gamma, gammaln, hyp2f1, j0, kv
+from scipy.special import gamma, gammaln, hankel1, hyp2f1, j0, kv
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness import stretched_exponential
 
 _RIPPLE = {1: np.cos, 2: j0}  # mean of a wave over the directions from a point, by the dimension
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
@@ -109,7 +108,7 @@ class ExponentialSpectrum(_Correlated):
     def psd(self, q: Reals) -> Reals:
         """Spectral density `[...]` at wave numbers q (3.11)."""
         scale = self.correlation_length
-        return scale**self.dimension * stretched_exponential.transform(q * scale, self.hurst, self.dimension)
+        return scale**self.dimension * stretched_exponential(q * scale, self.hurst, self.dimension)
 
 
 class KCorrelationSpectrum(_Correlated):
@@ -169,12 +168,7 @@ class Mounded:
         The factor cos or J0 is the transform of two points or of a ring at q_m = 2 pi/lambda: the spectrum is that
         of the model averaged over them, a sum of positive terms where (3.18) is a difference of huge ones.
         """
-        mound = 2.0 * np.pi / self.separation
-        if self.dimension == 1:
-            return 0.5 * (self.model.psd(abs(q - mound)) + self.model.psd(q + mound))
-        if isinstance(self.model, KCorrelationSpectrum):
-            return _k_correlation_ring(self.model, q, mound)
-        return _ring_mean(self.model, q, mound)
+        return _AROUND[self.dimension](self.model, q, 2.0 * np.pi / self.separation)
 
 
 def matern(z: Reals, order: float) -> Reals:
@@ -282,7 +276,13 @@ def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> 
     return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
 
 
-def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+def _two_points(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    return 0.5 * (model.psd(abs(q - mound)) + model.psd(q + mound))
+
+
+def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    if isinstance(model, KCorrelationSpectrum):
+        return _k_correlation_ring(model, q, mound)
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
     t = np.arange(-60, 61) / 16.0
     part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
@@ -290,6 +290,9 @@ def _ring_mean(model: ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     q = np.asarray(q, dtype=np.float64)
     apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
     return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
+
+
+_AROUND = {1: _two_points, 2: _ring}  # mean of a model over all places so far from the origin, by the dimension
 
 
 def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ...]) -> None:
@@ -302,3 +305,75 @@ def _check_model(hursts: tuple[float, ...], correlation_lengths: tuple[float, ..
 def _require(condition: bool, otherwise: str) -> None:
     if not condition:
         raise ValueError(otherwise)
+
+
+# outgoing wave, by the dimension, of a phase
+_WAVE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: hankel1(0, phase)}
+_LOG_SIZE = {  # of the terms of the series, by the dimension, of alpha k and ln k!
+    1: lambda alpha_k, factorial: gammaln(alpha_k + 1.0) - factorial,
+    2: lambda alpha_k, factorial: 2.0 * gammaln(1.0 + alpha_k / 2.0) - factorial + alpha_k * np.log(2.0),
+}
+_FAR = 30.0
+_TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
+_STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
+_REACH = 700  # steps below log r = 0, to r = 6e-19
+_FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
+_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
+
+
+def stretched_exponential(q: Reals, hurst: float, dimension: int) -> Reals:
+    """C(q) = (2 pi)^-d times the integral of exp(-r^(2H) - i q.r), 0 < H <= 1 and q >= 0 dimensionless.
+
+    The series in powers of q, thesis (3.11), diverges for H < 1/2 and loses all digits for q > 10 otherwise. Below
+    q = 30 the transform is an integral along a ray in the complex plane, where the waves decay and nothing cancels;
+    above, the series in inverse powers of q has more than enough digits.
+    """
+    q = np.asarray(q, dtype=np.float64)
+    if hurst == 1.0:
+        return np.asarray(np.exp(-(q**2) / 4.0) / (4.0 * np.pi) ** (dimension / 2.0))
+    far = q > _FAR
+    near_q = q[~far]
+    found = np.empty_like(q)
+    found[far] = _far(q[far], 2.0 * hurst, dimension)
+    found[~far] = _tabulated(near_q, 2.0 * hurst, dimension)
+    return found
+
+
+def _tabulated(q: Reals, alpha: float, dimension: int) -> Reals:
+    positive = q[q > 0.0]
+    if positive.size:
+        low, high = positive.min(), positive.max()
+        count = 4 + int(_TABLE * np.log10(high / low))
+    if positive.size == 0 or positive.size <= count:
+        return _near(q, alpha, dimension)
+    from scipy.interpolate import CubicSpline  # it takes longer to import than most contacts to solve
+
+    table = np.geomspace(low, high, count)
+    spline = CubicSpline(np.log(table), np.log(_near(table, alpha, dimension)))
+    found = np.full_like(q, _near(np.zeros(1), alpha, dimension)[0])
+    found[q > 0.0] = np.exp(spline(np.log(positive)))
+    return found
+
+
+def _near(q: Reals, alpha: float, dimension: int) -> Reals:
+    angle = min(np.pi / 2.0, np.pi / (4.0 * alpha))
+    furthest = np.log((60.0 + 12.0 * dimension / alpha) / np.cos(alpha * angle)) / alpha
+    r = np.exp(_STEP * np.arange(-_REACH, furthest / _STEP) + 1j * angle)
+    kernel = _STEP * r**dimension * np.exp(-(r**alpha))
+    found = np.empty_like(q)
+    for i, wave in enumerate(q):
+        if wave == 0.0:
+            found[i] = kernel.real.sum()
+            continue
+        phase = wave * r[: np.searchsorted(abs(r), _FADED / wave)]
+        ripple = _WAVE[dimension](phase)
+        found[i] = (kernel[: phase.size] * ripple).real.sum()
+    return found / (dimension * np.pi)
+
+
+def _far(q: Reals, alpha: float, dimension: int) -> Reals:
+    k = np.arange(1, _TERMS + 1)
+    log_size = _LOG_SIZE[dimension](alpha * k, gammaln(k + 1.0)) - dimension * np.log(np.pi)
+    sign = -((-1.0) ** k) * np.sin(np.pi * alpha * k / 2.0)
+    terms = log_size - (alpha * k + dimension) * np.log(q)[:, np.newaxis]
+    return np.asarray((sign * np.exp(terms)).sum(axis=1))

@@ -1,9 +1,12 @@
-"""Statistics of periodic profiles `[..., nx]` and maps `[..., ny, nx]`, from their Fourier coefficients.
+"""Statistics of periodic profiles `[..., nx]` and maps `[..., ny, nx]`: moments, spectrum, correlation, distribution.
 
 `lengths` are the periods, (L_x,) of profiles and (L_y, L_x) of maps; heights share their unit.
 """
 
+from typing import Any
+
 import numpy as np
+from scipy.special import ndtr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
@@ -110,3 +113,108 @@ def scaled(
     axes = tuple(range(-len(lengths), 0))
     centred = heights - heights.mean(axis=axes, keepdims=True)
     return np.asarray(centred * np.expand_dims(np.asarray(wanted) / present, axes))
+
+
+def autocorrelation(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
+    """Autocorrelation R `[..., nx]` or `[..., ny, nx]` at all periodic shifts, 1 at none; heights about their mean."""
+    dimension = len(lengths)
+    mean: tuple[Any, ...] = (..., *(slice(0, 1),) * dimension)  # of coefficients, and no shift of shifts
+    of_waves = power(heights, lengths)
+    of_waves[mean] = 0.0
+    found = grid.signal(of_waves, *heights.shape[-dimension:])
+    return np.asarray(found / found[mean])
+
+
+def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals, Reals]:
+    """Distances and means over rings of one spacing's width of a map of shifts `[ny, nx]`, up to half a period."""
+    spacing = [length / n for length, n in zip(lengths, correlation.shape, strict=True)]
+    y, x = (grid.shifts(n, length) for n, length in zip(correlation.shape, lengths, strict=True))
+    distance = np.hypot(y[:, np.newaxis], x)
+    ring = np.rint(distance / max(spacing)).astype(np.int64).ravel()
+    kept = ring <= int(min(lengths) / 2.0 / max(spacing))
+    count = np.bincount(ring[kept])
+    sums = [np.bincount(ring[kept], values.ravel()[kept]) for values in (distance, correlation)]
+    return sums[0] / count, sums[1] / count
+
+
+def spectral_density(
+    heights: Reals, lengths: tuple[float, ...] = UNIT, bins_per_decade: int = 10
+) -> tuple[Reals, Reals, Reals]:
+    """Wave numbers, spectral density C and number of independent waves of each logarithmic bin, means over the batch.
+
+    C is in height^2 length^d, two-sided, and integrates to w^2 over all of q-space; bins without waves are left out.
+    """
+    q, squares, weight = _waves(heights, lengths)
+    q_min = q.min()
+    which = np.floor(np.log10(q / q_min * (1.0 + 1e-9)) * bins_per_decade).astype(np.int64)
+    total = np.bincount(which, weight)
+    full = total > 0
+    mean_q = np.exp(np.bincount(which, weight * np.log(q))[full] / total[full])
+    mean = np.bincount(which, weight * squares)[full] / total[full]
+    batch = np.prod(heights.shape[: -len(lengths)], dtype=np.int64)
+    cell = np.prod(2.0 * np.pi / np.asarray(lengths))
+    return mean_q, mean / cell, total[full] / 2.0 * batch
+
+
+def hurst_exponent(
+    heights: Reals, q_low: float, q_high: float, lengths: tuple[float, ...] = UNIT
+) -> tuple[float, float]:
+    """Hurst exponent and its standard error from the waves q_low <= q <= q_high, C ~ q^-(d + 2H) (3.8).
+
+    The most likely exponent, the power of each wave being exponentially distributed about C (Whittle), of all
+    surfaces in the batch together. Raises ValueError for fewer than 3 different wave numbers.
+    """
+    q, squares, weight = _waves(heights, lengths)
+    inside = (q >= q_low * (1.0 - 1e-9)) & (q <= q_high * (1.0 + 1e-9)) & (weight > 0)
+    q, squares, weight = q[inside], squares[inside], weight[inside]
+    if np.unique(q).size < 3:
+        raise ValueError(f"{np.unique(q).size} wave numbers from {q_low:g} to {q_high:g}, not at least 3")
+    log_q = np.log(q) - (weight * np.log(q)).sum() / weight.sum()
+    from scipy.optimize import brentq  # it takes longer to import than most contacts to solve
+
+    def slope(exponent: float) -> float:
+        tilted = weight * squares * np.exp(exponent * log_q)
+        return float((tilted * log_q).sum() / tilted.sum())
+
+    exponent = brentq(slope, -20.0, 20.0, xtol=1e-12)
+    independent = np.prod(heights.shape[: -len(lengths)], dtype=np.int64) * weight / 2.0
+    error = 1.0 / np.sqrt((independent * log_q**2).sum())
+    return (float(exponent) - len(lengths)) / 2.0, float(error) / 2.0
+
+
+def _waves(heights: Reals, lengths: tuple[float, ...]) -> tuple[Reals, Reals, Reals]:
+    """Wave number, mean square coefficient over the batch and multiplicity of each wave but the mean, flat."""
+    of_waves = power(heights, lengths)
+    squares = of_waves.reshape(-1, *of_waves.shape[-len(lengths) :]).mean(axis=0)
+    weight = np.broadcast_to(grid.multiplicity(heights.shape[-1]), squares.shape)
+    q = wavenumbers(heights, lengths)
+    return q.ravel()[1:], squares.ravel()[1:], weight.ravel()[1:]
+
+
+def standardised(heights: Reals, dimension: int = 1) -> Reals:
+    """Heights of each profile or map less their mean, over their rms height; ValueError for a flat surface."""
+    axes = tuple(range(-dimension, 0))
+    spread = heights.std(axis=axes, keepdims=True)
+    if not (spread > 0.0).all():
+        raise ValueError("a flat surface, which has no distribution of heights")
+    return np.asarray((heights - heights.mean(axis=axes, keepdims=True)) / spread)
+
+
+def skewness(heights: Reals, dimension: int = 1) -> Reals:
+    """Third moment m3 / w^3 `[...]` of the heights, 0 for a Gaussian surface (thesis 3.2)."""
+    return np.asarray((standardised(heights, dimension) ** 3).mean(axis=tuple(range(-dimension, 0))))
+
+
+def kurtosis(heights: Reals, dimension: int = 1) -> Reals:
+    """Fourth moment m4 / w^4 `[...]` of the heights, 3 for a Gaussian surface (thesis 3.2)."""
+    return np.asarray((standardised(heights, dimension) ** 4).mean(axis=tuple(range(-dimension, 0))))
+
+
+def gaussian_distance(heights: Reals, dimension: int = 1) -> Reals:
+    """Largest difference `[...]` between the cumulative distributions of the heights and of (3.1) with their w."""
+    unit = standardised(heights, dimension)
+    ordered = np.sort(unit.reshape(*unit.shape[:-dimension], -1), axis=-1)
+    n = ordered.shape[-1]
+    expected = ndtr(ordered)
+    above = (np.arange(1, n + 1) / n - expected).max(axis=-1)
+    return np.asarray(np.maximum(above, (expected - np.arange(n) / n).max(axis=-1)))

@@ -1,7 +1,6 @@
 """What stands in the file of a surface, whatever its format: heights, positions or sizes, and the units of them."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.positions import on_a_grid, split_axes
+from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
 from gfmd_numba.roughness.surface_text import read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
@@ -17,21 +16,6 @@ from gfmd_numba.scene.units import PERIOD, length_unit
 
 if TYPE_CHECKING:
     import xarray as xr
-
-
-@dataclass(frozen=True)
-class Content:
-    """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
-
-    `positions` along each axis or the physical `sizes` may be missing; `units` are those of x, y and z that the file
-    states: names of units of length, or the file's own words for another.
-    """
-
-    heights: npt.NDArray[Any]
-    positions: Mapping[str, npt.NDArray[Any]] = field(default_factory=dict)
-    sizes: Mapping[str, float] = field(default_factory=dict)
-    units: Mapping[str, str] = field(default_factory=dict)
-    done: tuple[str, ...] = ()
 
 
 def read_content(path: Path) -> Content:

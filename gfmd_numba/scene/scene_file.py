@@ -6,14 +6,18 @@ from pathlib import Path
 from typing import Any
 
 from gfmd_numba.scene.body_record import Body
-from gfmd_numba.scene.checks import check_anisotropy_fits, check_discretisation, check_surfaces
-from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.checks import (
+    arrays_of_a_loaded_body,
+    arrays_of_path,
+    arrays_per_realisation,
+    check_anisotropy_fits,
+    check_discretisation,
+    check_surfaces,
+)
+from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import arrays_of_a_loaded_body, arrays_of_path, arrays_per_realisation
 from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
-from gfmd_numba.scene.validation import validate
 from gfmd_numba.text.input_error import InputError
 
 BOUNDARY_SUFFIXES = (".npy", ".csv")
@@ -35,9 +39,8 @@ def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | B
     if len(campaign) > 1:  # one alone may be a slip
         allowed = "the keys of a scene; gfmd run and gfmd plan take a campaign"
         raise InputError(document.key_line((campaign[0],), "a key of campaigns", allowed))
-    if _has_no_punch(document):
-        return _checked(validate(document, BoundaryFile), document), document
-    return _checked(validate(document, SceneFile), document), document
+    kind: type[SceneFile | BoundaryFile] = BoundaryFile if _has_no_punch(document) else SceneFile
+    return _checked(validate(document, kind), document), document
 
 
 def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Document:
@@ -53,7 +56,7 @@ def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Doc
     treatment = data["scene"].get("roughness") or {}
     if not isinstance(treatment, Mapping) or "file" in treatment or treatment.get("method", "measured") != "measured":
         place = ("scene", "roughness")
-        raise document.error(place, document.value(place), "nothing with heights but keys that say how to treat them")
+        raise document.refused(place, "nothing with heights but keys that say how to treat them")
     surface = {**treatment, "method": "measured", "heights": heights}
     return replace(document, data={**data, "scene": {**data["scene"], "roughness": surface}})
 

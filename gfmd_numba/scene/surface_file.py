@@ -4,15 +4,12 @@ from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.scene.checks import check_points
-from gfmd_numba.scene.document import Document
+from gfmd_numba.scene.checks import ARRAYS_OF_A_SURFACE, check_nodes
+from gfmd_numba.scene.document import Document, Source, document_of, existing_file, validate
 from gfmd_numba.scene.measured_record import Measured
-from gfmd_numba.scene.memory import ARRAYS_OF_A_SURFACE
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
-from gfmd_numba.scene.source import Source, document_of, existing_file
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import in_unit_of
-from gfmd_numba.scene.validation import validate
 
 
 class HurstRange(BaseModel):
@@ -54,10 +51,10 @@ class SurfaceFile(BaseModel):
         check_scales(self, self.length, has_moduli=False)
         if surface.points is None:
             raise broken_rule(("surface", "points"), "a whole number at least 4, with cut_on and roll_off")
-        if self.dimension != 2 and surface.of_maps:
-            raise broken_rule(("dimension",), f"2, which {surface.named_by} {getattr(surface, surface.named_by)} needs")
-        if self.dimension != 2 and getattr(surface, "anisotropy", None) is not None:
-            raise broken_rule(("dimension",), "2, which an anisotropy needs")
+        of_maps = [f"{surface.named_by} {getattr(surface, surface.named_by)}"] if surface.of_maps else []
+        of_maps += ["an anisotropy"] if getattr(surface, "anisotropy", None) is not None else []
+        if self.dimension != 2 and of_maps:
+            raise broken_rule(("dimension",), f"2, which {of_maps[0]} needs")
         wrong = surface.misfit(self.length or 1.0)
         if wrong is not None:
             raise broken_rule(("surface", wrong[0]), wrong[1])
@@ -72,7 +69,8 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
         document = document_of(source, "surface")
         file = validate(document, SurfaceFile)
     if file.surface.points is not None:
-        check_points(document, ("surface", "points"), file.surface.points, file.dimension or 1, ARRAYS_OF_A_SURFACE)
+        nodes = float(file.surface.points) ** (file.dimension or 1)
+        check_nodes(document, ("surface", "points"), nodes, ARRAYS_OF_A_SURFACE)
     if isinstance(file.surface, Measured) and file.surface.file is not None:
         measured = existing_file(document, ("surface", "file"), file.surface.file, ())
         file = file.model_copy(update={"surface": file.surface.model_copy(update={"file": measured})})

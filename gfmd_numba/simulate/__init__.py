@@ -4,6 +4,10 @@ import warnings
 
 import xarray as xr
 
+from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.contact_dataset import path_dataset
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.loaded_body import (
     loaded_body_dataset,
     read_loaded_body,
@@ -11,7 +15,6 @@ from gfmd_numba.contact.loaded_body import (
     solve_boundary_value_problem,
 )
 from gfmd_numba.scene import BoundaryFile, Document, SceneFile
-from gfmd_numba.simulate.contact import solve_contact
 
 
 def solve(file: SceneFile | BoundaryFile, document: Document) -> xr.Dataset:
@@ -29,3 +32,24 @@ def solve(file: SceneFile | BoundaryFile, document: Document) -> xr.Dataset:
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset
+
+
+def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
+    """Fields `height, pressure, displacement, gap` over `x` and the scalars of one contact, in SI units.
+
+    Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
+    """
+    given = read_contact(file, document)
+    problem, effects = given.reduced
+    return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
+
+
+def doubt(file: SceneFile, document: Document) -> str:
+    """What is to be said of the interaction law of a scene before it is solved; nothing without doubt.
+
+    Raises InputError as `solve_contact` does for surfaces that cannot be used.
+    """
+    if not file.scene.interface.reaches_across:
+        return ""
+    problem, _ = read_contact(file, document).reduced
+    return law_resolution.doubt(problem, file.discretisation)

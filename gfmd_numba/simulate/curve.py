@@ -14,10 +14,11 @@ from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, Units, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.contact.prescribed_load import steps_of
+from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
+from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import (
     RECORD,
@@ -115,11 +116,8 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
     loaded = _loaded(file, prescribed, checked.loads[0])
-    try:
+    with located(asked):
         check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("loads",))
-    except PydanticCustomError as error:
-        context = error.context or {}
-        raise asked.error(context["location"], asked.value(context["location"]), context["allowed"]) from None
     _check_order(asked, checked.loads)
     if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
         allowed = "1, as no surface of this scene is random"
@@ -184,7 +182,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     numbers = implausible(curve.given.file.scene)
     for i in range(curve.realisations):
         given = _given(curve, i)
-        whole, _ = load_path(given)
+        whole, _ = given.reduced
         steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
         for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
             short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)

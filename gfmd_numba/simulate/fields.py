@@ -8,13 +8,13 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.bodies import effective_modulus, elastic_body
 from gfmd_numba.contact.dataset import CONVENTIONS, Units, cf_attributes
+from gfmd_numba.contact.scales import effective_modulus, elastic_body
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES, Axis, Largest, LoadedSurface
 from gfmd_numba.scene import Body, InputError, LoadedBody
-from gfmd_numba.scene.memory import beyond_memory
+from gfmd_numba.scene.checks import beyond_memory
 from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
 from gfmd_numba.text.input_error import brief
 

@@ -1,6 +1,8 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory."""
 
 import warnings
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import xarray as xr
@@ -9,14 +11,60 @@ from scipy.stats import norm
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
-from gfmd_numba.roughness import correlation, distribution, spectral, statistics
-from gfmd_numba.roughness.one_surface import Made, make
+from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness.generators import gradient_over_height, random_surface, rms_gradient
+from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
+from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import given_with_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
+_ROUNDING = 1e-12  # of the largest height, below which a range of heights is rounding
+
+
+@dataclass(frozen=True)
+class Made:
+    """Heights `[nx]` or `[ny, nx]` and their periods, in m or L_x; the mean power `[..., nx // 2 + 1]` of theory.
+
+    `power` is None for a measured surface; `done` tells what was done to one, and `doubts` what makes it implausible.
+    The `unit` is "m", or "1" for L_x.
+    """
+
+    heights: Reals
+    lengths: tuple[float, ...]
+    unit: Literal["m", "1"]
+    power: Reals | None
+    done: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
+
+
+def make(file: SurfaceFile) -> Made:
+    """Surface of a checked record; ValueError for a measured file, or a spectrum, that cannot be used."""
+    return _measured(file, file.surface) if isinstance(file.surface, Measured) else _random(file, file.surface)
+
+
+def _random(file: SurfaceFile, record: Random) -> Made:
+    period, dimension = file.length or 1.0, file.dimension or 1
+    surface = random_surface(record, None, period, dimension, file.seed)
+    drawn = surface.heights(range(file.realisation, file.realisation + 1))[0]
+    heights = rms_gradient(record, surface, period) * period * drawn
+    lengths = (period,) * dimension
+    power = surface.generator.power(surface.shape)
+    if record.scaling == "ensemble":
+        asked = rms_gradient(record, surface, period) * period / gradient_over_height(surface.generator, surface.shape)
+    else:
+        asked = float(statistics.rms_height(heights, lengths))
+    power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
+    return Made(heights, lengths, "1" if file.length is None else "m", power)
+
+
+def _measured(file: SurfaceFile, record: Measured) -> Made:
+    found = measured_surface(record, file.length)
+    if np.ptp(found.heights) <= _ROUNDING * found.largest:
+        raise ValueError("a flat surface once the trend is gone")
+    return Made(found.heights, found.lengths, found.unit, None, found.done, found.doubts)
 
 
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
@@ -30,12 +78,12 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     if file.hurst_range is not None:
         if made.unit == "1" and any(given_with_units(file.hurst_range)):
             allowed = "wavelengths without a unit, as neither the file nor a length tells the period in m"
-            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed)
+            raise document.refused(("hurst_range",), allowed)
         try:
             _add_hurst_exponent(dataset, file.hurst_range, made)
         except ValueError as error:
             allowed = f"a range that holds waves, not {error}"
-            raise document.error(("hurst_range",), document.value(("hurst_range",)), allowed) from None
+            raise document.refused(("hurst_range",), allowed) from None
     sentences = [*implausible(file), *made.doubts]
     for sentence in sentences:
         warnings.warn(sentence, stacklevel=2)
@@ -53,7 +101,7 @@ def made_surface(file: SurfaceFile, document: Document) -> Made:
             given = f"{file.surface.shown} ({error})"
             allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
             raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
-        raise document.error(("surface",), document.value(("surface",)), f"a usable surface, not {error}") from None
+        raise document.refused(("surface",), f"a usable surface, not {error}") from None
 
 
 def _described(made: Made) -> xr.Dataset:
@@ -80,8 +128,8 @@ def _add_scalars(dataset: xr.Dataset, made: Made) -> None:
     heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
     slope = statistics.typical_slope(heights, lengths[-1]).mean()
     per_length, curvature = _power(made.unit, -1), statistics.rms_curvature(heights, lengths)
-    skewness, kurtosis = distribution.skewness(heights, dimension), distribution.kurtosis(heights, dimension)
-    distance = distribution.gaussian_distance(heights, dimension)
+    skewness, kurtosis = statistics.skewness(heights, dimension), statistics.kurtosis(heights, dimension)
+    distance = statistics.gaussian_distance(heights, dimension)
     off = "largest difference of the cumulative height distribution from a Gaussian one"
     for name, value, units, long_name in (
         ("rms_height", statistics.rms_height(heights, lengths), made.unit, "rms height"),
@@ -98,25 +146,25 @@ def _add_scalars(dataset: xr.Dataset, made: Made) -> None:
 
 def _add_hurst_exponent(dataset: xr.Dataset, wavelengths: HurstRange, made: Made) -> None:
     ends = (2.0 * np.pi / wavelengths.longest, 2.0 * np.pi / wavelengths.shortest)
-    hurst, error = correlation.hurst_exponent(made.heights, *ends, made.lengths)
+    hurst, error = statistics.hurst_exponent(made.heights, *ends, made.lengths)
     dataset["hurst_exponent"] = ((), hurst, cf_attributes("Hurst exponent of the most likely power law"))
     dataset["hurst_exponent_error"] = ((), error, cf_attributes("standard error of the Hurst exponent"))
 
 
 def _add_spectrum(dataset: xr.Dataset, made: Made) -> None:
-    q, density, waves = correlation.spectral_density(made.heights, made.lengths)
+    q, density, waves = statistics.spectral_density(made.heights, made.lengths)
     attributes = cf_attributes("two-sided spectral density", _power(made.unit, len(made.lengths) + 2))
     dataset.coords["wavenumber"] = ("wavenumber", q, cf_attributes("wave number", _power(made.unit, -1)))
     dataset["spectral_density"] = ("wavenumber", density, attributes)
     dataset["waves"] = ("wavenumber", waves, cf_attributes("independent waves in the bin"))
     if made.power is not None:
         even = spectral.periodic_autocorrelation(np.sqrt(made.power), made.heights.shape[-1])
-        theory = correlation.spectral_density(even, made.lengths)[1]
+        theory = statistics.spectral_density(even, made.lengths)[1]
         dataset["spectral_density_theory"] = ("wavenumber", theory, attributes)
 
 
 def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
-    distance, found = _along_distance(correlation.autocorrelation(made.heights, made.lengths), made.lengths)
+    distance, found = _along_distance(statistics.autocorrelation(made.heights, made.lengths), made.lengths)
     variance = statistics.rms_height(made.heights, made.lengths) ** 2
     attributes = cf_attributes("autocorrelation")
     squares = cf_attributes("mean square height difference", _power(made.unit, 2))
@@ -133,13 +181,13 @@ def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
 
 def _along_distance(correlated: Reals, lengths: tuple[float, ...]) -> tuple[Reals, Reals]:
     if len(lengths) == 2:
-        return correlation.radial_mean(correlated, (lengths[0], lengths[1]))
+        return statistics.radial_mean(correlated, (lengths[0], lengths[1]))
     n = correlated.size
     return np.arange(n // 2 + 1) / n * lengths[0], correlated[: n // 2 + 1]
 
 
 def _add_distribution(dataset: xr.Dataset, made: Made) -> None:
-    unit = distribution.standardised(made.heights, len(made.lengths)).ravel()
+    unit = statistics.standardised(made.heights, len(made.lengths)).ravel()
     density = np.histogram(unit, _LEVELS)[0] / unit.size / np.diff(_LEVELS)
     centre = 0.5 * (_LEVELS[1:] + _LEVELS[:-1])
     attributes = cf_attributes("density of heights over the rms height")

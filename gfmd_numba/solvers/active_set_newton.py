@@ -1,5 +1,6 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -8,11 +9,11 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate, refine
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
@@ -23,11 +24,10 @@ _TIGHTEN = 0.1  # factor on the error allowed in the pressure after a step that 
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
 
 
-def _inverse(stiffness: Reals, compliance: Reals, shape: tuple[int, ...]) -> ProfileInverse | FarField:
-    """Preconditioner on a grid: of a profile from the symbol of the compliance, of a map from the stiffness."""
-    if len(shape) == 1:
-        return ProfileInverse(stiffness, compliance.astype(np.float64) * shape[0], *shape)
-    return FarField(stiffness, shape)
+_INVERSE: dict[int, Callable[[Reals, Reals, tuple[int, ...]], ProfileInverse | FarField]] = {  # by the dimension
+    1: lambda stiffness, compliance, shape: ProfileInverse(stiffness, compliance.astype(np.float64) * shape[0], *shape),
+    2: lambda stiffness, compliance, shape: FarField(stiffness, shape),
+}
 
 
 class ActiveSetNewton(PressureIterate):
@@ -58,7 +58,8 @@ class ActiveSetNewton(PressureIterate):
         self._coarse_transforms = np.zeros(rows)
         self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
         self._careful = np.zeros(rows, dtype=np.bool_)
-        self._inverse = _inverse(batch.response.normal, self.compliance, self.field.shape)
+        shape = self.field.shape
+        self._inverse = _INVERSE[len(shape)](batch.response.normal, self.compliance, shape)
         self._tuning = self._inverse.tuning
         if n > _COARSEST:
             self._guess(batch, options)

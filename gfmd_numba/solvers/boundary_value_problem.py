@@ -12,9 +12,9 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.solvers.dynamics import Verlet, position_verlet
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.status import Stagnation, Status
+from gfmd_numba.solvers.table import Options
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
 _ROW = np.zeros(1, dtype=np.int64)

@@ -5,8 +5,8 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, LastPressure, PressureIterate
+from gfmd_numba.solvers.table import Options
 
 
 class ConjugateGradients(PressureIterate):

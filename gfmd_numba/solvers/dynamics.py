@@ -16,8 +16,8 @@ from gfmd_numba.fourier.transform import aligned_rows
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.products import Products
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.truncated_newton import starting_displacement
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 

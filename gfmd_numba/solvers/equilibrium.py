@@ -16,9 +16,8 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, tangential_shape
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Stagnation, Status
-from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.table import SOLVERS, Options
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
 _SURELY_YIELDS = 2.0  # peak pressure of an elastic contact over the hardness, judged at

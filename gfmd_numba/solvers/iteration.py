@@ -13,8 +13,7 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.table import SOLVERS, Options
 
 HARD_WALL = Interactions(hard_wall=True)
 

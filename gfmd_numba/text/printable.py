@@ -1,4 +1,7 @@
-"""Text of users and their files, made harmless to a terminal."""
+"""Text of users and their files, made harmless to a terminal, and paths that can be pasted into a shell."""
+
+import shlex
+from pathlib import Path
 
 
 def printable(text: object) -> str:
@@ -9,3 +12,21 @@ def printable(text: object) -> str:
     return "".join(
         character if character.isprintable() else character.encode("unicode_escape").decode() for character in str(text)
     )
+
+
+def word(path: str | Path) -> str:
+    """Return a path as one word of a shell that is a file and no option, and printable as it stands."""
+    text = str(path)
+    text = f"./{text}" if text.startswith("-") else text
+    if text.isprintable():
+        return shlex.quote(text)
+    return f"$'{''.join(map(_escaped, text))}'"
+
+
+def _escaped(character: str) -> str:
+    """Return a character within the quotes $'...', which bash, zsh and ksh know."""
+    if character in "\\'":
+        return f"\\{character}"
+    if character.isprintable():
+        return character
+    return "".join(f"\\x{byte:02x}" for byte in character.encode(errors="surrogateescape"))

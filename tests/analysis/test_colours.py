@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis.plots.looks import looks
+from gfmd_numba.analysis.plots.parameter import looks_of
 from gfmd_numba.analysis.plots.style import COLOURS, ordered_colours
 from support import eyes
 
@@ -39,7 +39,7 @@ def test_sticking_and_slipping_nodes_differ_in_grey():
 def test_no_two_groups_of_a_campaign_have_one_marker_and_one_grey(hursts, loads):
     hurst, load = (each.ravel() for each in np.meshgrid(np.linspace(0.1, 0.9, hursts), np.linspace(0.1, 0.8, loads)))
     axes = {"hurst": ("case", hurst, {"axis": "physics"}), "reduced_pressure": ("case", load, {"axis": "physics"})}
-    found = looks(xr.Dataset(coords=axes | {"case": np.arange(hurst.size)}))
+    found = looks_of(xr.Dataset(coords=axes | {"case": np.arange(hurst.size)}))
     assert len(found.of) == hurst.size
     for one, other in combinations(found.of.values(), 2):
         apart = abs(eyes.lightness(one["color"]) - eyes.lightness(other["color"]))

@@ -14,7 +14,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
 

@@ -14,7 +14,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, campaign, noisy
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.group_means import means_of
+from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
 from gfmd_numba.analysis.linear_fit import Means
 from gfmd_numba.analysis.posterior import along, shares, weighed

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc, predictions
-from gfmd_numba.analysis.pooled_covariance import degrees_of_freedom
+from gfmd_numba.analysis.gauss_markov import degrees_of_freedom
 from support.expected_interactions import drawn
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 

@@ -9,7 +9,7 @@ from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.statistics import plot_statistics
 from gfmd_numba.analysis.plots.surface import plot_surface
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 from support.legible import faults
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}

@@ -2,9 +2,9 @@
 
 import pytest
 
-from gfmd_numba.campaign.cross_levels import as_written, with_cross_levels
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.rounds import as_written, with_cross_levels
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd
 

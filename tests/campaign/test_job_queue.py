@@ -13,7 +13,7 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import check, workers_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
-from gfmd_numba.cli.progress import show_queue
+from gfmd_numba.cli.terminal import show_queue
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 from support.command_line import gfmd

@@ -9,7 +9,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.contact import evaluation, results_version
+from gfmd_numba.contact import evaluation, problem
 from gfmd_numba.contact.observables import OBSERVABLES, Observable
 from gfmd_numba.solvers.table import SOLVERS
 from support.campaigns import SMALL, campaign
@@ -21,9 +21,9 @@ TINY = SMALL.replace("limits", "# limits").replace("hurst: [0.3, 0.8]", "hurst: 
 
 @pytest.fixture(autouse=True)
 def _fresh():
-    results_version.results_version.cache_clear()
+    problem.results_version.cache_clear()
     yield
-    results_version.results_version.cache_clear()
+    problem.results_version.cache_clear()
 
 
 def test_a_new_observable_is_computed_and_no_old_shard_is_used(tmp_path, monkeypatch):
@@ -35,7 +35,7 @@ def test_a_new_observable_is_computed_and_no_old_shard_is_used(tmp_path, monkeyp
         evaluation, "largest_pressure", lambda contact: contact.equilibrium.pressure.max(axis=-1), raising=False
     )
     monkeypatch.setitem(OBSERVABLES, "largest_pressure", toy)
-    results_version.results_version.cache_clear()
+    problem.results_version.cache_clear()
     (after,) = {case.problem.identity for case in plan(path).cases}
     assert before != after
     dataset = gfmd_numba.run(path, tmp_path / "out", workers=0)
@@ -50,13 +50,13 @@ def test_a_new_observable_is_computed_and_no_old_shard_is_used(tmp_path, monkeyp
 
 
 def test_the_version_follows_units_and_solvers_but_not_prose(monkeypatch):
-    found = results_version.results_version()
+    found = problem.results_version()
 
     def changed(table, name, **fields):
         with monkeypatch.context() as patch:
             patch.setitem(table, name, type(table[name])(**(vars(table[name]) | fields)))
-            results_version.results_version.cache_clear()
-            return results_version.results_version()
+            problem.results_version.cache_clear()
+            return problem.results_version()
 
     assert changed(OBSERVABLES, "kappa", unit="1") != found
     assert changed(SOLVERS, "verlet", gives_up_after=7) != found
@@ -87,34 +87,34 @@ def test_nothing_but_prose_is_left_out_of_the_version():
     left_out = 0
     for file in PACKAGE.rglob("*.py"):
         content = file.read_bytes()
-        if file.relative_to(PACKAGE).parts[0] in results_version._MAKE_NO_NUMBERS:
+        if file.relative_to(PACKAGE).parts[0] in problem._MAKE_NO_NUMBERS:
             continue
-        assert code_of(results_version._PROSE.sub(_as_string, content)) == code_of(content), file
-        left_out += len(content) - len(results_version._PROSE.sub(rb"\g<kept>", content))
+        assert code_of(problem._PROSE.sub(_as_string, content)) == code_of(content), file
+        left_out += len(content) - len(problem._PROSE.sub(rb"\g<kept>", content))
     assert left_out > 100_000
 
 
 @pytest.mark.long
 def test_any_change_of_code_that_makes_numbers_is_another_version_and_prose_is_not(tmp_path):
     package = shutil.copytree(PACKAGE, tmp_path / "package", ignore=shutil.ignore_patterns("__pycache__"))
-    same = results_version.code_digest(package)
-    assert same == results_version.code_digest(PACKAGE)
+    same = problem.code_digest(package)
+    assert same == problem.code_digest(PACKAGE)
     contents = {file: file.read_bytes() for file in package.rglob("*.py")}
     for file, content in contents.items():
         file.write_bytes(content + b'\n# a remark\n"""A docstring\nof two lines."""\n')
-    assert results_version.code_digest(package) == same
+    assert problem.code_digest(package) == same
     one_of_each_folder = {file.parent: (file, content) for file, content in sorted(contents.items())}
     makes_numbers = 0
     for file, content in one_of_each_folder.values():
         file.write_bytes(content + b"CHANGED = 1\n")
-        differs = results_version.code_digest(package) != same
-        assert differs == (file.relative_to(package).parts[0] not in results_version._MAKE_NO_NUMBERS)
+        differs = problem.code_digest(package) != same
+        assert differs == (file.relative_to(package).parts[0] not in problem._MAKE_NO_NUMBERS)
         makes_numbers += differs
         file.write_bytes(content)
     assert makes_numbers > 6
     (package / "new_room").mkdir()
     (package / "new_room" / "solver.py").write_text("x = 1\n")
-    assert results_version.code_digest(package) != same
+    assert problem.code_digest(package) != same
 
 
 IN_A_BLOCK = """
@@ -122,7 +122,7 @@ import sys
 from gfmd_numba.campaign.plan import plan
 problem = next(iter(plan(sys.argv[1]).blocks)).problem
 before = set(sys.modules)
-from gfmd_numba.contact.path_measures import measured
+from gfmd_numba.contact.load_path import measured
 def trace(frame, event, argument):
     rooms.add(frame.f_code.co_filename)
 rooms = set()
@@ -138,4 +138,4 @@ def test_every_module_that_works_at_a_block_counts(tmp_path):
     worked = python(IN_A_BLOCK, campaign(tmp_path, SMALLEST)).splitlines()
     rooms = {Path(file).relative_to(PACKAGE).parts[0] for file in worked}
     assert {"contact", "solvers", "elasticity", "roughness", "kernels", "fourier"} <= rooms
-    assert rooms & results_version._MAKE_NO_NUMBERS <= {"storage", "scene", "text"}
+    assert rooms & problem._MAKE_NO_NUMBERS <= {"storage", "scene", "text"}

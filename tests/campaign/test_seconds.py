@@ -12,7 +12,7 @@ import gfmd_numba
 from gfmd_numba.campaign import block_work, execution, shards
 from gfmd_numba.cli import main
 from gfmd_numba.cli.tables import duration
-from gfmd_numba.contact import path_measures
+from gfmd_numba.contact import load_path
 from support.campaigns import campaign
 
 FIT = "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"
@@ -94,7 +94,7 @@ def test_what_a_round_was_to_take_is_what_it_took(tmp_path, monkeypatch, laws_th
     now = [0.0]
 
     def measured(problem, realisations):
-        found = path_measures.measured(problem, realisations)
+        found = load_path.measured(problem, realisations)
         n = problem.surface.nodes
         now[0] += 1e-9 * found["n_transforms"].sum() * (n * np.log2(n) + 2**15)
         return found

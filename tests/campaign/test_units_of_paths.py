@@ -10,7 +10,6 @@ import yaml
 import gfmd_numba
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import load_scene
 from support.command_line import gfmd, unfolded
@@ -97,7 +96,7 @@ def test_a_path_has_one_identity_and_one_result(effect):
     found = {}
     for system in SYSTEMS:
         file = contact(system, effect)
-        problem, _ = load_path(read_contact(*load_scene(file)))
+        problem, _ = read_contact(*load_scene(file)).reduced
         solved = gfmd_numba.solve(file)
         assert (solved["status"] == 0).all()
         period, young, gradient = SYSTEMS[system]
@@ -174,7 +173,7 @@ def test_bodies_have_one_identity_and_no_stiffness_scale_that_nobody_asks_for(ki
     for period, modulus in ((1.0, 1.0), (1e-4, 1e9), (3.7, 2.3e-3), (30.0, 1.3e4)):
         acts = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.2}}, "loading": {"reduced_pressure": 0.05}}
         scene = {"length": period, **bodies(kind, period, modulus), **acts}
-        problem, effects = load_path(read_contact(*load_scene({"scene": scene, "discretisation": EPS, "seed": 4})))
+        problem, effects = read_contact(*load_scene({"scene": scene, "discretisation": EPS, "seed": 4})).reduced
         assert "stiffness scale" not in {effect.name for effect in effects}
         identities.add(problem.identity)
     assert len(identities) == 1

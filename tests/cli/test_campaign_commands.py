@@ -8,7 +8,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.solvers import dynamics
-from gfmd_numba.text.uncertain import with_error
+from gfmd_numba.text.numbers import with_error
 from support.campaigns import SMALL, campaign
 from support.command_line import gfmd, unfolded
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.cli import progress
+from gfmd_numba.cli import terminal
 from gfmd_numba.simulate import curve
 from gfmd_numba.storage.mark import marked_table
 from support.command_line import gfmd, refused, unfolded
@@ -155,7 +155,7 @@ def test_a_curve_is_drawn_again_from_its_file(scene, tmp_path):
 
 
 def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
-    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+    monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
     for i in range(1, 5):
         assert f"busy     solving loads, {i} of 4 done\n" in done.stderr

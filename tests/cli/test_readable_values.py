@@ -6,8 +6,8 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis.plots import style
-from gfmd_numba.cli import quantities
-from gfmd_numba.cli.quantities import readable
+from gfmd_numba.cli import tables
+from gfmd_numba.cli.tables import readable
 from gfmd_numba.scene.units import ENERGY_PER_AREA, FORCE_PER_LENGTH, LENGTH, PRESSURE
 from support.campaigns import SMALL
 from support.command_line import gfmd
@@ -47,7 +47,7 @@ def test_what_is_printed_reads_as_the_same_value(value):
 @pytest.mark.parametrize("value", [2.5e-13, 2.5e-10, 2.5e-7, 2.5e-4, 2.5, 2.5e4, 2.5e7])
 def test_sentences_tables_and_figures_write_one_unit(value, unit):
     line = xr.Dataset({"force": ((), value, {"units": unit})})
-    assert quantities.line(line, "force")[2] == readable(value, unit)[1] == style.prefix(line["force"], "")[1]
+    assert tables.line(line, "force")[2] == readable(value, unit)[1] == style.prefix(line["force"], "")[1]
 
 
 def test_check_tells_what_a_scene_is_in_si(tmp_path):

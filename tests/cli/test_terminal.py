@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from click import unstyle
 
-from gfmd_numba.cli import main, progress
+from gfmd_numba.cli import main, terminal
 from gfmd_numba.cli.terminal import print_table, say, say_command
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import word
 from support.campaigns import campaign
 from support.command_line import gfmd
 from support.scenes import SCENE
@@ -99,7 +99,7 @@ def folder(undrawn, tmp_path_factory):
 )
 def test_everything_fits_80_columns(folder, monkeypatch, command):
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+    monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     said = gfmd(*command.split())
     assert said.exit_code in (0, 3), said.output
     assert said.output
@@ -171,12 +171,12 @@ def test_numbers_of_a_contact_have_units(tmp_path, length, modulus, units):
 
 
 def test_a_wait_is_told_and_a_short_one_is_not(capsys, monkeypatch):
-    with progress.waiting("looking"):
+    with terminal.waiting("looking"):
         pass
     assert capsys.readouterr().err == ""
-    monkeypatch.setattr(progress, "_PATIENCE", 0.0)
+    monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     said, until = "", time.monotonic() + 10.0
-    with progress.waiting("looking"):
+    with terminal.waiting("looking"):
         while not said and time.monotonic() < until:
             said = capsys.readouterr().err
     assert said == "busy     looking\n"

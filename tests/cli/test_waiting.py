@@ -8,14 +8,14 @@ import pytest
 
 pty = pytest.importorskip("pty", reason="a terminal of POSIX")
 
-BEGIN = "from gfmd_numba.cli import progress; progress._PATIENCE = 0.0"
+BEGIN = "from gfmd_numba.cli import terminal; terminal._PATIENCE = 0.0"
 SPINNER = f"""{BEGIN}
-with progress.waiting("fitting"):
+with terminal.waiting("fitting"):
     input()
     print("results  small.nc")
 """
 BAR = f"""{BEGIN}
-with progress.progress_bar() as watch:
+with terminal.progress_bar() as watch:
     watch(4, 1)(3)
     input()
     print("results  small.nc")

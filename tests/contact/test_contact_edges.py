@@ -16,7 +16,7 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory import closed_forms
 
 NUMERICS = Options("conjugate_gradients", residual=1e-10)

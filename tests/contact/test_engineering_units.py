@@ -7,7 +7,7 @@ import pytest
 
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.load_path import load_path, solve_path
+from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.scene import load_scene
 from gfmd_numba.scene.surfaces import KCorrelation
 from gfmd_numba.scene.units import in_reduced_units, rounded
@@ -106,7 +106,7 @@ def described(name, how):
 
 def reduced_results(file):
     """Identities of the problems of a scene, and their dimensionless results."""
-    problem, _ = load_path(read_contact(*load_scene(file)))
+    problem, _ = read_contact(*load_scene(file)).reduced
     solved = list(solve_path(problem, 0))
     fields = [np.stack([each.heights[0], each.equilibrium.pressure[0]]) for each in solved]
     return [each.identity for each in problem.at_each_load], problem.path, fields

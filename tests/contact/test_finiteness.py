@@ -115,7 +115,7 @@ def _solve_with(monkeypatch, field, value):
         return replace(solved, equilibrium=replace(solved.equilibrium, **{field: values}))
 
     monkeypatch.setattr(solution, "solve", spoiled)
-    monkeypatch.setattr("gfmd_numba.contact.path_measures.solve", spoiled)
+    monkeypatch.setattr("gfmd_numba.contact.load_path.solve", spoiled)
 
 
 @pytest.mark.parametrize("dimension", [1, 2])

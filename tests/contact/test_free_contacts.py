@@ -17,7 +17,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.adhesive_sphere import pull_off
 
 WALL = {"hard_wall": {}}

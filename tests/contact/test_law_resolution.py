@@ -14,7 +14,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
 ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}

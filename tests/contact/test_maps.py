@@ -9,7 +9,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.maps import body, press, problem, rough
 
 SOLVERS = ("active_set_newton", "conjugate_gradients")

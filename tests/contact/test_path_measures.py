@@ -7,8 +7,7 @@ import gfmd_numba
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.energy_balance import Balance
-from gfmd_numba.contact.load_path import load_path, solve_path
-from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
 from support.friction_losses import slipping_losses
@@ -80,7 +79,7 @@ def test_the_energy_is_that_of_the_waves_without_friction(loading, path):
     """Here the waves of the displacement add up; the balance has tractions times displacements (Clapeyron)."""
     law = {"exponential": {"work_of_adhesion": 2e-5, "range": 1e-3}}
     scene = SCENE | {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "interface": {"hard_wall": {}} | law}
-    whole, _ = load_path(read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})))
+    whole, _ = read_contact(*load_scene(FILE | {"scene": scene | {"loading": loading}, "path": path})).reduced
     for problem, contact in zip(whole.at_each_load, solve_path(whole, 0), strict=True):
         balance, u, p = (
             Balance.of(problem, contact),

@@ -7,8 +7,7 @@ from scipy.optimize import brentq, lsq_linear
 import gfmd_numba
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.state import LoadStep
@@ -16,7 +15,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError, load_scene
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SLAB = ElasticBody(0.3, 0.3)
 EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}

@@ -15,7 +15,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Numerics, Scene
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SURFACE = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0)
 

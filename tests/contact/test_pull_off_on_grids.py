@@ -11,7 +11,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
 OPTIONS = Options("truncated_newton", residual=1e-6)

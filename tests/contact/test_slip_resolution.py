@@ -14,7 +14,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.command_line import gfmd, unfolded
 
 LAW = XuNeedlemanLaw(6e-3, 0.0125, 5e-3)

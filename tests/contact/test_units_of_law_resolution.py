@@ -5,7 +5,6 @@ import pytest
 
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
-from gfmd_numba.contact.load_path import load_path
 from gfmd_numba.scene import InputError, load_scene
 
 
@@ -40,7 +39,7 @@ def read(*scene):
 @pytest.mark.parametrize(("range_", "x"), [(0.02, 0.1243), (0.01, 0.4974)])
 def test_a_verdict_knows_no_units_and_no_gradient(range_, x, random):
     given = [read(*units, range_, random) for units in UNITS]
-    problems = [load_path(each)[0] for each in given]
+    problems = [each.reduced[0] for each in given]
     np.testing.assert_allclose([resolution(each) for each in problems], x, rtol=1e-3)
     (said,) = {doubt(problem, each.file.discretisation) for problem, each in zip(problems, given, strict=True)}
     assert (said == "") == (x < COARSEST)

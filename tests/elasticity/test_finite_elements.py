@@ -10,7 +10,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 
 def test_rows_grow_from_the_top():

@@ -14,7 +14,7 @@ from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.dynamics import verlet
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory.damping import critical_damping, stability_limit
 from support.layered_reference import compliance, surface_and_inside
 

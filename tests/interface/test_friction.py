@@ -12,7 +12,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 NX = 256
 BODIES = [

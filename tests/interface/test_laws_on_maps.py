@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from gfmd_numba.contact.branch import smallest_curvature
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
@@ -11,8 +12,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.stability import smallest_curvature
+from gfmd_numba.solvers.table import Options
 from support import adhesive_sphere
 from support.maps import body, rough
 

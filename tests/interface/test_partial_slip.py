@@ -6,8 +6,8 @@ import pytest
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from support.contact_conditions import sticking
 
 HEIGHT, FRICTION = 0.01, 0.3

@@ -17,7 +17,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.pages import ROOT, printed
 
 RATE = 0.01

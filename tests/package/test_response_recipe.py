@@ -37,7 +37,7 @@ from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.your_body import SoftSkin
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 def found(shape, solver, laws, pressure, depth=0.1):
     heights = reduce(np.multiply, np.ix_(*(np.cos(2.0 * np.pi * np.arange(n) / n) for n in shape)))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.cli import progress
+from gfmd_numba.cli import terminal
 from gfmd_numba.cli.terminal import print_table
 from gfmd_numba.scene import InputError, load_scene, read_document
 from gfmd_numba.scene.surface_file import load_surface
@@ -21,7 +21,7 @@ HARMLESS = re.compile(r"[^\x00-\x09\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch):
     """A busy machine adds no line that says so."""
-    monkeypatch.setattr(progress, "_PATIENCE", 3600.0)
+    monkeypatch.setattr(terminal, "_PATIENCE", 3600.0)
 
 
 def assert_harmless(text, lines=1):

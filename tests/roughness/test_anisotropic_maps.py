@@ -15,7 +15,7 @@ from gfmd_numba.roughness import self_affine, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Discretisation, InputError, Scene, load_scene
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.campaigns import MAPS, campaign
 
 WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}

@@ -7,7 +7,6 @@ import pytest
 
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
-from gfmd_numba.roughness.one_surface import make
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.roughness.spectra import (
@@ -20,6 +19,7 @@ from gfmd_numba.roughness.spectra import (
 )
 from gfmd_numba.roughness.spectral import ModelWaves
 from gfmd_numba.scene.surface_file import SurfaceFile
+from gfmd_numba.simulate.surface import make
 
 NX = 64
 

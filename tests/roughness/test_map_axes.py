@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import make_surface
-from gfmd_numba.roughness.positions import split_axes
+from gfmd_numba.roughness.measurements import split_axes
 from gfmd_numba.scene import InputError
 from support.faulty_files import complaint
 

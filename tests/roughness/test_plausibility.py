@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import plausibility
-from gfmd_numba.roughness.one_surface import make
 from gfmd_numba.roughness.processing import mirrored
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import SelfAffine
+from gfmd_numba.simulate.surface import make
 
 SEEDS = {"some": range(15), "more": range(15, 30)}
 COSINE = 1e-3 * np.cos(2 * np.pi * np.arange(256) / 256)

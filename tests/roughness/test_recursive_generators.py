@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum

@@ -13,9 +13,9 @@ from gfmd_numba.roughness.spectra import (
     Mounded,
     ScalingAnisotropicSpectrum,
     SelfAffineSpectrum,
+    stretched_exponential,
 )
 from gfmd_numba.roughness.statistics import nayak_of_moments
-from gfmd_numba.roughness.stretched_exponential import transform
 
 
 def printed_series(q, hurst, dimension, digits):
@@ -52,7 +52,7 @@ def inverse_series(q, hurst, dimension):
     ("hurst", "q", "digits"), [(0.6, 3.0, 80), (0.8, 12.0, 80), (0.99, 29.9, 160), (0.99, 31.0, 160)]
 )
 def test_the_exponential_spectrum_is_right_where_its_series_loses_all_digits(hurst, q, digits, dimension):
-    assert transform(np.array([q]), hurst, dimension)[0] == pytest.approx(
+    assert stretched_exponential(np.array([q]), hurst, dimension)[0] == pytest.approx(
         printed_series(q, hurst, dimension, digits), rel=1e-11
     )
 
@@ -61,7 +61,7 @@ def test_the_exponential_spectrum_is_right_where_its_series_loses_all_digits(hur
 @pytest.mark.parametrize(("hurst", "q"), [(0.1, 0.7), (0.3, 0.7), (0.4, 40.0)])
 def test_the_exponential_spectrum_is_right_where_its_series_diverges(hurst, q, dimension):
     exact = inverse_series(q, hurst, dimension)
-    assert transform(np.array([q]), hurst, dimension)[0] == pytest.approx(exact, rel=1e-12)
+    assert stretched_exponential(np.array([q]), hurst, dimension)[0] == pytest.approx(exact, rel=1e-12)
 
 
 @pytest.mark.parametrize("q", [1e-3, 0.2, 7.0, 300.0])
@@ -70,20 +70,20 @@ def test_the_exponential_spectrum_has_its_closed_form(q):
     s, c = fresnel(np.sqrt(1 / (2 * np.pi * q)))
     phase = 1 / (4 * q)
     exact = (np.sin(phase) * (0.5 - s) + np.cos(phase) * (0.5 - c)) / np.sqrt(2 * np.pi * q**3)
-    assert transform(np.array([q]), 0.25, 1)[0] == pytest.approx(exact, rel=1e-9)
-    assert transform(np.array([q]), 0.5, 2)[0] == pytest.approx((1 + q**2) ** -1.5 / (2 * np.pi), rel=1e-12)
+    assert stretched_exponential(np.array([q]), 0.25, 1)[0] == pytest.approx(exact, rel=1e-9)
+    assert stretched_exponential(np.array([q]), 0.5, 2)[0] == pytest.approx((1 + q**2) ** -1.5 / (2 * np.pi), rel=1e-12)
 
 
 @pytest.mark.parametrize("hurst", [0.05, 0.1, 0.3, 0.5, 0.77, 0.95, 0.999])
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_exponential_spectrum_has_no_seams(hurst, dimension):
     """Table and direct sum, integral and inverse powers agree; the value at 0 is a gamma function."""
-    seam = transform(np.array([30.0, 30.0 * (1 + 1e-9)]), hurst, dimension)
+    seam = stretched_exponential(np.array([30.0, 30.0 * (1 + 1e-9)]), hurst, dimension)
     assert seam[1] / seam[0] == pytest.approx(1.0, abs=1e-8)
     q = np.geomspace(1e-4, 29.0, 7)
-    many = transform(np.concatenate([q, np.geomspace(1e-4, 29.0, 5000)]), hurst, dimension)[:7]
-    np.testing.assert_allclose(many, transform(q, hurst, dimension), rtol=1e-8)
-    at_zero = transform(np.zeros(1), hurst, dimension)[0]
+    many = stretched_exponential(np.concatenate([q, np.geomspace(1e-4, 29.0, 5000)]), hurst, dimension)[:7]
+    np.testing.assert_allclose(many, stretched_exponential(q, hurst, dimension), rtol=1e-8)
+    at_zero = stretched_exponential(np.zeros(1), hurst, dimension)[0]
     exact = mp.gamma(1 / (2 * hurst)) / (2 * hurst * mp.pi)
     if dimension == 2:
         exact = mp.gamma(1 / hurst) / (2 * hurst * 2 * mp.pi)
@@ -172,7 +172,7 @@ def test_height_height_correlation_is_self_affine_at_short_distances():
     "model", [LengthAnisotropicSpectrum(0.7, (0.5, 0.1)), ScalingAnisotropicSpectrum((0.9, 0.4), (0.5, 0.1))], ids=repr
 )
 def test_anisotropic_spectra_are_transforms_of_their_autocorrelation(model):
-    """Unit integral, and along x the transform of the autocorrelation."""
+    """Unit integral, and along x the stretched_exponential of the autocorrelation."""
     steps = np.arange(-14.0, 24.0, 0.05)
     q = np.exp(steps)
     q_x, q_y = np.meshgrid(q, q)

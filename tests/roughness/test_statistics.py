@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness import correlation, distribution, spectral, statistics
+from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 LENGTHS = (2.0, 5.0)
@@ -22,8 +22,8 @@ def test_a_wave_on_a_map_has_its_statistics_in_closed_form():
     assert statistics.rms_gradient(heights, LENGTHS) == pytest.approx(q * w)
     assert statistics.rms_curvature(heights, LENGTHS) == pytest.approx(q**2 * w)
     assert statistics.nayak(heights, LENGTHS) == pytest.approx(1.5)
-    assert distribution.kurtosis(heights, 2) == pytest.approx(1.5)
-    assert distribution.skewness(heights, 2) == pytest.approx(0.0, abs=1e-12)
+    assert statistics.kurtosis(heights, 2) == pytest.approx(1.5)
+    assert statistics.skewness(heights, 2) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_rms_height_of_a_map_is_its_standard_deviation():
@@ -44,7 +44,7 @@ def test_autocorrelation_is_that_of_brute_force(shape):
     lengths = LENGTHS[: len(shape)]
     axes = tuple(range(1, len(shape) + 1))
     centred = heights - heights.mean(axis=axes, keepdims=True)
-    found = correlation.autocorrelation(heights, lengths)
+    found = statistics.autocorrelation(heights, lengths)
     for shift in np.ndindex(shape):
         moved = np.roll(centred, [-s for s in shift], axis=axes)
         exact = (centred * moved).mean(axis=axes) / (centred**2).mean(axis=axes)
@@ -54,7 +54,7 @@ def test_autocorrelation_is_that_of_brute_force(shape):
 def test_the_radial_mean_of_a_radial_function_is_the_function():
     n, length = 64, 3.0
     shift = np.fft.fftfreq(n) * length
-    distance, mean = correlation.radial_mean(np.hypot(shift[:, np.newaxis], shift), (length, length))
+    distance, mean = statistics.radial_mean(np.hypot(shift[:, np.newaxis], shift), (length, length))
     np.testing.assert_allclose(mean, distance)
     assert distance[0] == 0.0
     assert distance[-1] == pytest.approx(1.5, abs=0.03)
@@ -68,16 +68,16 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
     power = spectral.psd_power(model, nx, largest, length)
     heights = 0.01 * spectral.surfaces(power, nx, largest, 4, range(6))
     lengths = (length,) * dimension
-    q, density, waves = correlation.spectral_density(heights, lengths)
+    q, density, waves = statistics.spectral_density(heights, lengths)
     even = spectral.periodic_autocorrelation(np.sqrt(power), nx)  # a surface of exactly the mean power
-    _, expected, _ = correlation.spectral_density(0.01 * even, lengths)
+    _, expected, _ = statistics.spectral_density(0.01 * even, lengths)
     inside = (q > 1.2 * 2 * np.pi / (length / 4)) & (q < 0.85 * 2 * np.pi / model.cut_on)
     np.testing.assert_allclose(expected[inside], 1e-4 * model.psd(q[inside]), rtol=0.06)  # a bin averages a curve
     score = (density[inside] / expected[inside] - 1) * np.sqrt(waves[inside])
     assert inside.sum() > 10
     assert abs(score).max() < 4.0
     assert waves.sum() == pytest.approx(6 * ((nx**dimension - 1) / 2), rel=1e-12)
-    found, error = correlation.hurst_exponent(heights, 8 * np.pi / length, 2 * np.pi / model.cut_on, lengths)
+    found, error = statistics.hurst_exponent(heights, 8 * np.pi / length, 2 * np.pi / model.cut_on, lengths)
     assert abs(found - hurst) < 3.5 * error
     assert error < 0.02
 
@@ -85,7 +85,7 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
 def test_error_of_the_hurst_exponent_is_the_scatter():
     model = SelfAffineSpectrum(1, 0.5, 1 / 100, 1 / 2, 1.0)
     heights = spectral.surfaces(spectral.psd_power(model, 256, 100), 256, 100, 9, range(400))
-    found = np.array([correlation.hurst_exponent(h, 4 * np.pi, 200 * np.pi) for h in heights])
+    found = np.array([statistics.hurst_exponent(h, 4 * np.pi, 200 * np.pi) for h in heights])
     assert found[:, 0].std() == pytest.approx(found[0, 1], rel=0.12)
     assert found[:, 0].mean() == pytest.approx(0.5, abs=3.5 * found[0, 1] / 20)
 
@@ -123,12 +123,12 @@ def test_scaled_heights_have_the_rms_asked_for():
 
 
 def test_the_gaussian_distance_is_that_of_the_distributions():
-    assert distribution.gaussian_distance(np.random.default_rng(0).normal(size=200_000)) < 0.004
+    assert statistics.gaussian_distance(np.random.default_rng(0).normal(size=200_000)) < 0.004
     wave = np.sin(2 * np.pi * np.arange(100_000) / 100_000)
     h = np.linspace(-np.sqrt(2), np.sqrt(2), 10_001)
     from scipy.stats import norm
 
     exact = abs(0.5 + np.arcsin(h / np.sqrt(2)) / np.pi - norm.cdf(h)).max()
-    assert distribution.gaussian_distance(wave) == pytest.approx(exact, abs=1e-4)
+    assert statistics.gaussian_distance(wave) == pytest.approx(exact, abs=1e-4)
     with pytest.raises(ValueError, match="flat"):
-        distribution.gaussian_distance(np.ones(30))
+        statistics.gaussian_distance(np.ones(30))

@@ -23,8 +23,8 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError, Numerics, Scene
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 EPS = {"eps_c": 1 / 8, "eps_f": 1 / 16, "eps_t": 1 / 4}
 

@@ -12,7 +12,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.maps import body, rough
 
 ADHESIVE = Interactions(True, ExponentialLaw(2e-4, 5e-3))

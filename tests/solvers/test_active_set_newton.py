@@ -13,8 +13,8 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
 from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 HALF_SPACE = (None, None)
 BODIES = [HALF_SPACE, (0.0, 10.0), (0.33, 0.1), (0.49, 1e-2), (0.5, 0.1), (0.5, 1e-2), (0.5, 1e-4)]

@@ -10,7 +10,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.frictional_maps import rough
 
 LAW = XuNeedlemanLaw(2e-3, 2e-2, 4e-2)

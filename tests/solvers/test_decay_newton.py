@@ -15,8 +15,8 @@ from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.decays.newton import DecayNewton, decay_model
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 NEWTON = Options("active_set_newton")
 

@@ -11,8 +11,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory import damping
 
 SOLVERS = ["verlet", "gronbech_jensen", "fire", "conjugate_gradients", "active_set_newton"]

@@ -11,9 +11,8 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.table import SOLVERS, Options
 from support.contact_conditions import largest_violation, sticking
 
 NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it

@@ -10,8 +10,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from support.contacts import press, scene_file
 
 # numbers beyond what is plausible are what these tests are about

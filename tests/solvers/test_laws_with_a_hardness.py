@@ -6,8 +6,7 @@ from scipy.optimize import lsq_linear
 
 import gfmd_numba
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.path_measures import PathRecord
+from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
@@ -18,8 +17,8 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 SLAB = ElasticBody(0.3, 0.3)
 ATTRACTS, REPELS = ExponentialLaw(2e-4, 0.02), ExponentialLaw(-1e-3, 0.02)

@@ -9,8 +9,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from support.frictional_maps import NEWTON, follow, press, rough
 from support.map_contact_conditions import largest_violation, sticking
 

@@ -10,8 +10,8 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
 from gfmd_numba.solvers.tiles.compliance import SplitCompliance
 from support.maps import body, press, rough

@@ -10,7 +10,7 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.decays import parallel_law
 from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from support.laws import surface
 
 N, SECOND = 64, 72

@@ -21,7 +21,7 @@ from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 SOLVERS = ("active_set_newton", "conjugate_gradients", "verlet", "gronbech_jensen", "fire")
 NX = 1024

@@ -15,8 +15,7 @@ from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.table import ABILITIES, MAX_ITERATIONS, RESIDUAL, SOLVERS, able, automatic
+from gfmd_numba.solvers.table import ABILITIES, MAX_ITERATIONS, RESIDUAL, SOLVERS, Options, able, automatic
 
 SCENE = {
     "body": {"poissons_ratio": 0.3, "aspect_ratio": 1.0},

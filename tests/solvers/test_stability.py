@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import scipy.linalg
 
+from gfmd_numba.contact.branch import smallest_curvature
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.solvers.stability import smallest_curvature
 
 
 @pytest.mark.parametrize("nodes", [16, 64, 63])

@@ -15,8 +15,8 @@ from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import equilibrium
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Stagnation, Status
+from gfmd_numba.solvers.table import Options
 from support.command_line import gfmd, unfolded
 from support.laws import surface
 

@@ -12,8 +12,8 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 from support.kernel_twins import both
 from support.laws import surface
 

@@ -217,7 +217,7 @@ MUTANTS = [
         "test_interactions.py::test_one_cross_level_leaves_the_other_pairs_open",
     ),
     (
-        "group_means.py",
+        "gauss_markov.py",
         "whitener=means.whitener / np.sqrt(factor)",
         "whitener=means.whitener / factor",
         "test_interactions.py::test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation",
@@ -329,7 +329,7 @@ MUTANTS = [
     ),
     # designs
     (
-        "ensembles.py",
+        "allocation.py",
         "FEWEST = 20",
         "FEWEST = 2",
         "test_cross_designs.py::test_a_cross_level_is_one_whatever_eps_the_grid_varies",
@@ -347,7 +347,7 @@ MUTANTS = [
         "test_cross_designs.py::test_a_limit_keeps_its_own_levels_next_to_cross_ones",
     ),
     (
-        "ensembles.py",
+        "allocation.py",
         "known = np.diag(ensemble.known[: columns.shape[1]])",
         "known = 0.0 * np.diag(ensemble.known[: columns.shape[1]])",
         "test_cross_designs.py::test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not",

@@ -5,8 +5,8 @@ import numpy as np
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers.boundary_value_problem import deform
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 NX = 128
 X = np.arange(NX) / NX

@@ -6,7 +6,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate, following
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 
 NEWTON = Options("frictional_newton", max_iterations=100)  # and no other solver after it
 

@@ -10,8 +10,8 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import equilibrate
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.table import Options
 
 HALF_SPACE = ElasticBody(None, None)
 

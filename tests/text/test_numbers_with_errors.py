@@ -4,7 +4,7 @@ from math import inf, nan
 
 import pytest
 
-from gfmd_numba.text.uncertain import with_error
+from gfmd_numba.text.numbers import with_error
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import subprocess
 
 import pytest
 
-from gfmd_numba.text.shell import word
+from gfmd_numba.text.printable import word
 
 NAMES = [
     "plain.yaml",

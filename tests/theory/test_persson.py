@@ -14,7 +14,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.solvers.options import Options
+from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory import persson
 
 HALF_SPACE, SLAB = ElasticBody(None, None), ElasticBody(0.33, 0.1)

@@ -16,9 +16,7 @@ from matplotlib.ticker import NullLocator
 from gfmd_numba.analysis.arguments import Variable, checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import CAMPAIGN, FIT
-from gfmd_numba.analysis.plots.looks import Key, Look, Looks
-from gfmd_numba.analysis.plots.looks import looks as looks_of
-from gfmd_numba.analysis.plots.parameter import plot_parameter
+from gfmd_numba.analysis.plots.parameter import Key, Look, Looks, looks_of, plot_parameter
 from gfmd_numba.analysis.plots.style import LINE, STYLE, of_variable
 from gfmd_numba.analysis.selection import (
     at_nyquist,

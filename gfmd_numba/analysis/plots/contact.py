@@ -5,13 +5,17 @@ from typing import Annotated
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, UnusableDataError
-from gfmd_numba.analysis.plots.contact_map import plot_map
-from gfmd_numba.analysis.plots.last_step import named_last_step
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
+from gfmd_numba.analysis.plots.map_image import decades, draw_image, draw_pressure, most
+from gfmd_numba.analysis.plots.statistics import draw_statistics
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, named_last_step, prefix, scaled
+from gfmd_numba.arrays import Flags, Reals
 
 _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
@@ -27,8 +31,6 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
     without these fields.
     """
-    if not {"x", "displacement", "gap", "pressure"} <= dataset.variables.keys():
-        raise UnusableDataError("you gave no results of a contact; gfmd allows what `gfmd solve` leaves of one")
     step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     figure = plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
@@ -87,3 +89,128 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
             handles=handles, loc="outside lower center", ncols=4 + (len(others) == 1)
         )  # above stands the step
     return figure
+
+
+_CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
+_FLATTENED = "#D55E00"
+_LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it surrounds
+
+
+def plot_map(dataset: xr.Dataset) -> Figure:
+    """Draw the contact of a map in its units, tangential tractions if it has any, and statistics where they are known.
+
+    Outlines surround the contact, and on the heights what has been flattened, where clusters are large enough for it.
+    Gaps have logarithmic colours and touching nodes one of their own, so that a small gap is told from none.
+    """
+    try:
+        statistics = contact_statistics(dataset)
+    except UnusableDataError:  # a run that is not ok, or a part of a map
+        statistics = None
+    touching = dataset["gap"].values == 0.0
+    with mpl.rc_context(STYLE):
+        drags = "tangential_traction_y" in dataset
+        rows = 1 + drags + (statistics is not None)
+        figure = Figure((14.0, 1.0 + 4.2 * rows), dpi=150, layout="constrained")
+        maps = figure.add_gridspec(rows, 3)
+        heights, pressure, gap = (figure.add_subplot(maps[0, i]) for i in range(3))
+        punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
+        of = "both surfaces together" if "body_height" in dataset else "the punch"
+        values, label = scaled(punch, f"Height of {of}", "L_x")
+        flat = dataset["plastic_depth"].values > 0.0 if "plastic_depth" in dataset else np.zeros_like(touching)
+        told = ", flattened within lines" if _is_in_patches(flat) else ""
+        draw_image(heights, dataset, values, label + told, cmap="cividis")
+        _outline(heights, dataset, flat, _FLATTENED)
+        draw_pressure(pressure, dataset)
+        _outline(pressure, dataset, touching)
+        _draw_gap(gap, dataset, touching)
+        if drags:
+            draw = draw_friction if "slip" in dataset else draw_cohesion
+            draw([figure.add_subplot(maps[1, i]) for i in range(3)], dataset)
+        if statistics is not None:
+            draw_statistics([figure.add_subplot(maps[rows - 1, i]) for i in range(3)], statistics)
+    return figure
+
+
+def _is_in_patches(flags: Flags) -> bool:
+    """Whether clusters of flags are large enough for an outline."""
+    sides = sum(np.count_nonzero(flags != np.roll(flags, 1, axis=i)) for i in (0, 1))
+    return bool(sides and 4.0 * flags.sum() / sides >= _LEAST_PATCH)
+
+
+def _outline(axis: Axes, dataset: xr.Dataset, flags: Flags, colour: str = "0.1") -> None:
+    """Surround clusters of flags where they are large enough for it."""
+    if _is_in_patches(flags):
+        (x, _), (y, _) = (scaled(dataset[dim], "", "") for dim in ("x", "y"))
+        axis.contour(x + 0.5 * x[1], y + 0.5 * y[1], flags, [0.5], colors=colour, linewidths=0.6)
+
+
+def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
+    values, label = scaled(dataset["gap"], "Gap", "L_x")
+    colours = mpl.colormaps["Blues"].with_extremes(bad=_CONTACT)
+    draw_image(
+        axis,
+        dataset,
+        np.where(touching, np.nan, values),
+        f"{label}, contact in orange",
+        "both",
+        cmap=colours,
+        norm=decades(values),
+    )
+
+
+_ARROWS = 20  # along a side of the map, at most
+_SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # without yellow, faint on white
+
+
+def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
+    """Draw stick and slip, the size and the direction of the tangential traction, and the way slid in the last step."""
+    touching, slip = dataset["gap"].values == 0.0, dataset["slip"].values
+    states = np.where(touching, np.where(slip > 0.0, 1.0, 2.0), 0.0)
+    colours = ListedColormap(["white", COLOURS[5], COLOURS[0]])
+    bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
+    bar.set_ticks([0.0, 1.0, 2.0], labels=["open", "slipping", "sticking"])
+    draw_traction(axes[1], dataset, touching)
+    values, label = scaled(dataset["slip"], "Slip in this step", "L_x")
+    draw_image(
+        axes[2], dataset, np.where(values > 0.0, values, np.nan), label, "both", cmap=_SLIP, norm=decades(values)
+    )
+
+
+def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
+    """Draw the size of the tangential traction on the nodes `shown`, and arrows along its mean over squares of nodes.
+
+    The longest arrow stands for the largest mean.
+    """
+    both = dataset["tangential_traction"], dataset["tangential_traction_y"]
+    factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
+    traction = np.where(shown, [factor * component.values for component in both], 0.0)
+    size = np.hypot(*traction)
+    colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")
+    label = rf"Tangential traction $\tau$ ({unit})"
+    draw_image(
+        axis, dataset, np.where(shown, size, np.nan), label, "max", cmap=colours, vmin=0.0, vmax=most(size) or 1.0
+    )
+    square = [-(-n // _ARROWS) for n in size.shape]
+    along_x, along_y = (_mean_of_squares(component, square) for component in traction)
+    places = [_mean_of_squares(each, square) for each in np.meshgrid(*(scaled(dataset[i], "", "")[0] for i in "xy"))]
+    pulled = np.hypot(along_x, along_y) > 0.0
+    if pulled.any():
+        arrows = (each[pulled] for each in (*places, along_x, along_y))
+        axis.quiver(*arrows, color="0.1", width=0.005, pivot="middle", edgecolor="white", linewidth=0.4)
+
+
+def _mean_of_squares(values: Reals, square: list[int]) -> Reals:
+    """Mean of values `[y, x]` over squares of so many nodes; those beyond the last whole square are left out."""
+    down, across = (n // k for n, k in zip(values.shape, square, strict=True))
+    whole = values[: down * square[0], : across * square[1]]
+    return np.asarray(whole.reshape(down, square[0], across, square[1]).mean(axis=(1, 3)))
+
+
+def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:
+    """Draw size and direction of the tangential traction, and the tangential displacement along x and along y."""
+    draw_traction(axes[0], dataset, np.ones(dataset["gap"].shape, dtype=np.bool_))
+    both = dataset["tangential_displacement"], dataset["tangential_displacement_y"]
+    factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "L_x")
+    for axis, way, component in zip(axes[1:], "xy", both, strict=True):
+        label = f"Tangential displacement along ${way}$ ({unit})"
+        draw_image(axis, dataset, factor * component.values, label, cmap="cividis")

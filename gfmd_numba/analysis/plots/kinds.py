@@ -9,8 +9,8 @@ from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
-from gfmd_numba.analysis.plots.fit import plot_fit
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
+from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics

@@ -7,12 +7,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
+from matplotlib.colors import LogNorm
 from matplotlib.ticker import AutoLocator, MaxNLocator
 
 from gfmd_numba.analysis.plots.style import scaled
 from gfmd_numba.arrays import Reals
 
 _TICKS = 5
+_DECADES = 1e-3  # of the largest value, which logarithmic colours still tell
 _SHARE = 0.98  # of the values above 0 that colours tell apart
 
 
@@ -37,6 +39,12 @@ def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:
     tension = most(-values) or 0.0
     shown, extend = np.where(values != 0.0, values, np.nan), "both" if tension else "max"
     draw_image(axis, dataset, shown, label, extend, cmap=colours, vmin=-tension, vmax=most(values))
+
+
+def decades(values: Reals) -> LogNorm | None:
+    """Logarithmic colours that tell three decades of the values above 0 apart; None without any."""
+    largest = most(values)
+    return None if largest is None else LogNorm(_DECADES * largest, largest, clip=True)
 
 
 def most(values: Reals) -> float | None:

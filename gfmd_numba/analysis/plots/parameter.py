@@ -1,6 +1,8 @@
 """Figure of means, or of limits, against a parameter, drawn without pyplot so that no state is shared."""
 
 from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import matplotlib as mpl
 import numpy as np
@@ -10,13 +12,100 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis.forms import UnusableDataError
+from gfmd_numba.analysis.arguments import checked
+from gfmd_numba.analysis.fit_dataset import in_the_limit
+from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.names import has_names, plain, shown
-from gfmd_numba.analysis.plots.looks import Looks
-from gfmd_numba.analysis.plots.looks import looks as looks_of
-from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, log_ticks, of_variable, scaled, with_unit
+from gfmd_numba.analysis.plots.style import (
+    LINE,
+    MARKERS,
+    STYLE,
+    few_ticks,
+    log_ticks,
+    of_variable,
+    ordered_colours,
+    scaled,
+    with_unit,
+)
 from gfmd_numba.analysis.selection import axes, ensemble_mean, groups, key
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.numbers import si_prefix
+
+_DASHES = ("-", "--", ":", "-.")
+
+Key = tuple[float, ...]  # parameters of a group
+Look = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Looks:
+    """The look of each group by its parameters `names`, of which `column` has the colours and the label `label`."""
+
+    of: dict[Key, Look]
+    names: tuple[str, ...]
+    column: int
+    label: str
+
+    @property
+    def coloured(self) -> list[float]:
+        """Values that have a colour each."""
+        return sorted({each[self.column] for each in self.of})
+
+    @property
+    def others(self) -> list[Key]:
+        """Sets of all other parameters, which have a marker each."""
+        return sorted({_others_of(each, self.column) for each in self.of})
+
+    def position(self, each: Key) -> float:
+        """Where a group stands among others of its colour, 1 from one colour to the next."""
+        others = self.others
+        shift = others.index(_others_of(each, self.column)) - (len(others) - 1) / 2
+        return self.coloured.index(each[self.column]) + 0.5 * shift / len(others)
+
+
+def looks_of(dataset: xr.Dataset) -> Looks:
+    """Look of each group: a colour for each Hurst exponent, or else value of the first parameter that varies."""
+    names = axes(dataset)
+    keys = [key(parameters) for parameters, _ in groups(dataset)]
+    varied = [i for i in range(len(names)) if len({each[i] for each in keys}) > 1]
+    column = names.index("hurst") if "hurst" in names else next(iter(varied), 0)
+    found = Looks({each: {} for each in sorted(keys)}, names, column, _label(dataset[names[column]]))
+    coloured, others = found.coloured, found.others
+    told = sorted({column, *varied})
+    palette = ordered_colours(len(coloured))
+    for each, look in found.of.items():
+        style, colour = others.index(_others_of(each, column)), coloured.index(each[column])
+        look |= {
+            "color": palette[colour],
+            "marker": MARKERS[(style if len(others) > 1 else colour) % len(MARKERS)],
+            "linestyle": _DASHES[style % len(_DASHES)],
+            "label": _told([(dataset[names[i]], each[i]) for i in told]),
+        }
+    return found
+
+
+def _others_of(each: Key, column: int) -> Key:
+    return each[:column] + each[column + 1 :]
+
+
+def _label(axis: xr.DataArray) -> str:
+    return with_unit(str(axis.attrs.get("label", axis.name)), axis)
+
+
+def _told(parameters: list[tuple[xr.DataArray, float]]) -> str:
+    """Names that values stand for, and a formula of all other values."""
+    names = [plain(shown(axis, [value])[0]) for axis, value in parameters if has_names(axis)]
+    formula = ", ".join(_value(axis, value) for axis, value in parameters if not has_names(axis))
+    return ", ".join([*names, f"${formula}$"] if formula else names)
+
+
+def _value(axis: xr.DataArray, value: float) -> str:
+    """Symbol, value and unit of a parameter within a formula."""
+    unit = axis.attrs.get("units", "1")
+    factor, unit = (1.0, unit) if unit == "1" else si_prefix(abs(value), unit)
+    symbol = str(axis.attrs.get("label", axis.name)).strip("$")
+    return f"{symbol} = {factor * value:g}".replace("inf", r"\infty") + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
+
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 
@@ -101,3 +190,27 @@ def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
         few_ticks(panel.xaxis)
     panel.set_xlabel(label)
     return np.asarray(values, dtype=float)
+
+
+_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
+
+
+@checked
+def plot_fit(fit: Annotated[xr.Dataset, FIT]) -> Figure:
+    """Draw the limits that `fit_tfc` found, with standard errors, against the parameter that has most values.
+
+    Groups whose fit is refused are left out. UnusableDataError for anything but a fit, or one without a limit.
+    """
+    variable = str(fit.attrs.get("variable"))
+    if not {f"{variable}_tfc", f"{variable}_tfc_error", "fit_status"} <= set(fit.variables) or not axes(fit):
+        raise UnusableDataError("you gave no fit; gfmd allows what `gfmd fit -o` leaves")
+    accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
+    if not accepted.sizes["group"]:
+        raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
+    label = with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
+    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label)
+
+
+def _limits(groups: xr.Dataset) -> tuple[Reals, Reals]:
+    value, error = in_the_limit(groups)
+    return value.values, error.values

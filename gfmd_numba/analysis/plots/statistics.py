@@ -4,15 +4,13 @@ from collections.abc import Sequence
 from typing import Annotated
 
 import matplotlib as mpl
-import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import STATISTICS, UnusableDataError
-from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
-from gfmd_numba.arrays import Reals
+from gfmd_numba.analysis.plots.style import MARKERS, STYLE, edges, log_ticks, ordered_colours
 
 
 @checked
@@ -50,9 +48,9 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
         marker = MARKERS[i % len(MARKERS)]
         unloaded = f"step {i}" if "step" in mean.dims else "Simulation"
         label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else unloaded
-        pressure.stairs(step["pressure_density"], _edges(step["pressure"]), color=colour, label=label)
+        pressure.stairs(step["pressure_density"], edges(step["pressure"].values), color=colour, label=label)
         pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour, lw=1.2)
-        gap.stairs(step["gap_density"], _edges(step["gap"]), color=colour)
+        gap.stairs(step["gap_density"], edges(step["gap"].values), color=colour)
         contacts.plot(step[size], step[counted].where(step[counted] > 0), marker=marker, ms=4, color=colour)
     pressure.plot([], [], "--", color="0.4", label="Persson")
     top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
@@ -73,9 +71,3 @@ _CONTACTS = {
     "segments": ("segments", "length", r"Segment length over $L_x$"),
     "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
 }
-
-
-def _edges(centres: xr.DataArray) -> Reals:
-    values = centres.values
-    half = 0.5 * (values[1] - values[0])
-    return np.append(values - half, values[-1] + half)

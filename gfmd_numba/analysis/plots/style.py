@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.si_prefix import si_prefix
+from gfmd_numba.text.numbers import si_prefix
 
 # Okabe and Ito: told apart with any colour vision. In grey the first two are alike: lines of both need a dash or marker
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
@@ -83,3 +83,29 @@ def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
         power = int(np.floor(np.log10(largest))) if largest else 0
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
     return si_prefix(largest, unit)
+
+
+_PRESCRIBED = (
+    ("reduced_pressure", "$p^*$", ""),
+    ("punch_displacement", "punch displacement", "L_x"),
+    ("sliding", "sliding", "L_x"),
+    ("sliding_y", "sliding along $y$", "L_x"),
+)
+
+
+def named_last_step(dataset: xr.Dataset) -> str:
+    """Return which step of a path is drawn, and its loading; nothing for a dataset without a path."""
+    if dataset.sizes.get("step", 1) == 1:
+        return ""
+    said = f"Step {dataset.sizes['step'] - 1}, the last"
+    for name, symbol, natural in _PRESCRIBED:
+        if name in dataset and dataset[name].any():
+            factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
+            said += f", {symbol} = {told(factor * float(dataset[name][-1]), unit)}"
+    return said
+
+
+def edges(centres: Reals) -> Reals:
+    """Return the edges of bins of one width around their centres."""
+    half = 0.5 * (centres[1] - centres[0])
+    return np.append(centres - half, centres[-1] + half)

@@ -11,7 +11,7 @@ from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import SURFACE
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, edges, log_ticks, prefix, scaled
 
 
 @checked
@@ -83,11 +83,6 @@ def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
 
 def _draw_distribution(axis: Axes, dataset: xr.Dataset) -> None:
     level = dataset["level"].values
-    axis.stairs(dataset["height_density"], _edges(level), color=COLOURS[0], fill=True, alpha=0.35)
+    axis.stairs(dataset["height_density"], edges(level), color=COLOURS[0], fill=True, alpha=0.35)
     axis.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1], lw=1.5)
     axis.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
-
-
-def _edges(centres: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> list[float]:
-    step = centres[1] - centres[0]
-    return [*(centres - step / 2.0), centres[-1] + step / 2.0]

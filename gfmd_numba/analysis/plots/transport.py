@@ -5,16 +5,12 @@ from typing import Annotated
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.last_step import named_last_step
-from gfmd_numba.analysis.plots.map_image import draw_image, most
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, scaled
-
-_DECADES = 1e-3  # of the flow that colours tell apart
+from gfmd_numba.analysis.plots.map_image import decades, draw_image, most
+from gfmd_numba.analysis.plots.style import COLOURS, STYLE, named_last_step, scaled
 
 
 @checked
@@ -25,11 +21,9 @@ def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE]) -> Figure:
         figure = Figure((11.0, 5.6), dpi=150, layout="constrained")
         for axis, along in zip(figure.subplots(1, 2), ("x", "y"), strict=True):
             flow = last["local_flow"].sel(direction=along).values
-            largest = most(flow) or 1.0
-            norm = LogNorm(_DECADES * largest, largest, clip=True)
             label = f"Flow along ${along}$ over its mean, none in grey" if flow.any() else f"No flow along ${along}$"
             colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
-            draw_image(axis, last, np.where(flow > 0.0, flow, np.nan), label, "both", cmap=colours, norm=norm)
+            draw_image(axis, last, np.where(flow > 0.0, flow, np.nan), label, "both", cmap=colours, norm=decades(flow))
         _name_step(figure, dataset)
     return figure
 

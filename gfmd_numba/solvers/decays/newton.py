@@ -17,8 +17,7 @@ from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
 from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
-from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.table import SOLVERS, Options
 
 # 32 decays, within 1e-5 to 4e-5 of 1/q at 2^13 to 2^20 nodes; alternating ones, (-1)^m exp(-rate m), for the kink of
 # |q| at Nyquist

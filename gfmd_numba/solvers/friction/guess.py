@@ -6,7 +6,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.fourier.resampling import resample
+from gfmd_numba.fourier.grid import resample
 from gfmd_numba.interface.interactions import NormalLaw
 from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.iteration import Batch, Start

@@ -18,8 +18,8 @@ from gfmd_numba.solvers.friction.guess import (
 )
 from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.products import Products
+from gfmd_numba.solvers.table import Options
 
 _SETTLED, _MOST_SETTLED = 1e-2, 1e-5  # residual with which the first guess of the normal contact is left, later ones
 _NORMAL_STEPS = 60  # of that, at most

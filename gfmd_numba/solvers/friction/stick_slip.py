@@ -33,21 +33,10 @@ class NearTractions:
     says whether nodes may have a compliance of their own in addition, of either sign.
     """
 
-    _tangential: ProfileInverse | NearField
-    _normal: ProfileInverse | NearField
-
     def __init__(self, response: SpectralResponse, shape: tuple[int, ...]) -> None:
-        elements = response.inverse()
-        normal, tangential = elements[-1], elements[0]
-        if len(shape) == 1:
-            self._tangential, self._normal = (
-                ProfileInverse(_reciprocal(each), each, *shape) for each in (tangential, normal)
-            )
-        else:
-            xx, xy, yy = elements[:3]
-            trace = 0.5 * (xx + yy)
-            tangential = np.divide(xx * yy - xy**2, trace, out=np.zeros_like(trace), where=trace > 0.0)
-            self._tangential, self._normal = (NearField(_inverse(each), shape) for each in (tangential, normal))
+        elements, dimension = response.inverse(), len(shape)
+        tangential, normal = _TANGENTIAL[dimension](elements), elements[-1]
+        self._tangential, self._normal = (_NEAR[dimension](each, shape) for each in (tangential, normal))
         share = grid.multiplicity(shape[-1]) / np.prod(shape)
         self.tangential_of_a_node = float((_inverse(tangential) * share).sum())
         self.normal_of_a_node = float((_inverse(normal) * share).sum())
@@ -89,6 +78,21 @@ def _inverse(compliance: Reals) -> Reals:
 
 def _reciprocal(compliance: Reals) -> Reals:
     return np.divide(1.0, compliance, out=np.zeros_like(compliance), where=compliance > 0.0)
+
+
+def _alike_both_ways(elements: Reals) -> Reals:
+    """Compliance of a map whose two tangential components have the mean of their stiffnesses."""
+    xx, xy, yy = elements[:3]
+    trace = 0.5 * (xx + yy)
+    return np.asarray(np.divide(xx * yy - xy**2, trace, out=np.zeros_like(trace), where=trace > 0.0))
+
+
+# by the dimension of the grid: the tangential compliance, and what a compliance has for an approximate inverse
+_TANGENTIAL: dict[int, Callable[[Reals], Reals]] = {1: lambda elements: elements[0], 2: _alike_both_ways}
+_NEAR: dict[int, Callable[[Reals, tuple[int, ...]], ProfileInverse | NearField]] = {
+    1: lambda compliance, shape: ProfileInverse(_reciprocal(compliance), compliance, *shape),
+    2: lambda compliance, shape: NearField(_inverse(compliance), shape),
+}
 
 
 def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: float, most: int) -> tuple[Reals, Reals]:

@@ -14,9 +14,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.options import Options
 from gfmd_numba.solvers.pressures import Closing, refine
-from gfmd_numba.solvers.table import SOLVERS
+from gfmd_numba.solvers.table import SOLVERS, Options
 from gfmd_numba.solvers.tiles.compliance import SplitCompliance, TileField, fits
 
 T = TypeVar("T", bound=np.generic)

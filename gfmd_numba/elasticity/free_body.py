@@ -28,13 +28,13 @@ from functools import lru_cache
 from math import ceil
 
 import numpy as np
-from scipy.fft import dct, dst
 from scipy.special import itj0y0, j0, j1, jn, sici
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier.grid import of_half_a_period
 
 WIDER = 2  # the padded grid over the window, along each direction
 _HEIGHTS = 12.0  # of a slab, beyond which its kernel is 0
@@ -68,11 +68,11 @@ def _of_slab(shape: tuple[int, ...], slab: ElasticBody) -> Reals:
     across = k if len(shape) > 1 else k[:1]
     kernel = np.empty((across.size, n + 1))
     for row, q in zip(kernel, across, strict=True):
-        row[:] = dct(1.0 / slab.condensed_stiffness(np.hypot(q, k)), type=1)[: n + 1] / (2 * half * n)
+        row[:] = of_half_a_period(1.0 / slab.condensed_stiffness(np.hypot(q, k)))[: n + 1] / (2 * half * n)
     if len(shape) == 1:
-        return np.asarray(dct(kernel[0], type=1))
-    kernel = dct(kernel, type=1, axis=0)[: n + 1] / (2 * half * n)
-    quarter = dct(dct(kernel, type=1, axis=0), type=1, axis=1)
+        return of_half_a_period(kernel[0])
+    kernel = of_half_a_period(kernel, 0)[: n + 1] / (2 * half * n)
+    quarter = of_half_a_period(of_half_a_period(kernel, 0), 1)
     return np.concatenate((quarter, quarter[-2:0:-1]))
 
 
@@ -130,7 +130,7 @@ def _of_maps(n: int, kind: str) -> Reals:
     odd, _, _ = _KINDS[kind]
     quarter = kernel_of_maps(n, kind)
     for axis in range(2):
-        quarter = _transform(quarter, axis, odd[axis])
+        quarter = of_half_a_period(quarter, axis, odd[axis])
     return np.concatenate((quarter, (-1.0 if odd[0] else 1.0) * quarter[-2:0:-1]))
 
 
@@ -152,7 +152,7 @@ def kernel_of_maps(n: int, kind: str) -> Reals:
         kernel[row] *= direction(k[row] / q, k / q)
     kernel[0, 0] = 0.5 * _CUT if m == 0 else 0.0
     for axis in range(2):
-        kernel = _transform(kernel, axis, odd[axis]).take(np.arange(n + 1), axis=axis) / (_SAMPLED * n)
+        kernel = of_half_a_period(kernel, axis, odd[axis]).take(np.arange(n + 1), axis=axis) / (_SAMPLED * n)
     x = np.arange(n + 1) / n
     sign = -1.0 if kind == "cos 2f" else 1.0
     return np.asarray(kernel + sign * direction(x[:, np.newaxis], x) / (2.0 * np.pi * _CUT ** (m + 1) * n**2))
@@ -163,13 +163,3 @@ def _cut(z: Reals, m: int) -> Reals:
     if m == 0:
         return np.asarray(itj0y0(z)[0] - j1(z))
     return np.asarray(1.0 - j0(z) - jn(2, z) if m == 1 else itj0y0(z)[0] - 2.0 * j1(z) - jn(3, z))
-
-
-def _transform(values: Reals, axis: int, odd: bool) -> Reals:
-    """Fourier transform along an axis of values at 0 ... half a period, which are even or odd about both."""
-    if not odd:
-        return np.asarray(dct(values, type=1, axis=axis))
-    found = np.zeros_like(values)
-    inside = (slice(None),) * axis + (slice(1, -1),)
-    found[inside] = dst(values[inside], type=1, axis=axis)
-    return found

@@ -22,6 +22,7 @@ import math
 from functools import reduce
 
 import numpy as np
+from scipy.fft import dct, dst
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
 
@@ -91,6 +92,17 @@ def coefficients(samples: Reals, dimension: int = 1) -> Complexes:
 def signal(spectrum: Complexes | Reals, *shape: int) -> Reals:
     """Real samples `[..., (y,) x]` of the given shape, nx or ny, nx, from their coefficients."""
     return np.fft.irfftn(spectrum, shape, axes=tuple(range(-len(shape), 0)), norm="forward")
+
+
+def of_half_a_period(samples: Reals, axis: int = -1, odd: bool = False) -> Reals:
+    """Return n times the coefficients of samples at x_0 ... x_(n/2) that go on evenly, or oddly, beyond both ends.
+
+    Those of odd samples are without the factor -i.
+    """
+    if not odd:
+        return np.asarray(dct(samples, type=1, axis=axis))
+    inside = np.moveaxis(samples, axis, -1)[..., 1:-1]
+    return np.moveaxis(np.pad(dst(inside, type=1), (*((0, 0),) * (samples.ndim - 1), (1, 1))), -1, axis)
 
 
 def derivative(spectrum: Complexes) -> Complexes:

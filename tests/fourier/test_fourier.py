@@ -119,3 +119,14 @@ def test_a_row_does_not_know_its_batch(n):
         alone.sources[0][:, :n] = signal[i]
         alone.apply(alone.symbol(symbol), np.arange(1))
         np.testing.assert_array_equal(alone.result[0], whole.result[i])
+
+
+@pytest.mark.parametrize("odd", [False, True])
+def test_half_a_period_says_what_the_whole_one_does(odd, rng):
+    half = rng.normal(size=(3, 9))
+    if odd:
+        half[:, [0, -1]] = 0.0
+    whole = np.concatenate((half, (-1 if odd else 1) * half[:, -2:0:-1]), axis=1)
+    waves = np.fft.rfft(whole)
+    np.testing.assert_allclose(grid.of_half_a_period(half, 1, odd), -waves.imag if odd else waves.real, atol=1e-13)
+    np.testing.assert_allclose(grid.of_half_a_period(half.T, 0, odd), grid.of_half_a_period(half, 1, odd).T)

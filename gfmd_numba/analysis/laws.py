@@ -20,10 +20,12 @@ BOUNDS = (0.1, 5.0)  # of an exponent of which nothing is known
 FREE = (np.nan, np.nan)
 STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 0
 # Wave index, over that of the longest wave, from which half of the slope is seen, and the exponent with which the part
-# that is not seen falls beyond: without a load the ends of their ranges, with one the factors of a standard deviation
-# about their medians, by the dimension of the surfaces
+# that is not seen falls beyond. Contacts see the waves that are shorter than themselves, and so the index falls with
+# the reduced pressure p*. Both were measured at 1/eps_t = 8 on half-spaces (H = 0.3 to 1, p* = 0.001 to 0.3) and a
+# slab, and on maps; next to their medians stands the factor of a standard deviation
 _CUTS, _TAILS = (0.02, 200.0), (0.25, 2.5)
-_FACTOR_OF_CUTS, _FACTOR_OF_TAILS = {1: 1.3, 2: 1.4}, {1: 1.15, 2: 1.2}
+_CUT = {1: 0.024, 2: 0.0077}  # by the dimension of the surfaces, at H = 0 and p* = 1
+_FACTOR_OF_CUTS, _FACTOR_OF_TAILS = 1.4, 1.2
 _FURTHEST = 5.0  # of those standard deviations
 POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws
 _POINTS = 128  # of the integrals over a spectrum
@@ -130,23 +132,13 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1) -> Law:
 
     cut = Parameter("eps_f", *_CUTS, logarithmic=True)
     if load > 0.0:
-        median, factor = _usual_cut(hurst, load, dimension), _FACTOR_OF_CUTS[dimension]
-        ends = (median / factor**_FURTHEST, median * factor**_FURTHEST)
-        cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, factor))
-    usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), _FACTOR_OF_TAILS[dimension])
+        median = _CUT[dimension] * np.exp(3.0 * hurst - 5.0 * load) * load**-0.75
+        furthest = _FACTOR_OF_CUTS**_FURTHEST
+        ends = (median / furthest, median * furthest)
+        cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, _FACTOR_OF_CUTS))
+    usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), _FACTOR_OF_TAILS)
     tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=usual_tail)
     return Law((cut, tail), excess, whole=True)
-
-
-def _usual_cut(hurst: float, load: float, dimension: int) -> float:
-    """Return the median of k_c on half-spaces at a `load`.
-
-    Contacts see the waves that are shorter than themselves, so that k_c falls with the load. Measured on profiles at
-    H = 0.5 to 1 and p* = 0.001 to 0.1 (1/eps_t = 4 to 16), and on maps at p* = 0.05.
-    """
-    if dimension == 2:
-        return float(0.0077 * np.exp(3.0 * hurst - 5.0 * load) * load**-0.75)
-    return float(0.055 * np.exp(3.0 * hurst - 6.0 * load) * load**-0.55)
 
 
 def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> list[dict[str, Law]]:

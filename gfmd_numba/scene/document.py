@@ -351,6 +351,8 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
             return "a whole number" + _range(node)
         case "number":
             return ("a number" if "maximum" in node else "a finite number") + _range(node)
+        case "boolean":
+            return "true or false"
     return "text"
 
 

@@ -475,3 +475,9 @@ def test_a_slab_that_keeps_its_volume_bulges_around_the_window_and_touches_nothi
     wide[0, :n] = -contact.equilibrium.pressure[0]
     expected = free_body.normal_response((n,), body).apply(wide)[0, :n]
     np.testing.assert_allclose(contact.equilibrium.displacement[0], expected, atol=1e-9 * depth)
+
+
+def test_periodic_is_true_or_false():
+    wrong = scene_of(parabola(8, 1), {"line_load": 1e-4}, scene={"periodic": "maybe"})
+    with pytest.raises(gfmd_numba.InputError, match=r"periodic: you gave 'maybe'; gfmd allows true or false"):
+        gfmd_numba.solve(wrong)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -68,9 +68,11 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     return gap
 
 
-def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> bool:
-    """Whether the body touches a punch around the window."""
-    return bool(np.count_nonzero(found.touching) > np.count_nonzero(found.touching[_corner(shape)]))
+def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> Flags:
+    """Whether the body touches a punch around the window `[realisation]`."""
+    along = tuple(range(1, found.touching.ndim))
+    whole, window = (np.count_nonzero(each, axis=along) for each in (found.touching, found.touching[_corner(shape)]))
+    return np.asarray(whole > window)
 
 
 def share(dimension: int) -> float:

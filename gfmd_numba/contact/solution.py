@@ -16,6 +16,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 from gfmd_numba.solvers.iteration import Start
+from gfmd_numba.solvers.status import Status
 
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
@@ -82,8 +83,10 @@ def _without_period(
     for farther in free_window.FARTHER:
         wide = free_window.padded(punch, load, laws, factor, farther)
         found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
-        if not free_window.touches_around(found, shape):
+        around = free_window.touches_around(found, shape)
+        if not around.any():
             break
+    found.status[around & (found.status == Status.ok)] = Status.no_equilibrium
     sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
     return free_window.in_window(found, shape, sunk), sunk
 

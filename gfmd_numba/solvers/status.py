@@ -37,8 +37,8 @@ SENTENCES: dict[IntEnum, str] = {
         "numerics.topography_order, leave out short waves of the surface, or press less."
     ),
     Status.no_equilibrium: (
-        "There is no equilibrium: an incompressible slab keeps its volume and has no room for so deep a punch. Lower "
-        "the displacement."
+        "There is no equilibrium: an incompressible slab keeps its volume and has no room for so deep a punch, or the "
+        "body around a window without a period bulges without end. Lower the displacement, or the load."
     ),
     Status.unstable: "Tractions grew without bound: lower numerics.time_step.",
     Status.nonfinite: (

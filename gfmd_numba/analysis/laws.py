@@ -24,7 +24,7 @@ STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 
 # the reduced pressure p*. Both were measured at 1/eps_t = 8 on half-spaces (H = 0.3 to 1, p* = 0.001 to 0.3) and a
 # slab, and on maps; next to their medians stands the factor of a standard deviation
 _CUTS, _TAILS = (0.02, 200.0), (0.25, 2.5)
-_CUT = {1: 0.024, 2: 0.0077}  # by the dimension of the surfaces, at H = 0 and p* = 1
+_CUT = {1: 0.024, 2: 0.0077}  # by the dimension of the surfaces: the factor of k_c's formula
 _FACTOR_OF_CUTS, _FACTOR_OF_TAILS = 1.4, 1.2
 _FURTHEST = 5.0  # of those standard deviations
 POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws

@@ -17,6 +17,8 @@ w(q n) in the first Brillouin zone of the grid: e is the same with |w(q n)| for 
 along y have r sides of nodes that face x for each that faces y, and the mean over their edges, in nodes a side, is
 (1 / r (1 + r)) int_0^(pi/2) e / rho^3 dphi over the direction phi of n, rho^2 = (cos phi / r)^2 + sin^2 phi.
 (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161, 2017, have (pi - 1 + ln 2) / 24 a side from geometry.)
+
+`evaluation.contact_area_fraction` takes the mean excess off the counted nodes.
 """
 
 from collections.abc import Callable

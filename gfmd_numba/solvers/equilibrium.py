@@ -54,11 +54,10 @@ class Equilibrium:
 
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 
-    The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is the
-    largest traction on free nodes or tension on touching ones over the largest pressure (or traction of the law
-    anywhere), or the load imbalance over the load, whichever is larger. `full_contact_pressure` is the rms fluctuation
-    of the pressure were the punch in full contact. `growing_wave` is the index of the wave that
-    grew most in each unstable realisation, -1 in the others; None unless there is one.
+    The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
+    `Certificate.residual`. `full_contact_pressure` is the rms fluctuation of the pressure were the punch in full
+    contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
+    unless there is one.
     """
 
     displacement: Reals

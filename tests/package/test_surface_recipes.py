@@ -104,7 +104,7 @@ class Gaussian:
 
 
 def gaussian(record, discretisation, period, dimension, nx):
-    return ModelWaves.of(Gaussian(dimension, record.width / period), record, period, nx)
+    return ModelWaves.of(Gaussian(dimension, record.breadth / period), record, period, nx)
 ''',
     "scene/surfaces.py",
     (
@@ -115,7 +115,7 @@ class GaussianCorrelation(Spectral):
 
     implementation: ClassVar = "gfmd_numba.roughness.gaussian:gaussian"
     model: Literal["gaussian"] = Field(description="Spectrum of the surface")
-    width: Length
+    breadth: Length
 
 
 ''',
@@ -130,7 +130,7 @@ AXIS = Recipe(
     "campaign/axes.py",
     (
         (
-            '    Axis("width", Length, "roughness", "b", "$b$", "width of the model", "height"),\n',
+            '    Axis("breadth", Length, "roughness", "b", "$b$", "breadth of the model", "height"),\n',
             '    Axis("eps_c",',
         ),
     ),
@@ -138,7 +138,7 @@ AXIS = Recipe(
 RECIPES = (GENERATOR, SPECTRUM, AXIS)
 PHASES = "method: random_phases, hurst: 0.8"
 OWN_GRID = "points: 64, cut_on: 5e-6, roll_off: 5e-5"
-GAUSSIAN = "method: psd, model: gaussian, width: 1e-5, rms_height: 1e-7, points: 64"
+GAUSSIAN = "method: psd, model: gaussian, breadth: 1e-5, rms_height: 1e-7, points: 64"
 
 
 def campaign(name, roughness, rest):
@@ -162,7 +162,7 @@ limits: {eps_c: [1/2, 1/8], eps_f: [1/4, 1/16]}
 fit: {fixed: {eps_c: 1, eps_f: 1}}"""
 FILES = {
     "phases.yaml": campaign("phases", f"{PHASES}, rms_gradient: 0.01", LIMITS),
-    "widths.yaml": campaign("widths", GAUSSIAN, "grid: {width: [4e-6, 8e-6]}"),
+    "breadths.yaml": campaign("breadths", GAUSSIAN, "grid: {breadth: [4e-6, 8e-6]}"),
     "profile.yaml": f"surface: {{{PHASES}, {OWN_GRID}, rms_gradient: 0.01}}\nlength: 1e-4\n",
     "map.yaml": f"surface: {{{GAUSSIAN}}}\nlength: 1e-4\ndimension: 2\n",
 }
@@ -175,25 +175,25 @@ def gfmd(tmp_path):
 
 @pytest.mark.long
 def test_a_generator_a_spectrum_and_an_axis_go_from_yaml_to_netcdf_fit_and_plot(gfmd, tmp_path):
-    *_, phases, widths, listed = gfmd(
+    *_, phases, breadths, listed = gfmd(
         *(f"surface {name}.yaml -o {name}.nc" for name in ("profile", "map")),
-        *(f"run {name}.yaml --workers=0" for name in ("phases", "widths")),
-        *(f"plot {name} -o {name}.png" for name in ("phases", "widths")),
-        *(f"fit {name} -o {name}-fit.nc" for name in ("phases", "widths")),
+        *(f"run {name}.yaml --workers=0" for name in ("phases", "breadths")),
+        *(f"plot {name} -o {name}.png" for name in ("phases", "breadths")),
+        *(f"fit {name} -o {name}-fit.nc" for name in ("phases", "breadths")),
         "schema scene",
     )
-    for name in ("phases", "widths"):
+    for name in ("phases", "breadths"):
         assert (tmp_path / f"{name}.png").stat().st_size > 1000
     assert "limit" in phases
-    assert "b (m)" in widths
+    assert "b (m)" in breadths
     with xr.open_dataset(tmp_path / "phases-fit.nc") as fitted:
         assert fitted["kappa_tfc"].notnull().all()
-    with xr.open_dataset(tmp_path / "widths-fit.nc") as fitted:
-        assert fitted["width"].values.tolist() == [4e-6, 8e-6]
-    with xr.open_dataset(tmp_path / "widths" / "widths.nc") as found:
+    with xr.open_dataset(tmp_path / "breadths-fit.nc") as fitted:
+        assert fitted["breadth"].values.tolist() == [4e-6, 8e-6]
+    with xr.open_dataset(tmp_path / "breadths" / "breadths.nc") as found:
         assert (found["status"] == 0).all()
-        assert found["width"].attrs["units"] == "m"
-        assert found["width"].attrs["axis"] == "physics"
+        assert found["breadth"].attrs["units"] == "m"
+        assert found["breadth"].attrs["axis"] == "physics"
         kappa = found["kappa"].mean("realisation")
         assert kappa[0] != kappa[1]
     for name in ("profile", "map"):

@@ -36,7 +36,7 @@ def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, fact
     It is stiffer by a factor than the body.
     """
     found = free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
-    return found if factor == 1.0 else SpectralResponse(factor * found.elements)
+    return found.scaled(factor)
 
 
 def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:

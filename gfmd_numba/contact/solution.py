@@ -123,7 +123,7 @@ def _response(problem: Problem, change: Change) -> SpectralResponse:
     else:
         own = problem.body.response(shape)
         response = own if counter is None else own.in_series(counter.body.response(shape), counter.share)
-    return response if change.factor == 1.0 else SpectralResponse(change.factor * response.elements)
+    return response.scaled(change.factor)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -75,16 +75,24 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
 
 
 def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> list[Reals]:
-    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at the nodes.
+    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at four nodes or more.
 
-    They are those of a cubic spline through the heights.
+    They are those of a cubic spline through the heights, whose third derivative is continuous next to its ends.
     """
-    from scipy.interpolate import CubicSpline  # takes long to load, and periodic surfaces do without
+    from scipy.linalg import solve_banded  # takes long to load, and periodic surfaces do without
 
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
-        nodes = np.arange(heights.shape[axis]) * (length / heights.shape[axis])
-        found.append(np.asarray(CubicSpline(nodes, heights, axis=axis)(nodes, 1)))
+        h = np.moveaxis(heights, axis, 0)
+        n = len(h)
+        right = np.empty(h.shape)
+        right[1:-1] = 3.0 * (h[2:] - h[:-2])
+        right[0] = 0.5 * (h[2] + 4.0 * h[1] - 5.0 * h[0])
+        right[-1] = 0.5 * (5.0 * h[-1] - 4.0 * h[-2] - h[-3])
+        bands = np.ones((3, n))
+        bands[1, 1:-1], bands[0, 1], bands[2, -2] = 4.0, 2.0, 2.0
+        slopes = solve_banded((1, 1), bands, right.reshape(n, -1), overwrite_b=True, check_finite=False)
+        found.append(np.moveaxis(slopes.reshape(h.shape), 0, axis) * (n / length))
     return found
 
 

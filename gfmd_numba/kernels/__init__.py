@@ -61,6 +61,7 @@ from gfmd_numba.kernels.spectral import (
     stiffen,
     take_columns,
 )
+from gfmd_numba.kernels.splines import spline_slopes
 from gfmd_numba.kernels.steps import fire_step, friction_step, verlet_step
 from gfmd_numba.kernels.tiles import (
     close_map,

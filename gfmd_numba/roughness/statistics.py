@@ -79,20 +79,14 @@ def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> lis
 
     They are those of a cubic spline through the heights, whose third derivative is continuous next to its ends.
     """
-    from scipy.linalg import solve_banded  # takes long to load, and periodic surfaces do without
+    from gfmd_numba import kernels  # takes long to load, and periodic surfaces do without
 
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
-        h = np.moveaxis(heights, axis, 0)
-        n = len(h)
-        right = np.empty(h.shape)
-        right[1:-1] = 3.0 * (h[2:] - h[:-2])
-        right[0] = 0.5 * (h[2] + 4.0 * h[1] - 5.0 * h[0])
-        right[-1] = 0.5 * (5.0 * h[-1] - 4.0 * h[-2] - h[-3])
-        bands = np.ones((3, n))
-        bands[1, 1:-1], bands[0, 1], bands[2, -2] = 4.0, 2.0, 2.0
-        slopes = solve_banded((1, 1), bands, right.reshape(n, -1), overwrite_b=True, check_finite=False)
-        found.append(np.moveaxis(slopes.reshape(h.shape), 0, axis) * (n / length))
+        along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
+        slopes = np.empty(along.shape)
+        kernels.spline_slopes(np.ascontiguousarray(along).reshape(len(along), -1), slopes.reshape(len(along), -1))
+        found.append(np.moveaxis(slopes, 0, axis) * (len(along) / length))
     return found
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from gfmd_numba import kernels
 from support.kernel_twins import both
@@ -296,3 +297,12 @@ def test_columns_of_a_map_are_taken_softened_and_put_back(take, soften, put, fir
     expected[:2, columns] = block[:2, :many]
     put(block, first, waves, 2)
     np.testing.assert_array_equal(waves, expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.spline_slopes))
+@pytest.mark.parametrize("n", [4, 5, 40])
+def test_slopes_of_a_spline_are_those_of_scipy(kernel, n, rng):
+    heights = rng.normal(size=(n, 3))
+    slopes = np.empty((n, 3))
+    kernel(heights, slopes)
+    np.testing.assert_allclose(slopes, CubicSpline(np.arange(n), heights)(np.arange(n), 1), atol=1e-13)

@@ -1,5 +1,6 @@
 """Contacts without a period: Hertz's, those of a dense solution, and what periodic ones tend to."""
 
+import tracemalloc
 from warnings import catch_warnings
 
 import numpy as np
@@ -473,6 +474,21 @@ def test_a_profile_takes_no_more_transforms_than_a_periodic_one(pressure):
         )
         taken.append(int(solve(problem, range(1)).equilibrium.n_transforms[0]))
     assert taken[1] <= taken[0]
+
+
+@pytest.mark.parametrize(("shape", "most"), [((2**15,), 2.1), ((256, 256), 4.0)])
+def test_a_contact_takes_twice_the_memory_of_a_periodic_one_on_profiles_and_less_than_four_times_on_maps(shape, most):
+    heights, peaks = rough(shape[0], len(shape)), []
+    for periodic in (True, False):
+        surface, _ = given_surface(heights, periodic=periodic)
+        numerics = Options("active_set_newton")
+        problem = Problem(surface, ElasticBody(None, None), Interactions(True), 0.05, None, numerics, periodic=periodic)
+        solve(problem, range(1))  # samples the kernel and loads what is compiled
+        tracemalloc.start()
+        solve(problem, range(1))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < most * peaks[0]
 
 
 def test_rows_around_the_window_of_a_map_are_transformed_five_times(monkeypatch):

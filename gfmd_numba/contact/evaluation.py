@@ -9,13 +9,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import label
 
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
 
+_NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
 
 
@@ -182,9 +183,36 @@ def mean_segment_length(contact: Contact) -> Reals:
 
 
 def contact_radius(contact: Contact) -> Reals:
-    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`."""
-    area = contact_area_fraction(contact)
-    return 0.5 * area if contact.heights.ndim == 2 else np.sqrt(area / np.pi)
+    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`.
+
+    Edges are where the pressures next to them say, if these say so of nearly all, and elsewhere at their mean position.
+    """
+    mean, profile = contact_area_fraction(contact), contact.heights.ndim == 2
+    if profile:
+        area, unknown = _located(contact)
+        located = unknown == 0.0
+    else:
+        area, share = _located_area(contact)
+        located = share >= _NEARLY_ALL
+    found = np.where(located & ~_pulled(contact), area, mean)
+    return 0.5 * found if profile else np.sqrt(found / np.pi)
+
+
+def _pulled(contact: Contact) -> Flags:
+    """Whether open nodes bear tractions `[realisation]`: pressure at an edge is then no root of the distance."""
+    pressure = contact.equilibrium.pressure
+    return np.asarray(((pressure != 0.0) & ~touching(contact)).any(axis=tuple(range(1, pressure.ndim))))
+
+
+def _located_area(contact: Contact) -> tuple[Reals, Reals]:
+    """Contact area of maps over L_x^2 with its edges located, and the share of their sides that are `[realisation]`."""
+    now, sides = touching(contact), perimeter(contact)
+    if not edges.as_half_space(edge(contact)):
+        return np.zeros(len(now)), np.zeros(len(now))
+    bias, ends = edge(contact).perimeter_bias(*sides), contact.approach is not None
+    pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
+    area, share = edges.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
+    return area / now[0].size, share
 
 
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:

@@ -70,8 +70,8 @@ def test_a_cylinder_is_that_of_hertz():
     assert pressure.max() == pytest.approx(exact.max(), rel=2e-6)
     assert np.sqrt(np.mean((pressure - exact) ** 2)) < 1e-3 * exact.max()
     half_width = closed_forms.hertz_line_half_width(load, radius)
-    assert float(found["contact_radius"]) == pytest.approx(half_width, rel=2e-3)
-    assert float(found["contact_radius"]) == pytest.approx(0.5 * float(found["contact_area_fraction"]), rel=1e-15)
+    assert float(found["contact_radius"]) == pytest.approx(half_width, rel=2e-5)
+    assert 0.5 * float(found["contact_area_fraction"]) == pytest.approx(half_width, rel=2e-3)
 
 
 def test_a_ball_is_that_of_hertz():

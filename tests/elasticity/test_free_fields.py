@@ -1,4 +1,4 @@
-"""Fields inside bodies without a period: Hertz's, Boussinesq's and Cerruti's, and those of longer and longer periods."""
+"""Fields inside bodies without a period: Hertz's, Boussinesq's, Cerruti's, and those of ever longer periods."""
 
 import numpy as np
 import pytest

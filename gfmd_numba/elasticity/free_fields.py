@@ -111,7 +111,8 @@ def under_tractions(tractions: Reals, body: ElasticBody) -> Free:
         most = 2 * ceil(_HIGHEST / (shorter - 1.0) * period / (2.0 * np.pi))
         waves = tuple(min(most, round(period) * n) if n > 1 else 1 for n in shape)
         q = grid.magnitudes(waves, (period, period))
-        found = (_share(q, shorter) - _share(q, period)) * grid.coefficients_of_window(rows, waves, period)
+        with threadpool_limits(limits=1):
+            found = (_share(q, shorter) - _share(q, period)) * grid.coefficients_of_window(rows, waves, period)
         parts.append(fields.surface_under_waves(found, waves, body, period))
     return Free(shape, tuple(parts), _left(rows, body, period), body)
 

@@ -58,6 +58,47 @@ def test_a_cylinder_is_that_of_hertz():
     assert float(found["contact_radius"]) == pytest.approx(b, rel=3e-5)
 
 
+def test_a_flat_strip_with_rounded_edges_is_that_of_ciavarella_hills_and_monno():
+    """Proc. IMechE C 212:319 (1998), b the half-width of contact and sin(flat) the share of it that is flat."""
+    radius, b, flat = 1.0, 0.2, np.arcsin(0.5)
+    load = 0.25 * b**2 / radius * (np.pi - 2.0 * flat - np.sin(2.0 * flat))
+    found = pressed({"width": b, "edge_radius": radius}, 1, load, 1024)
+    assert float(found["contact_radius"]) == pytest.approx(b, rel=3e-5)
+
+    def exact(x):
+        at = np.arcsin(np.minimum(abs(x) / b, 1.0))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            turns = abs(np.sin(at + flat) / np.sin(at - flat)) ** np.sin(at)
+            turns *= abs(np.tan(0.5 * (at + flat)) * np.tan(0.5 * (at - flat))) ** np.sin(flat)
+            bent = (np.pi - 2.0 * flat) * np.cos(at) + np.log(turns)
+        return 0.5 * b / (np.pi * radius) * np.nan_to_num(bent)
+
+    of_nodes, peak = exact(found["x"].values - 0.5), exact(np.linspace(0.1, 0.2, 10_001)).max()
+    assert float(found["peak_pressure"]) == pytest.approx(peak, rel=3e-5)
+    assert np.sqrt(np.mean((found["pressure"].values - of_nodes) ** 2)) < 1e-3 * peak
+
+
+def test_a_round_stamp_with_rounded_edges_has_its_closed_form():
+    """Sneddon: of a form f(r), d(a) = a int_0^a f' / (a^2 - r^2)^(1/2) dr and p = int_r^a d' / pi (x^2 - r^2)^(1/2) dx."""
+    radius, a, flat = 1.0, 0.2, 0.1
+    root, angle = np.sqrt(a**2 - flat**2), np.arccos(flat / a)
+    load = 2.0 / radius * (a**2 * root - root**3 / 3.0 - 0.5 * flat * (a**2 * angle + flat * root))
+    found = pressed({"width": 2.0 * flat, "edge_radius": radius}, 2, load, 128)
+    assert float(found["approach"]) == pytest.approx(a / radius * (root - flat * angle), rel=1e-4)
+    assert float(found["contact_radius"]) == pytest.approx(a, rel=5e-4)
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+
+    def exact(r):  # with x = (r^2 + t^2)^(1/2)
+        first, last = np.sqrt(max(flat, r) ** 2 - r**2), np.sqrt(a**2 - r**2)
+        x = np.hypot(r, first + 0.5 * (last - first) * (1.0 + nodes))
+        slope = (2.0 * np.sqrt(np.maximum(x**2 - flat**2, 0.0)) - flat * np.arccos(np.minimum(flat / x, 1.0))) / radius
+        return 0.5 * (last - first) / np.pi * (weights * slope / x).sum()
+
+    assert float(found["peak_pressure"]) == pytest.approx(max(map(exact, np.linspace(0.1, 0.19, 181))), rel=3e-4)
+    middle = found.isel(x=64, y=64)
+    assert float(middle["pressure"]) == pytest.approx(exact(0.0), rel=1e-3)
+
+
 def test_a_cone_is_that_of_sneddon():
     slope, a = 0.02, 0.25
     found = pressed({"slope": slope}, 2, 0.5 * np.pi * a**2 * slope)

@@ -79,7 +79,7 @@ def test_a_flat_strip_with_rounded_edges_is_that_of_ciavarella_hills_and_monno()
 
 
 def test_a_round_stamp_with_rounded_edges_has_its_closed_form():
-    """Sneddon: of a form f(r), d(a) = a int_0^a f' / (a^2 - r^2)^(1/2) dr, and p = int_r^a d' / pi (x^2 - r^2)^(1/2)."""
+    """Sneddon: of a form f(r), d(a) = a int_0^a f' / (a^2 - r^2)^(1/2) dr; p = int_r^a d' / pi (x^2 - r^2)^(1/2)."""
     radius, a, flat = 1.0, 0.2, 0.1
     root, angle = np.sqrt(a**2 - flat**2), np.arccos(flat / a)
     load = 2.0 / radius * (a**2 * root - root**3 / 3.0 - 0.5 * flat * (a**2 * angle + flat * root))

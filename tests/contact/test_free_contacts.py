@@ -285,7 +285,7 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it(tabor, wo
     assert largest - tilt**2 / (4.0 * bent) == pytest.approx(known, rel=error)
     assert float(found["pull_off_pressure"]) == pytest.approx(known, rel=5e-3)
     assert 1.5 < known / (np.pi * work) < 2.0
-    assert (found["stability"] > 0.3).all()
+    assert (found["stability"] > 0.05).all()
     np.testing.assert_allclose(found["approach"], found["punch_displacement"], rtol=1e-11)
 
 

@@ -163,27 +163,28 @@ def contact_length(
 
 
 def contact_area(
-    pressure: Reals, touching: Flags, bias: Reals, elastic: Flags, filled: Reals, ends: bool = False
+    pressure: Reals, touching: Flags, bias: Reals, elastic: Flags, filled: Reals, ends: tuple[bool, ...]
 ) -> tuple[Reals, Reals]:
     """Contact area in nodes from the pressures `[realisation, y, x]` behind its edges, and the share of sides located.
 
     Other sides of nodes between in and out count for their mean `bias` `[realisation]`. Of rows and columns those
-    count that the edge crosses steeply, with weights whose sum is 1. Maps are periodic unless they have `ends`.
+    count that the edge crosses steeply, with weights whose sum is 1. Maps are periodic but for the axes (y, x) along
+    which they have `ends`.
     """
-    if ends:
-        margin = ((0, 0), *((_LEAST_NODES, _LEAST_NODES),) * 2)
+    margins = tuple(_LEAST_NODES if end else 0 for end in ends)
+    if any(ends):
+        margin = ((0, 0), *((each, each) for each in margins))
         touching, elastic = np.pad(touching, margin, "edge"), np.pad(elastic, margin, "edge")
         pressure = np.pad(pressure, margin, "edge")
+    inside = np.zeros((1, *touching.shape[1:]), dtype=np.bool_)
+    inside[0][tuple(slice(each, n - each) for each, n in zip(margins, touching.shape[1:], strict=True))] = True
     area, found, sides = filled.sum(axis=(1, 2)).astype(np.float64), np.zeros(len(filled)), np.zeros(len(filled))
     for axis in (1, 2):
         for inward in (1, -1):
             p = np.moveaxis(pressure, axis, -1)[..., ::inward]
             all_in, in_elastic = (np.moveaxis(each, axis, -1)[..., ::inward] for each in (touching, elastic))
             last = in_elastic & ~np.roll(all_in, -1, axis=-1)
-            if ends:
-                inside = np.zeros(last.shape[1:], dtype=np.bool_)
-                inside[_LEAST_NODES:-_LEAST_NODES, _LEAST_NODES:-_LEAST_NODES] = True
-                last &= inside
+            last &= np.moveaxis(inside, axis, -1)[..., ::inward]
             which, row, node = np.nonzero(last)
             behind = node[:, np.newaxis] - _BEHIND
             whole = in_elastic[which[:, np.newaxis], row[:, np.newaxis], behind].all(axis=1)

@@ -141,7 +141,7 @@ def body_fields(
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
-    periodic = isinstance(scene, LoadedBody) or scene.periodic
+    periodic = isinstance(scene, LoadedBody) or scene.periodic is True
     inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), periodic)
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))

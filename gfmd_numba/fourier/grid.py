@@ -40,9 +40,11 @@ def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
 def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, ...]:
     """Wave indices of a grid of `shape`, as many as one of `few` nodes has, but spread over all wavelengths.
 
-    They tell what a symbol is to near neighbours, whatever the size of the grid.
+    They tell what a symbol is to near neighbours, whatever the size of the grid. That of an odd number of nodes has no
+    wave at Nyquist: the last one before stands for it.
     """
-    return tuple(np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+    spread = (np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+    return tuple(np.clip(each, -(n // 2), n // 2) for each, n in zip(spread, shape, strict=True))
 
 
 def relative_cost(nodes: int, of: int) -> float:

@@ -1,12 +1,11 @@
 """How exact contacts without a period are, where their punch ends, and what they cost beside periodic ones.
 
 python benchmarks/free_contacts.py [hertz | punch | stamp | adhesion | rubbing | kernel | inside | times]
-
-`adhesion` and `rubbing` take their references from tests/support: run them with PYTHONPATH=tests.
 """
 
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -121,6 +120,7 @@ def in_units(form: dict[str, float], n: int, dimension: int) -> tuple[Reals, flo
 
 def adhesion() -> None:
     """Largest tension of a ball over that of rings of pressure, and over pi w R, by Tabor's parameter."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
     from support.adhesive_sphere import pull_off
 
     print("| Tabor | nodes | tension | error |\n|---|---|---|---|")
@@ -148,6 +148,7 @@ def adhesion() -> None:
 
 def rubbing() -> None:
     """Force along the drag over that of full slip, of a ball in partial slip, beside cells of Love and Cerruti."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
     from support.cells import rubbed
 
     print("| nu | nodes | waves | cells |\n|---|---|---|---|")

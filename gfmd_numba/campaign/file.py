@@ -275,7 +275,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
     laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = arrays_per_realisation(dimension, laws, campaign.scene.periodic)
+    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends)
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)

@@ -198,9 +198,10 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool, periodic: bool = True, form: bool = False) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness, a period, and a form of its punch."""
-    has = {"": True, "hardness": hardness, "period": periodic, "window": not periodic, "form": form}
+def recorded(hardness: bool, ends: tuple[bool, ...] = (), form: bool = False) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch."""
+    period, window = not ends or not all(ends), any(ends)
+    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 

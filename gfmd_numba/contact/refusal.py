@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from math import isinf
+from math import inf, isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
@@ -130,7 +130,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
-    yield from _half_spaces(scene, grid) if scene.periodic else _without_a_period(scene, grid)
+    yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
     yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
@@ -210,7 +210,11 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
-    yield "no period", ("scene", "periodic")
+    yield "no period" if scene.periodic is False else "period along y", ("scene", "periodic")
+    if scene.interface.couples:
+        yield "drag", ("scene", "interface")
+    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
+        yield "slab", ("scene", "body")
     yield from _slabs_without_a_period(scene, grid)
     if scene.counter_body is not None:
         yield "rough bodies", ("scene", "counter_body")

@@ -56,7 +56,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
-    if problem.periodic:
+    if not any(problem.ends):
         response = _response(problem, change)
         equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
     else:
@@ -67,7 +67,8 @@ def solve(problem: Problem, state: State | range) -> Contact:
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
     of_waves = partial(condensed_stiffness, problem)
-    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 
 def _without_period(
@@ -75,13 +76,13 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, factor = punch.shape[1:], problem.interface, state.change(problem.step).factor
-    response = free_window.response(shape, laws, problem.body, factor)
+    response = free_window.response(shape, laws, problem.body, problem.ends, factor)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
-        start = free_window.start(start, state.last.equilibrium, sunk, response)
-    shared = None if load is None else free_window.share(len(shape)) * load
+        start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
+    shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        wide = free_window.padded(punch, load, laws, factor, farther)
+        wide = free_window.padded(punch, load, laws, problem.ends, factor, farther)
         found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
         around = free_window.touches_around(found, shape)
         if not around.any():

@@ -151,6 +151,7 @@ def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
 def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
     """Return the realisations (case) with which every group meets a target, none fewer than it has."""
     counts = held.copy()
+    results = results.assign_coords(case=np.arange(results.sizes["case"]))
     known: dict[tuple[str, ...], Counts] = {}  # groups of the same problems have the same results
     for parameters, cases in groups(results):
         where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())

@@ -169,11 +169,11 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
 def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_path, monkeypatch):
     monkeypatch.setattr(next_round, "_MOST", 2)
     goal = GOAL.model_copy(update={"targets": {"kappa": 0.02}})
-    outcome = run_until(COARSE | {"grid": {"hurst": [0.3, 0.9]}}, goal, tmp_path / "out", HERE)
+    outcome = run_until(COARSE | {"grid": {"hurst": [0.9, 0.3]}}, goal, tmp_path / "out", HERE)
     before, last = outcome.rounds.rounds[-2:]
-    assert (last.levels[0] == before.levels[0], last.levels[1] == before.levels[1]) == (True, False)
+    assert (last.levels[0] == before.levels[0], last.levels[1] == before.levels[1]) == (False, True)
     counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in (before, last)]
-    assert any(counts[1][case] > counts[0][case] for case in before.cases if case[0] == 0)
+    assert any(counts[1][case] > counts[0][case] for case in before.cases if case[0] == 1)
     assert all(counts[1][case] >= counts[0][case] for case in before.cases)
 
 

@@ -42,14 +42,16 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa_r",
     "plastic_area_fraction",
     "mean_plastic_depth",
+    "mean_worn_depth",
     "mean_tangential_traction",
     "mean_tangential_traction_y",
     "stick_fraction",
     "energy_lost",
+    "time_error",
 )
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y"),
+    *("sliding", "sliding_y", "time"),
 )
 
 

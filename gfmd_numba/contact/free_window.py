@@ -30,13 +30,9 @@ _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
 
 
-def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, factor: float = 1.0) -> SpectralResponse:
-    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
-
-    It is stiffer by a factor than the body.
-    """
-    found = free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
-    return found if factor == 1.0 else SpectralResponse(factor * found.elements)
+def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody) -> SpectralResponse:
+    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
+    return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
 def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:

@@ -40,6 +40,9 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     scene, order = file.scene, file.numerics.slope_order(file.scene)
     if isinstance(scene, Scene) and not scene.periodic:
         raise InputError("contact: you gave one without a period; gfmd allows a periodic one, as this is not built yet")
+    if isinstance(scene, Scene) and scene.body.relaxation is not None:
+        given = "one of a viscoelastic body"
+        raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")
     names = ["body", "counter_body"][: len(scene.deformable)]
     if not isinstance(body, str) or body not in names:
         raise InputError(f"body: you gave {brief(body)}; gfmd allows {' or '.join(map(repr, names))}")

@@ -141,3 +141,56 @@ def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
 def test_fields_inside_a_creeping_body_are_refused():
     with pytest.raises(InputError, match="viscoelastic body"):
         gfmd_numba.body_fields(gfmd_numba.solve(CREEP), z=[-1e-5])
+
+
+TIMES = [0.5, "4 s", "1 min"]
+
+
+def test_a_creep_curve_is_the_path_of_its_times_and_a_mean_over_surfaces():
+    alone = {key: value for key, value in CREEP.items() if key != "path"}
+    curve = gfmd_numba.creep_curve(alone, TIMES, realisations=2)
+    np.testing.assert_allclose(curve["time"], [0.5, 4.0, 60.0])
+    assert curve["time"].units == "s"
+    assert curve.attrs["title"] == "creep curve"
+    dwells = [{"duration": each} for each in (0.5, 3.5, 56.0)]
+    paths = [gfmd_numba.solve(alone | {"path": dwells, "realisation": i}) for i in range(2)]
+    for name in ("contact_area_fraction", "mean_gap", "peak_pressure"):
+        means = 0.5 * sum(each[name].values[1:] for each in paths)
+        np.testing.assert_allclose(curve[name], means, rtol=1e-12)
+    assert (curve["n_realisations"] == 2).all()
+    assert "contact_stiffness" not in curve
+    assert {"time_error", "mean_gap_standard_error"} <= set(curve)
+
+
+@pytest.mark.parametrize(
+    ("file", "times", "said"),
+    [
+        (CREEP, TIMES, "path: you gave a path of 2 steps; gfmd allows no path"),
+        ({key: WEAR[key] for key in WEAR if key != "path"}, TIMES, "gfmd allows nothing without a relaxation"),
+        ({key: CREEP[key] for key in CREEP if key != "path"}, [2.0, 1.0], "times[1]: you gave 1.0; gfmd allows times"),
+        ({key: CREEP[key] for key in CREEP if key != "path"}, [1.0, 1.0], "times[1]: you gave 1.0; gfmd allows times"),
+        (
+            {key: CREEP[key] for key in CREEP if key != "path"},
+            [0.0, 1.0],
+            "times[0]: you gave 0.0; gfmd allows a number",
+        ),
+        ({key: CREEP[key] for key in CREEP if key != "path"}, ["1 m"], "times[0]: you gave '1 m'; gfmd allows"),
+        (
+            {key: value for key, value in changed(CREEP, "scene", "loading", duration=2.0).items() if key != "path"},
+            [1.0],
+            "times[0]: you gave 1.0; gfmd allows times after the duration of the loading, 2 s",
+        ),
+    ],
+)
+def test_times_that_make_no_sense_are_refused(file, times, said):
+    if "wear" in file["scene"]["interface"]:
+        file = changed(file, "scene", "interface", wear=None)
+    with pytest.raises(InputError) as refused:
+        gfmd_numba.creep_curve(file, times)
+    assert said in str(refused.value)
+
+
+def test_loads_one_after_another_need_an_elastic_body():
+    alone = {key: value for key, value in CREEP.items() if key != "path"}
+    with pytest.raises(InputError, match=r"loads: you gave .*; gfmd allows times for a viscoelastic body"):
+        gfmd_numba.load_curve(alone, [0.01, 0.02])

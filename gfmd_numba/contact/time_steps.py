@@ -6,6 +6,7 @@ as what a body remembers decays: they are equal in the logarithm of that time an
 
 from dataclasses import replace
 from math import expm1, log1p
+from typing import Any
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
@@ -14,6 +15,7 @@ from gfmd_numba.contact.state import Contact, LoadStep, State
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
+_COUNTED = ("n_iterations", "n_transforms", "wall_time")
 
 
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
@@ -31,36 +33,33 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         if found.equilibrium.status[0] != Status.ok:
             break
         coarse, (found, more) = found, _divided(problem, state, 2**halvings)
-        spent += more
+        spent = {name: spent[name] + more[name] for name in _COUNTED}
         if found.equilibrium.status[0] != Status.ok:
             break
         last, change = change, difference(coarse, found, state)
         error = change / (min(max(last / change, 2.0), 4.0) - 1.0) if change > 0.0 else 0.0
         if error <= tolerance:
             break
-    counted = {
-        name: sum(getattr(each.equilibrium, name) for each in spent)
-        for name in ("n_iterations", "n_transforms", "wall_time")
-    }
-    return replace(found, equilibrium=replace(found.equilibrium, **counted), time_error=before + error)
+    return replace(found, equilibrium=replace(found.equilibrium, **spent), time_error=before + error)
 
 
-def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Contact]]:
-    """The contact that a step ends with, in so many divisions, and those on the way, up to one that is not ok."""
+def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, dict[str, Any]]:
+    """The contact that a step ends with, in so many divisions, or the first that is not ok, and what all have taken."""
     start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
     if state.last is not None and state.last.step is not None:
         start = state.last.step
-    series, spent, gone = problem.relaxation, [], 0.0
+    series, gone, spent = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0)
     assert series is not None
     growth = log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
-        spent.append(solution.solve(problem.under(step), state))
-        if spent[-1].equilibrium.status[0] != Status.ok:
+        solved = solution.solve(problem.under(step), state)
+        spent = {name: spent[name] + getattr(solved.equilibrium, name) for name in _COUNTED}
+        if solved.equilibrium.status[0] != Status.ok:
             break
-        state, gone = spent[-1].after, share
-    return spent[-1], spent
+        state, gone = solved.after, share
+    return solved, spent
 
 
 def difference(coarse: Contact, fine: Contact, before: State) -> float:

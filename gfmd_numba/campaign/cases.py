@@ -293,7 +293,7 @@ def block_bytes(problem: Problem, realisations: int) -> int:
     together = 1 if problem.path or problem.rough is not None else realisations
     dimension = len(surface.shape)
     boundary = () if problem.tractions is None else ("boundary",)
-    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *boundary), problem.periodic)
+    arrays = arrays_per_realisation(dimension, (*problem.interface.laws, *boundary), problem.ends)
     if problem.rough is not None:
         arrays = max(arrays, arrays_of_topography(dimension, problem.rough.order))
     return arrays * 8 * together * surface.nodes

@@ -78,7 +78,7 @@ def has_measured_slope_law(scene: Scene) -> bool:
     self_affine = isinstance(surface, SelfAffine) and surface.plateau and scene.dimension == 1
     alone = len(scene.surfaces) == 1 and scene.form is None and scene.boundary is None
     hard = set(scene.interface.laws) == {"hard_wall"} and scene.interface.hardness is None
-    return self_affine and alone and hard and scene.periodic
+    return self_affine and alone and hard and scene.periodic is True
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:

@@ -276,7 +276,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
     laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = arrays_per_realisation(dimension, laws, campaign.scene.periodic) + arrays_of_memory(campaign.scene)
+    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends) + arrays_of_memory(campaign.scene)
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)

@@ -120,13 +120,13 @@ def stability(problem: Problem, contact: Contact) -> float | None:
         return None
     if found.status[0] != Status.ok:
         return float("nan")
-    apart, touching = gap(contact), found.touching
-    if problem.periodic:
+    apart, touching, ends = gap(contact), found.touching, problem.ends
+    if not any(problem.ends):
         stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
     else:  # the law acts in the window alone
-        stiffness = free_window.response(contact.punch.shape[1:], problem.interface, problem.body).normal.copy()
-        apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)))
-        touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_))
+        stiffness = free_window.response(contact.punch.shape[1:], problem.interface, problem.body, ends).normal.copy()
+        apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)), ends)
+        touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_), ends)
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):
         stiffness.flat[0] = 0.0  # a rigid mean stores no energy
     return smallest_curvature(apart[0], touching[0], stiffness, law)

@@ -65,6 +65,21 @@ def _without_a_period() -> Iterator[Refusal]:
         yield Refusal(
             "no period", feature, f"{allowed} where periodic is false: this is not built yet", "not built yet"
         )
+    of_y = {name: not_yet[name] for name in ("rough bodies", "boundary", "limits", "accuracy")} | {
+        "slab": "a half-space",
+        "drag": "a hard wall or a law of the gap alone",
+        "measured surface": "a random surface or a form",
+    }
+    for feature, allowed in of_y.items():
+        yield Refusal(
+            "period along y", feature, f"{allowed} where periodic is y: this is not built yet", "not built yet"
+        )
+    yield Refusal(
+        "dimension 1",
+        "period along y",
+        "true or false with dimension 1; y, for a punch that ends along x alone, needs dimension 2",
+        "physics",
+    )
     least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
@@ -264,6 +279,9 @@ PHRASES = {
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
     "no period": "a scene without a period (`periodic: false`)",
+    "period along y": "a period along y alone (`periodic: y`)",
+    "drag": "friction or a cohesive law",
+    "slab": "a slab, or layers",
     "plane stress": "plane stress",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",

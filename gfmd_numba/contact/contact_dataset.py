@@ -100,7 +100,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     """
     unit = Units.of(scene, rms_gradient)
     displacement = contact.equilibrium.displacement[0]
-    if problem.displacement is None and problem.periodic:
+    if problem.displacement is None and not any(problem.ends):
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem) / contact.change.factor
     if contact.change.out is not None:
         displacement = displacement + contact.change.out[0]
@@ -122,7 +122,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
             long_name = f"prescribed traction on the body, {component.way}"
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = AXES[-scene.dimension :]
-    coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.periodic)
+    coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     variables: dict[str, Any] = {
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()

@@ -76,18 +76,18 @@ class Units:
         return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
 
     def positions(
-        self, shape: tuple[int, ...], profile: str, length: float | None, periodic: bool = True
+        self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
     ) -> dict[str, Any]:
         """Coordinates of the nodes of a whole period, or window; `profile` says along what those of a profile lie."""
-        points = POINTS if periodic else POINTS_OF_WINDOW
+        points = [POINTS_OF_WINDOW if end else POINTS for end in ends or (False,) * len(shape)]
         ways = {1: (profile,), 2: AXES}[len(shape)]
         return {
             dim: (
                 dim,
                 np.arange(nodes) / nodes * (length or 1.0),
-                cf_attributes(f"position along {way}", self.names["height"]) | {points: nodes},
+                cf_attributes(f"position along {way}", self.names["height"]) | {name: nodes},
             )
-            for dim, way, nodes in zip(AXES[-len(shape) :], ways, shape, strict=True)
+            for dim, way, nodes, name in zip(AXES[-len(shape) :], ways, shape, points, strict=True)
         }
 
 

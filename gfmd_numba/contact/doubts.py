@@ -72,7 +72,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
     touching = dataset["gap"] <= 0.0
-    steep = _slopes(dataset, nodes, scene.periodic).where(touching, 0.0)
+    steep = _slopes(dataset, nodes, bool(scene.periodic)).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
@@ -88,9 +88,8 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
 
 def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
-    if given.file.scene.periodic:
-        return ""
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    dims = ["y", "x"] if "y" in dataset.dims else ["x"]
+    nodes = [dim for dim, end in zip(dims, given.file.scene.ends, strict=True) if end]
     touching = dataset["gap"] <= 0.0
     ends = sum(int(touching.isel({dim: [0, -1]}).sum()) for dim in nodes)
     if ends == 0:

@@ -9,13 +9,14 @@ import numpy as np
 import numpy.typing as npt
 from scipy.ndimage import label
 
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
 
+_NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
 
 
@@ -64,7 +65,7 @@ def beside(contact: Contact, flags: npt.NDArray[np.bool_], side: int, axis: int)
     Beyond the end of a window nothing is known: a node there counts as its own neighbour.
     """
     found = np.roll(flags, side, axis=axis)
-    if contact.approach is not None:
+    if contact.ends and contact.ends[axis - 1]:
         end = 0 if side == 1 else -1
         np.moveaxis(found, axis, 0)[end] = np.moveaxis(flags, axis, 0)[end]
     return found
@@ -88,20 +89,21 @@ def plastic_area_fraction(contact: Contact) -> Reals:
 @once
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
-    now, ends = touching(contact), contact.approach is not None
+    now, ends = touching(contact), contact.ends or (False,) * (contact.heights.ndim - 1)
     if now.ndim == 3:
-        return np.array([0 if each.all() and not ends else _clusters(each, ends) for each in now])
+        return np.array([0 if each.all() and not any(ends) else _clusters(each, ends) for each in now])
     begun = np.count_nonzero(now & ~beside(contact, now, 1, 1), axis=1)
-    return np.asarray(begun + now[:, 0] if ends else begun)
+    return np.asarray(begun + now[:, 0] if any(ends) else begun)
 
 
-def _clusters(flags: npt.NDArray[np.bool_], ends: bool) -> int:
-    """Clusters of flags `[y, x]` that touch with a side of a node, on a torus or in a window that `ends`."""
+def _clusters(flags: npt.NDArray[np.bool_], ends: tuple[bool, ...]) -> int:
+    """Clusters of flags `[y, x]` that touch with a side of a node, on a torus but for axes along which it `ends`."""
     labels, count = label(flags)
-    if ends:
-        return int(count)
     joined = np.arange(count + 1)
-    for one, other in ((labels[0], labels[-1]), (labels[:, 0], labels[:, -1])):
+    sides = (labels[0], labels[-1]), (labels[:, 0], labels[:, -1])
+    for (one, other), end in zip(sides, ends, strict=True):
+        if end:
+            continue
         for a, b in {(int(a), int(b)) for a, b in zip(one, other, strict=True) if a and b}:
             joined[joined == joined[a]] = joined[b]
     return len(set(joined[1:].tolist()))
@@ -168,7 +170,7 @@ def contact_area_fraction_edges_error(contact: Contact) -> Reals:
 @once
 def _located(contact: Contact) -> tuple[Reals, Reals]:
     found = contact.equilibrium
-    ends = contact.approach is not None
+    ends = any(contact.ends)
     return edges.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
@@ -182,9 +184,36 @@ def mean_segment_length(contact: Contact) -> Reals:
 
 
 def contact_radius(contact: Contact) -> Reals:
-    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`."""
-    area = contact_area_fraction(contact)
-    return 0.5 * area if contact.heights.ndim == 2 else np.sqrt(area / np.pi)
+    """Half the contact length in L_x, of a map the radius of a disc as large as the contact area `[realisation]`.
+
+    Edges are where the pressures next to them say, if these say so of nearly all, and elsewhere at their mean position.
+    """
+    mean, profile = contact_area_fraction(contact), contact.heights.ndim == 2
+    if profile:
+        area, unknown = _located(contact)
+        located = unknown == 0.0
+    else:
+        area, share = _located_area(contact)
+        located = share >= _NEARLY_ALL
+    found = np.where(located & ~_pulled(contact), area, mean)
+    return 0.5 * found if profile else np.sqrt(found / np.pi)
+
+
+def _pulled(contact: Contact) -> Flags:
+    """Whether open nodes bear tractions `[realisation]`: pressure at an edge is then no root of the distance."""
+    pressure = contact.equilibrium.pressure
+    return np.asarray(((pressure != 0.0) & ~touching(contact)).any(axis=tuple(range(1, pressure.ndim))))
+
+
+def _located_area(contact: Contact) -> tuple[Reals, Reals]:
+    """Contact area of maps over L_x^2 with its edges located, and the share of their sides that are `[realisation]`."""
+    now, sides = touching(contact), perimeter(contact)
+    if not edges.as_half_space(edge(contact)):
+        return np.zeros(len(now)), np.zeros(len(now))
+    bias, ends = edge(contact).perimeter_bias(*sides), contact.ends or (False, False)
+    pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
+    area, share = edges.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
+    return area / now[0].size, share
 
 
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
@@ -256,7 +285,7 @@ def peak_pressure(contact: Contact) -> Reals:
 @once
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
-    if contact.approach is not None:
+    if _is_patch(contact):
         return statistics.rms_gradient_of_patch(contact.roughness, _periods(contact))
     return np.sqrt(_moment(contact, 2))
 
@@ -271,7 +300,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     for axis in axes:
         for side in (1, -1):
             share -= bias * (elastic & ~beside(contact, now, side, axis))
-    if contact.approach is not None:
+    if _is_patch(contact):
         gradients = statistics.gradients_of_patch(contact.roughness, _periods(contact))
     else:
         gradients = [
@@ -281,6 +310,11 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     for gradient in gradients:
         square += gradient**2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
+
+
+def _is_patch(contact: Contact) -> bool:
+    """Whether the punch is not made of waves of a period."""
+    return bool(contact.ends) and all(contact.ends)
 
 
 @once
@@ -328,7 +362,7 @@ def time_error(contact: Contact) -> Reals:
 
 def full_contact_pressure(contact: Contact) -> Reals:
     """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
-    if contact.approach is not None:
+    if contact.ends:
         return np.asarray(0.5 * rms_gradient(contact))
     return contact.equilibrium.full_contact_pressure
 
@@ -379,7 +413,7 @@ def recorded_of(contact: Contact) -> dict[str, Observable]:
     """Rows of all observables that a contact has."""
     remembered = () if contact.before is None else contact.before.memory
     has_hardness = contact.equilibrium.plastic is not None
-    return recorded(has_hardness, contact.approach is None, contact.form is not None, remembered)
+    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

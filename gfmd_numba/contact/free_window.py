@@ -30,12 +30,21 @@ _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
 
 
-def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody) -> SpectralResponse:
+def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...]) -> SpectralResponse:
     """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
+    if not all(ends):
+        return free_body.response_along_y(shape)
     return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
-def padded(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
+def padded(
+    punch: Reals,
+    load: float | None,
+    laws: Interactions,
+    ends: tuple[bool, ...],
+    factor: float = 1.0,
+    farther: float = 1.0,
+) -> Reals:
     """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
@@ -51,7 +60,7 @@ def padded(punch: Reals, load: float | None, laws: Interactions, factor: float =
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
             far = far + _PULLED * abs(law.strength) / factor + reach(law)
-    return in_corner(punch, far)
+    return in_corner(punch, far, ends)
 
 
 def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
@@ -71,12 +80,14 @@ def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> Flags:
     return np.asarray(whole > window)
 
 
-def share(dimension: int) -> float:
+def share(ends: tuple[bool, ...]) -> float:
     """Share of the padded grid that the window is: of a mean pressure there."""
-    return float(free_body.WIDER**-dimension)
+    return float(free_body.WIDER ** -sum(ends))
 
 
-def start(window: Start, before: Equilibrium, sunk: Reals | float, response: SpectralResponse) -> Start:
+def start(
+    window: Start, before: Equilibrium, sunk: Reals | float, response: SpectralResponse, ends: tuple[bool, ...]
+) -> Start:
     """Initial state on the padded grid of one in the window: around that, what the tractions before do to the body.
 
     The solver has the body at rest higher by what the punch has `sunk` in.
@@ -85,7 +96,7 @@ def start(window: Start, before: Equilibrium, sunk: Reals | float, response: Spe
     tractions = -before.pressure[:, np.newaxis]
     if along is not None:
         tractions = np.concatenate((along.traction, tractions), axis=1)
-    loaded = np.zeros((*tractions.shape[:2], *free_body.padded_shape(tractions.shape[2:])))
+    loaded = np.zeros((*tractions.shape[:2], *free_body.padded_shape(tractions.shape[2:], ends)))
     loaded[corner] = tractions
     moved = np.stack([response.apply(each) for each in loaded])
     displacement = np.asarray(sunk + moved[:, -1])
@@ -128,9 +139,9 @@ def _corner(shape: tuple[int, ...]) -> Any:
     return (..., *(slice(n) for n in shape))
 
 
-def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any], ends: tuple[bool, ...]) -> npt.NDArray[Any]:
     """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
-    whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:])), dtype=values.dtype)
+    whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:], ends)), dtype=values.dtype)
     whole[:] = around
     whole[_corner(values.shape[1:])] = values
     return whole

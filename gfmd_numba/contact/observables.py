@@ -220,13 +220,14 @@ LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() i
 
 
 def recorded(
-    hardness: bool, periodic: bool = True, form: bool = False, remembered: Collection[str] = ()
+    hardness: bool, ends: tuple[bool, ...] = (), form: bool = False, remembered: Collection[str] = ()
 ) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness, a period, and a form of its punch.
+    """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
     Processes have the names of what is `remembered` of them.
     """
-    has = {"": True, "hardness": hardness, "period": periodic, "window": not periodic, "form": form}
+    period, window = not ends or not all(ends), any(ends)
+    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
     has |= {name: name in remembered for name in ("springs", "worn")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 

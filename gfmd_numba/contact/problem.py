@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -83,7 +83,7 @@ class Problem:
     relaxed body being that of E*, and an error of `time_tolerance` along the path. A punch wears by `wear_rate` (in
     1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0) and `duration`
     are those of the load, as in a `LoadStep`. A surface that is not `periodic` is a window, around which the body is
-    free.
+    free; "y": on both sides along x alone.
     """
 
     surface: Surface
@@ -99,7 +99,7 @@ class Problem:
     processes: tuple[Process, ...] = ()
     sliding: tuple[float, ...] = ()
     duration: float = 0.0
-    periodic: bool = True
+    periodic: bool | Literal["y"] = True
     relaxation: PronySeries | None = None
     time_tolerance: float | None = None
     wear_rate: float | None = None
@@ -111,6 +111,11 @@ class Problem:
         if not self._identity:
             object.__setattr__(self, "_identity", self._hash())
         return self._identity
+
+    @property
+    def ends(self) -> tuple[bool, ...]:
+        """Whether the punch ends along (y,) x, where the body is free around it."""
+        return (*((self.periodic is False,) * (len(self.surface.shape) - 1)), self.periodic is not True)
 
     @property
     def n_loads(self) -> int:
@@ -160,8 +165,8 @@ class Problem:
             content["tractions"] = self.tractions.digest
         if self.counter is not None:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
-        if not self.periodic:
-            content["periodic"] = False
+        if self.periodic is not True:
+            content["periodic"] = self.periodic
         for name in ("relaxation", "time_tolerance", "wear_rate"):
             if getattr(self, name) is not None:
                 content[name] = repr(getattr(self, name))
@@ -256,7 +261,7 @@ def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Top
     return Topography(SmoothSurface(form, shape), 1.0, False)
 
 
-def given_surface(heights: Reals, gradient: float | None = None, periodic: bool = True) -> tuple[GivenSurface, float]:
+def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
     """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
 
     Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
@@ -274,7 +279,7 @@ def given_surface(heights: Reals, gradient: float | None = None, periodic: bool 
     return GivenSurface(unit.shape[-1], digest, unit), own if gradient is None else gradient
 
 
-def scaled_gradient(heights: Reals, periodic: bool = True) -> tuple[float, float]:
+def scaled_gradient(heights: Reals, periodic: object = True) -> tuple[float, float]:
     """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
     scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
     of_heights = statistics.rms_gradient if periodic else statistics.rms_gradient_of_patch

@@ -60,12 +60,12 @@ def reduce(
         share = compliance_share(scene, scene.counter_body)
         facing = CounterBody(elastic_body(scene.counter_body, scene.length), share)
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
-    may_slip = is_tilted or not scene.periodic  # as inclined surfaces do, and punches that a free body is dragged by
+    may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
     interface, interactions = _interface(scene.interface, given, facing, may_slip, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
-    mean_matters = displacement is not None or not scene.periodic or memory is not None
+    mean_matters = displacement is not None or any(scene.ends) or memory is not None
     body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
-from math import isinf
+from math import inf, isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
@@ -146,7 +146,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "rough bodies", ("scene", "body", "roughness")
     if scene.boundary is not None:
         yield "boundary", ("scene", "boundary")
-    yield from _half_spaces(scene, grid) if scene.periodic else _without_a_period(scene, grid)
+    yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
     yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
@@ -239,7 +239,11 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
-    yield "no period", ("scene", "periodic")
+    yield "no period" if scene.periodic is False else "period along y", ("scene", "periodic")
+    if scene.interface.couples:
+        yield "drag", ("scene", "interface")
+    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
+        yield "slab", ("scene", "body")
     yield from _slabs_without_a_period(scene, grid)
     if scene.interface.couples and scene.body.layers is None:
         for i, nu in enumerate(grid.get("poissons_ratio", ())):

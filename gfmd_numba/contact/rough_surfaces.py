@@ -239,7 +239,7 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 def _measured(
     field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
-    record, repeats = field.record, isinstance(scene, LoadedBody) or scene.periodic
+    record, repeats = field.record, isinstance(scene, LoadedBody) or bool(scene.periodic)
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
         found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, repeats)

@@ -56,7 +56,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
-    if problem.periodic:
+    if not any(problem.ends):
         response = felt(_response(problem), change)
         equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
     else:
@@ -71,7 +71,8 @@ def solve(problem: Problem, state: State | range) -> Contact:
         yielded = change.yields * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
         of_waves = partial(_stiffness_felt, problem, change)
-    return Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 
 def _without_period(
@@ -79,13 +80,13 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
-    response = felt(free_window.response(shape, laws, problem.body), change)
+    response = felt(free_window.response(shape, laws, problem.body, problem.ends), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
-        start = free_window.start(start, state.last.equilibrium, sunk, response)
-    shared = None if load is None else free_window.share(len(shape)) * load
+        start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
+    shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        wide = free_window.padded(punch, load, laws, change.factor, farther)
+        wide = free_window.padded(punch, load, laws, problem.ends, change.factor, farther)
         found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
         around = free_window.touches_around(found, shape)
         if not around.any():

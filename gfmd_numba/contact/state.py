@@ -170,8 +170,9 @@ class Contact:
     the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
     `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
     `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
-    displacements then count from the body at rest, as the punch does. `time_error` is the relative error by the
-    divisions of time of all steps so far, 0 where no step takes time. `found` is what observables have found.
+    displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
+    it is empty with a period. `time_error` is the relative error by the divisions of time of all steps so far, 0 where
+    no step takes time. `found` is what observables have found.
     """
 
     heights: Reals
@@ -183,6 +184,7 @@ class Contact:
     followed: Followed | None = None
     stiffness: Callable[[Reals], Reals] = stiffness.half_space
     approach: Reals | None = None
+    ends: tuple[bool, ...] = ()
     time_error: float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 

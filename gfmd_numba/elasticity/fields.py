@@ -31,6 +31,19 @@ _FADED = 50.0  # q depth beyond which nothing is felt: exp(-50) (1 + 50^2) < 1e-
 _CHUNK = 2**16  # waves taken at once, which bounds the memory
 
 
+class Inner(Protocol):
+    """The inside of a body under a solved contact: fields of `section`, `plane` and `largest_von_mises` below."""
+
+    def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
+        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x)."""
+
+    def plane(self, z: float, names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, y, x]` on the plane z."""
+
+    def largest_von_mises(self, z: Reals) -> "Largest":
+        """Largest von Mises stress of whole planes z `[z]`."""
+
+
 class LoadedSurface(Protocol):
     """A surface that tells the waves below it."""
 
@@ -51,6 +64,7 @@ class Surface:
     `along`, `across` (both in the surface) and `out` are coefficients `[k_y, k_x]` in L_x along each wave vector,
     across it and out of the body; `uniform` are mean displacements along x, y and z. k_y is 0 to ny//2, then -(ny//2)
     to -1. `q` are the different magnitudes of the wave vectors, from 0 on, and `places` `[k_y, k_x]` is where each is.
+    The `period` is in L_x.
     """
 
     shape: tuple[int, ...]
@@ -61,14 +75,16 @@ class Surface:
     traction: tuple[float, float, float]
     q: Reals
     places: Indices
+    period: float = 1.0
 
     def waves(
         self, depth: float, body: ElasticBody, names: tuple[str, ...]
     ) -> Iterator[tuple[Indices, Indices, Complexes]]:
         """Waves that are felt at a depth, as in `LoadedSurface`, some rows after the others."""
-        (most_y, most_x), half = waves_kept(self.shape, depth), self.shape[0] // 2
+        (most_y, most_x), half = waves_kept(self.shape, depth / self.period), self.shape[0] // 2
         rows, columns = rows_kept(self.shape, most_y), np.arange(most_x + 1)
-        last = int(np.searchsorted(self.q, 2.0 * np.pi * np.hypot(most_y, most_x) * (1.0 + 1e-12)))
+        highest = 2.0 * np.pi / self.period * np.hypot(most_y, most_x)
+        last = int(np.searchsorted(self.q, highest * (1.0 + 1e-12)))
         transfer = _transfer(self.q[:last], depth, body)
         means = _means(self, depth, body)
         for some in np.array_split(rows, min(rows.size, max(1, rows.size * columns.size // _CHUNK))):
@@ -93,15 +109,17 @@ def surface_under_tractions(tractions: Reals, body: ElasticBody) -> Surface:
     return surface_under_waves(grid.coefficients(rows, 2), rows.shape[1:], body)
 
 
-def surface_under_waves(waves: Complexes, shape: tuple[int, ...], body: ElasticBody) -> Surface:
+def surface_under_waves(waves: Complexes, shape: tuple[int, ...], body: ElasticBody, period: float = 1.0) -> Surface:
     """Surface of a map of this shape under tractions of coefficients `[component, k_y, k_x]`, rows as in the grid."""
     q, places = _magnitudes(shape)
+    q /= period
     compliance, softness = body.compliance(q), np.append(0.0, body.compliance_across(q[1:]))
     t, sideways, t3 = _along_waves(waves, shape)
     s11, s13, s33 = (element[places] for element in (compliance.s11, compliance.s13, compliance.s33))
     along, out = s11 * t - 1j * s13 * t3, s33 * t3 + 1j * s13 * t
     means, soft = waves[:, 0, 0].real, (compliance.s11[0], compliance.s11[0], compliance.s33[0])
-    return Surface(shape, along, softness[places] * sideways, out, _three(means * soft), _three(means), q, places)
+    uniform, sideways = _three(means * soft), softness[places] * sideways
+    return Surface(shape, along, sideways, out, uniform, _three(means), q, places, period)
 
 
 def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
@@ -133,12 +151,12 @@ def section(
     That of a profile is y = 0. Raises ValueError for z outside the body.
     """
     on_section = _at_x if across == "x" else _at_y
-    return np.stack([on_section(surface, _depth(each, body), body, at, names) for each in z], axis=1)
+    return np.stack([on_section(surface, depth_of(each, body), body, at, names) for each in z], axis=1)
 
 
 def plane(surface: LoadedSurface, z: float, body: ElasticBody, names: tuple[str, ...]) -> Reals:
     """Named fields `[field, y, x]` on the plane z, on the nodes of the map; ValueError for z outside the body."""
-    return _plane(surface, _depth(z, body), body, names, surface.shape)
+    return _plane(surface, depth_of(z, body), body, names, surface.shape)
 
 
 @dataclass(frozen=True)
@@ -153,13 +171,33 @@ class Largest:
 def largest_von_mises(surface: LoadedSurface, z: Reals, body: ElasticBody) -> Largest:
     """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
     found = np.empty((3, z.size))
-    for i, depth in enumerate(_depth(each, body) for each in z):
+    for i, depth in enumerate(depth_of(each, body) for each in z):
         kept = waves_kept(surface.shape, depth)
         shape = tuple(min(n, 2 * k + 2) for n, k in zip(surface.shape, kept, strict=True))
         stress = von_mises(*_plane(surface, depth, body, STRESSES, shape))
         row, column = np.unravel_index(int(stress.argmax()), shape)
         found[:, i] = stress[row, column], column / shape[1], row / shape[0]
     return Largest(*found)
+
+
+@dataclass(frozen=True)
+class Periodic:
+    """The inside of a body whose surface is periodic."""
+
+    surface: LoadedSurface
+    body: ElasticBody
+
+    def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
+        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x)."""
+        return section(self.surface, z, self.body, names, across, at)
+
+    def plane(self, z: float, names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, y, x]` on the plane z."""
+        return plane(self.surface, z, self.body, names)
+
+    def largest_von_mises(self, z: Reals) -> Largest:
+        """Largest von Mises stress of whole planes z `[z]`."""
+        return largest_von_mises(self.surface, z, self.body)
 
 
 def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> Reals:
@@ -183,21 +221,35 @@ def rows_kept(shape: tuple[int, ...], most: int) -> Indices:
     return np.concatenate((np.arange(most + 1), np.arange(rows - most, rows)))
 
 
-def _depth(z: float, body: ElasticBody) -> float:
+def depth_of(z: float, body: ElasticBody) -> float:
+    """Depth below the surface; raises ValueError for z outside the body."""
     if not (np.isfinite(z) and z >= body.base * (1.0 + 1e-12) and z <= 0.0):
         raise ValueError("z outside the body")
     return max(-float(z), 0.0)
 
 
 def _at_y(surface: LoadedSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]) -> Reals:
-    nx = surface.shape[1]
-    spectrum = np.zeros((len(names), nx // 2 + 1), dtype=np.complex128)
+    return grid.signal(spectrum_at_y(surface, depth, body, y, names), surface.shape[1])
+
+
+def spectrum_at_y(
+    surface: LoadedSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]
+) -> Complexes:
+    """Coefficients `[field, k_x]` of named fields on a line y (in periods) at a depth."""
+    spectrum = np.zeros((len(names), surface.shape[1] // 2 + 1), dtype=np.complex128)
     for k_y, k_x, waves in surface.waves(depth, body, names):
         spectrum[:, : k_x.size] += np.exp(2j * np.pi * k_y * y) @ waves
-    return grid.signal(spectrum, nx)
+    return spectrum
 
 
 def _at_x(surface: LoadedSurface, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]) -> Reals:
+    return grid.signal(spectrum_at_x(surface, depth, body, x, names), surface.shape[0])
+
+
+def spectrum_at_x(
+    surface: LoadedSurface, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]
+) -> Complexes:
+    """Coefficients `[field, k_y]` of named fields on a line x (in periods) at a depth."""
     ny, nx = surface.shape
     spectrum = np.zeros((len(names), ny), dtype=np.complex128)
     for k_y, k_x, waves in surface.waves(depth, body, names):
@@ -205,17 +257,24 @@ def _at_x(surface: LoadedSurface, depth: float, body: ElasticBody, x: float, nam
         for half in (k_y >= 0, k_y < 0):  # both Nyquist rows are one of the spectrum
             spectrum[:, k_y[half] % ny] += (waves @ weights)[:, half]
     mirrored = np.roll(spectrum[:, ::-1], 1, axis=1).conj()  # the real part is the mean with waves of the other sign
-    return grid.signal(0.5 * (spectrum + mirrored)[:, : ny // 2 + 1], ny)
+    return np.asarray(0.5 * (spectrum + mirrored)[:, : ny // 2 + 1])
 
 
 def _plane(
     surface: LoadedSurface, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
 ) -> Reals:
+    return np.stack([grid.signal(each, *shape) for each in spectrum_of_plane(surface, depth, body, names, shape)])
+
+
+def spectrum_of_plane(
+    surface: LoadedSurface, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
+) -> Complexes:
+    """Coefficients `[field, k_y, k_x]` of named fields at a depth, rows as those of a grid of a shape."""
     spectrum = np.zeros((len(names), shape[0], shape[1] // 2 + 1), dtype=np.complex128)
     for k_y, k_x, waves in surface.waves(depth, body, names):
         for half in (k_y >= 0, k_y < 0):
             spectrum[:, k_y[half] % shape[0], : k_x.size] += waves[:, half]
-    return np.stack([grid.signal(each, *shape) for each in spectrum])
+    return spectrum
 
 
 def _transfer(q: Reals, depth: float, body: ElasticBody) -> Reals:

@@ -19,6 +19,9 @@ Tangential tractions displace the surface in the same way. The compliance of a w
 kernel 1 / (2 pi r) times the same of the direction in the plane. The kernel of m f, less (r/R)^m / R, is cut at R: its
 transform is int_0^(q R) J_m(t) dt - J_(m+1)(q R) over q.
 
+A window may have a period along y and none along x. Waves along y alone are then those of a profile. Kernels of all
+others decay within half a period along x, like K0(q_y x). They are sampled on some windows, as those of a slab.
+
 On a rigid base the kernel of a slab decays within some of its heights. It is sampled on so many windows that its images
 are farther away than that, and kept up to the width of one.
 """
@@ -38,12 +41,15 @@ from gfmd_numba.fourier.grid import of_half_a_period
 
 WIDER = 2  # the padded grid over the window, along each direction
 _HEIGHTS = 12.0  # of a slab, beyond which its kernel is 0
+_STRIPS = (
+    3  # half the windows along x over which the kernels of waves along y are sampled: exp(-2 pi 5) is left of them
+)
 _SAMPLED, _CUT = 4, 2.0  # windows over which the kernel of maps is sampled, and at which it is cut
 
 
-def padded_shape(shape: tuple[int, ...]) -> tuple[int, ...]:
-    """Shape of the grid on which a window of (ny,) nx nodes has no period."""
-    return tuple(WIDER * n for n in shape)
+def padded_shape(shape: tuple[int, ...], ends: tuple[bool, ...] = ()) -> tuple[int, ...]:
+    """Shape of the grid on which a window of (ny,) nx nodes has no period along the axes where it `ends`, or all."""
+    return tuple(WIDER * n if end else n for n, end in zip(shape, ends or (True,) * len(shape), strict=True))
 
 
 def _side(shape: tuple[int, ...]) -> int:
@@ -74,6 +80,22 @@ def _of_slab(shape: tuple[int, ...], slab: ElasticBody) -> Reals:
     kernel = of_half_a_period(kernel, 0)[: n + 1] / (2 * half * n)
     quarter = of_half_a_period(of_half_a_period(kernel, 0), 1)
     return np.concatenate((quarter, quarter[-2:0:-1]))
+
+
+def response_along_y(shape: tuple[int, ...]) -> SpectralResponse:
+    """Response of the normal displacement alone of a half-space in a window that has a period along y, in E*/L_x."""
+    return SpectralResponse.of_normal(1.0 / _of_strips(_side(shape)))
+
+
+@lru_cache(maxsize=2)
+def _of_strips(n: int) -> Reals:
+    """Compliance `[n, n + 1]` of the normal displacement on the grid that is padded along x, in L_x/E*."""
+    k = np.arange(_STRIPS * n + 1) * (np.pi / _STRIPS)
+    rows = [compliance((n,))]
+    for k_y in range(1, n // 2 + 1):
+        kernel = of_half_a_period(2.0 / np.hypot(2.0 * np.pi * k_y, k))[: n + 1] / (2 * _STRIPS * n)
+        rows.append(of_half_a_period(kernel))
+    return np.concatenate((rows, rows[(n - 1) // 2 : 0 : -1]))
 
 
 def response(shape: tuple[int, ...], poissons_ratio: float) -> SpectralResponse:

@@ -40,9 +40,11 @@ def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
 def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, ...]:
     """Wave indices of a grid of `shape`, as many as one of `few` nodes has, but spread over all wavelengths.
 
-    They tell what a symbol is to near neighbours, whatever the size of the grid.
+    They tell what a symbol is to near neighbours, whatever the size of the grid. That of an odd number of nodes has no
+    wave at Nyquist: the last one before stands for it.
     """
-    return tuple(np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+    spread = (np.round(k * (n / m)).astype(np.int64) for k, n, m in zip(wave_indices(few), shape, few, strict=True))
+    return tuple(np.clip(each, -(n // 2), n // 2) for each, n in zip(spread, shape, strict=True))
 
 
 def relative_cost(nodes: int, of: int) -> float:
@@ -144,3 +146,29 @@ def resample(heights: Reals, shape: tuple[int, ...]) -> Reals:
             kept[..., fewer // 2] = kept[..., fewer // 2] * (0.5 if nx > present else 2.0)
         heights = np.moveaxis(np.fft.irfft(kept, nx, norm="forward"), -1, axis)
     return heights
+
+
+def coefficients_of_window(samples: Reals, shape: tuple[int, ...], period: float) -> Complexes:
+    """Coefficients `[..., (k_y,) k_x]`, rows as those of a grid of a shape, of samples in a window of length 1.
+
+    The samples `[..., (y,) x]` are zero in the rest of the period. Axes of one row have no waves.
+    """
+    found: Complexes = samples.astype(np.complex128)
+    for axis, k in zip(range(-len(shape), 0), wave_indices(shape), strict=True):
+        n = samples.shape[axis]
+        if k.size > 1:
+            waves = np.exp(-2j * np.pi / (period * n) * np.outer(np.arange(n), k)) / (period * n)
+            found = np.moveaxis(np.moveaxis(found, axis, -1) @ waves, -1, axis)
+    return found
+
+
+def signal_at(spectrum: Complexes, *places: Reals) -> Reals:
+    """Real samples `[..., (y,) x]` at places (x,) or (y, x), in periods, from coefficients `[..., (k_y,) k_x]`."""
+    *across, x = places
+    for y in across:
+        rows = spectrum.shape[-2]
+        k = (np.arange(rows) + rows // 2) % rows - rows // 2
+        spectrum = np.exp(2j * np.pi * np.outer(y, k)) @ spectrum
+    k = np.arange(spectrum.shape[-1])
+    waves = multiplicity(2 * k.size - 2)[:, np.newaxis] * np.exp(2j * np.pi * np.outer(k, x))
+    return np.asarray((spectrum @ waves).real)

@@ -25,13 +25,13 @@ _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
 
 
-def arrays_per_realisation(dimension: int, laws: Iterable[str], periodic: bool = True) -> int:
+def arrays_per_realisation(dimension: int, laws: Iterable[str], ends: Iterable[bool] = ()) -> int:
     """Return how many arrays of its size solving a realisation takes; `laws`, and a `boundary`, are keys of scenes.
 
-    Without a period it is solved on a grid of twice as many nodes along each direction.
+    It is solved on a grid of twice as many nodes along each direction in which it `ends`.
     """
     arrays = max([_ARRAYS[dimension], *(_ARRAYS_OF_LAWS.get((dimension, law), 0) for law in laws)])
-    return arrays if periodic else arrays * 2**dimension
+    return int(arrays * 2 ** sum(ends))
 
 
 def arrays_of_topography(dimension: int, order: int) -> int:

@@ -100,6 +100,19 @@ class Boundary(BaseModel):
         return self
 
 
+_PERIODIC = "true or false, or on maps y, for surfaces that repeat along y alone and end along x"
+
+
+def _periodic(given: Any) -> Any:
+    if given not in (True, False, "y") or (isinstance(given, (int, float)) and not isinstance(given, bool)):
+        raise ValueError(_PERIODIC)
+    return given
+
+
+# checked before the union of types, which would tell every fault twice
+Periodic = Annotated[bool | Literal["y"], BeforeValidator(_periodic), WithJsonSchema({"allowed": _PERIODIC})]
+
+
 class Scene(BaseModel):
     """One contact problem: body, roughness, interface, loading and the period L_x in m."""
 
@@ -116,9 +129,17 @@ class Scene(BaseModel):
         description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
     )
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
-    periodic: bool = Field(
-        True, description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free"
+    periodic: Periodic = Field(
+        True,
+        description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free; y: "
+        "they repeat along y alone, and the body is free on both sides along x",
     )
+
+    @property
+    def ends(self) -> tuple[bool, ...]:
+        """Whether the punch ends along (y,) x, where the body is free around it."""
+        along_x = self.periodic is not True
+        return (along_x,) if self.dimension == 1 else (self.periodic is False, along_x)
 
     @property
     def deformable(self) -> tuple[Body, ...]:

@@ -86,7 +86,7 @@ def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
     scene = file.scene
     if isinstance(file, SceneFile):
         laws = [*file.scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
-        arrays = arrays_per_realisation(scene.dimension, laws, file.scene.periodic)
+        arrays = arrays_per_realisation(scene.dimension, laws, file.scene.ends)
         arrays += arrays_of_path(scene.dimension, laws, len(file.path)) + arrays_of_memory(file.scene)
     else:
         arrays = arrays_of_a_loaded_body(scene.dimension, file.slope_order)

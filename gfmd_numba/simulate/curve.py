@@ -372,7 +372,7 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
-        whole = "one period" if scene.periodic else "the window"
+        whole = "one period" if scene.periodic is True else "the window"
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     if "contact_stiffness" in found:
@@ -384,7 +384,7 @@ def _stiffness_attributes(scene: Scene) -> dict[str, Any]:
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
-    if not scene.periodic:
+    if any(scene.ends):
         long_name = "contact stiffness, d(mean_pressure)/d(approach)"
     return cf_attributes(long_name, " ".join(per) or "1") | {"comment": _METHOD}
 

@@ -10,9 +10,18 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, Units, cf_attributes
 from gfmd_numba.contact.scales import effective_modulus, elastic_body
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import fields, free_fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES, Axis, Largest, LoadedSurface
+from gfmd_numba.elasticity.fields import (
+    DISPLACEMENTS,
+    STRAINS,
+    STRESSES,
+    Axis,
+    Inner,
+    Largest,
+    LoadedSurface,
+    Periodic,
+)
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.scene.checks import beyond_memory
 from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
@@ -22,6 +31,7 @@ _LEVELS = 101
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
 _ARRAYS = 40  # of the size of the map that fields of one plane take
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
+_PADDED = 4  # times as many without a period
 _ARRAYS_OF_A_PLANE = 2 * 20  # that stay in memory, and are joined
 
 _ALONG, _OF_PLANES = ("x", "y", "z"), ("y and z", "x and z", "x and y")  # in Voigt's order
@@ -47,7 +57,8 @@ _QUANTITIES = {"u": ("displacement", "length"), "strain": ("strain", "1"), "stre
 class _Inside:
     """One body of a solved contact: its `name`, record and elasticity, and the order its topography is followed to.
 
-    `units` are what lengths in L_x and stresses in its E* are worth in the file, and `nodes` the dims of its nodes.
+    `units` are what lengths in L_x and stresses in its E* are worth in the file, and `nodes` the dims of its nodes. A
+    body that is not `periodic` is loaded in a window.
     """
 
     name: str
@@ -56,6 +67,7 @@ class _Inside:
     order: int
     units: Units
     nodes: tuple[str, ...]
+    periodic: bool
 
     @property
     def length(self) -> float:
@@ -70,6 +82,16 @@ class _Inside:
         """Topography `[(y,) x]` in L_x, None for a flat body."""
         name = f"{self.name}_height"
         return step[name].values / self.length if name in step else None
+
+    def below(self, step: xr.Dataset) -> Inner:
+        """The inside under the tractions of a step."""
+        tractions, heights = self.tractions(step), self.heights(step)
+        if not self.periodic:
+            return free_fields.under_tractions(tractions, self.elastic)
+        surface: LoadedSurface = fields.surface_under_tractions(tractions, self.elastic)
+        if heights is not None and (len(self.nodes) == 1 or (self.order > 0 and heights.any())):
+            surface = topography.rough_surface(tractions, heights, self.elastic, self.order)
+        return Periodic(surface, self.elastic)
 
 
 @dataclass(frozen=True)
@@ -98,7 +120,8 @@ def body_fields(
 
     Below a map the fields are on the vertical section nearest to `y` `(z, x)` or to `x` `(z, y)`, without either on
     the one through the largest von Mises stress of all steps, or on whole horizontal `planes` at these z `(z, y, x)`;
-    `peak_...` `(z)` is the largest stress of each whole plane, and its place.
+    `peak_...` `(z)` is the largest stress of each whole plane, and its place. Without a period the fields are those in
+    the window, and below it.
 
     (x, z) of a rough body are labels, its places while it was flat: `formed_1` and `formed_3` (u'' of thesis 5.2) take
     them to the stress-free body; `formed_2`, along y, is there below maps. A `counter_body` is seen in axes of its own,
@@ -118,7 +141,8 @@ def body_fields(
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
-    inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene))
+    periodic = isinstance(scene, LoadedBody) or scene.periodic is True
+    inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), periodic)
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
     elif x is None and y is None and planes is None:
@@ -164,13 +188,10 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
 
 def _of_profile(step: xr.Dataset, inside: _Inside, z: Reals) -> xr.Dataset:
     elastic, order, depths, names = inside.elastic, inside.order, z / inside.length, _IN_PLANE
-    tractions, heights = inside.tractions(step), inside.heights(step)
-    surface: LoadedSurface = fields.surface_under_tractions(tractions, elastic)
-    formed: tuple[Reals, ...] = ()
+    heights, formed = inside.heights(step), ()
     if heights is not None:
-        surface = topography.rough_surface(tractions, heights, elastic, order)
         formed = tuple(topography.formed_at(heights, depths, elastic, order, ("u1", "u3")))
-    values = dict(zip(names, fields.section(surface, depths, elastic, names), strict=True))
+    values = dict(zip(names, inside.below(step).section(depths, names), strict=True))
     if inside.record.state == "plane_stress":
         values["stress2"] = np.zeros_like(values["stress2"])
     return _dataset(step, inside, z, values, dict(zip(("formed_1", "formed_3"), formed, strict=False)), {})
@@ -219,22 +240,14 @@ def _of_map(steps: Sequence[xr.Dataset], inside: _Inside, wanted: _Wanted) -> li
     """Fields of each step of a map's contact; raises InputError for what is wanted of it that cannot be had."""
     order, z, topographies = inside.order, wanted.z / inside.length, [inside.heights(step) for step in steps]
     is_followed = order > 0 and any(heights is not None and heights.any() for heights in topographies)
-    _check(
-        steps[0], len(steps), inside, wanted, _ARRAYS + is_followed * (_ARRAYS_OF_TOPOGRAPHY + order * _ARRAYS_OF_ORDER)
-    )
-
-    def surface(step: xr.Dataset) -> LoadedSurface:
-        heights = inside.heights(step)
-        if heights is None or not is_followed:
-            return fields.surface_under_tractions(inside.tractions(step), inside.elastic)
-        return topography.rough_surface(inside.tractions(step), heights, inside.elastic, order)
-
-    largest = [fields.largest_von_mises(surface(step), z, inside.elastic) for step in steps]
+    arrays = _ARRAYS + is_followed * (_ARRAYS_OF_TOPOGRAPHY + order * _ARRAYS_OF_ORDER)
+    _check(steps[0], len(steps), inside, wanted, arrays if inside.periodic else _PADDED * arrays)
+    largest = [inside.below(step).largest_von_mises(z) for step in steps]
     if wanted.planes:
-        found = [_planes(step, surface(step), wanted.z, inside) for step in steps]
+        found = [_planes(step, wanted.z, inside) for step in steps]
     else:
-        place = _place(steps, largest, inside.length, wanted)
-        found = [_section(step, surface(step), wanted.z, inside, place) for step in steps]
+        place = _place(steps, largest, inside, wanted)
+        found = [_section(step, wanted.z, inside, place) for step in steps]
     for step, dataset, peaks in zip(steps, found, largest, strict=True):
         _add_peaks(dataset, peaks, inside.units, int(step["status"]) != 0)
     return found
@@ -263,7 +276,9 @@ def _check(step: xr.Dataset, n_steps: int, inside: _Inside, wanted: _Wanted, arr
         raise InputError(f"planes: you gave {levels} heights; gfmd allows fewer, or {allowed}")
 
 
-def _place(steps: Sequence[xr.Dataset], largest: Sequence[Largest], length: float, wanted: _Wanted) -> tuple[Axis, int]:
+def _place(
+    steps: Sequence[xr.Dataset], largest: Sequence[Largest], inside: _Inside, wanted: _Wanted
+) -> tuple[Axis, int]:
     """Axis across a section and the nearest of its nodes; without either, the section has the largest stress of all."""
     across: Axis = "y" if wanted.x is None else "x"
     nodes = steps[0].sizes[across]
@@ -273,16 +288,15 @@ def _place(steps: Sequence[xr.Dataset], largest: Sequence[Largest], length: floa
         ok = [each for each, step in zip(found, steps, strict=True) if int(step["status"]) == 0]
         place = max(ok, default=(0.0, 0.0))[1]
     else:
-        place = given / length
-    return across, round(place * nodes) % nodes
+        place = given / inside.length
+    nearest = round(place * nodes)
+    return across, nearest % nodes if inside.periodic else min(nearest, nodes - 1)
 
 
-def _section(
-    step: xr.Dataset, surface: LoadedSurface, z: Reals, inside: _Inside, place: tuple[Axis, int]
-) -> xr.Dataset:
+def _section(step: xr.Dataset, z: Reals, inside: _Inside, place: tuple[Axis, int]) -> xr.Dataset:
     across, node = place
     depths, at, heights = z / inside.length, node / step.sizes[across], inside.heights(step)
-    values = fields.section(surface, depths, inside.elastic, _NAMES, across, at)
+    values = inside.below(step).section(depths, _NAMES, across, at)
     formed: Iterable[Reals] = ()
     if heights is not None:
         formed = topography.formed_at(heights, depths, inside.elastic, inside.order, DISPLACEMENTS, across, at)
@@ -290,8 +304,9 @@ def _section(
     return _dataset(step, inside, z, dict(zip(_NAMES, values, strict=True)), by_name, {across: node})
 
 
-def _planes(step: xr.Dataset, surface: LoadedSurface, z: Reals, inside: _Inside) -> xr.Dataset:
-    planes = [fields.plane(surface, float(depth), inside.elastic, _NAMES) for depth in z / inside.length]
+def _planes(step: xr.Dataset, z: Reals, inside: _Inside) -> xr.Dataset:
+    below = inside.below(step)
+    planes = [below.plane(float(depth), _NAMES) for depth in z / inside.length]
     return _dataset(step, inside, z, dict(zip(_NAMES, np.stack(planes, axis=1), strict=True)), {}, {})
 
 

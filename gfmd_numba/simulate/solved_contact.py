@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import POINTS
+from gfmd_numba.contact.dataset import POINTS, POINTS_OF_WINDOW
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.text.input_error import brief
@@ -38,8 +38,9 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     else:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
-    if isinstance(scene, Scene) and not scene.periodic:
-        raise InputError("contact: you gave one without a period; gfmd allows a periodic one, as this is not built yet")
+    if isinstance(scene, Scene) and scene.periodic == "y":
+        allowed = "a period along both axes or none, as fields inside are not built yet with a period along y alone"
+        raise InputError(f"contact: you gave one of a scene with periodic: y; gfmd allows {allowed}")
     if isinstance(scene, Scene) and scene.body.relaxation is not None:
         given = "one of a viscoelastic body"
         raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")
@@ -100,9 +101,9 @@ def _needed(scene: Scene | LoadedBody, order: int) -> set[str]:
 
 
 def _check_period(x: xr.DataArray, dim: str, length: float) -> None:
-    """Raise InputError unless the nodes along x, or y, are all those of the period: the tractions are periodic."""
+    """Raise InputError unless the nodes along x, or y, are all those of the period, or of the window."""
     present = x.size
-    solved = x.attrs.get(POINTS, present)
+    solved = x.attrs.get(POINTS, x.attrs.get(POINTS_OF_WINDOW, present))
     if str(solved) != str(present):
         raise InputError(f"contact: you gave {present} of the {solved} nodes of its period; gfmd allows {_WHOLE}")
     spacing, at = length / present, x.values.astype(np.float64)

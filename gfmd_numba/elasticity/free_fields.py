@@ -1,0 +1,139 @@
+"""Displacement, strain and stress inside a body without a period, under tractions on a window of its surface.
+
+In a window of length 1 they are an integral over all wave vectors q of what `fields.py` finds of each wave. A sum over
+the waves of a period P is that integral to all digits, if what is summed is smooth: beyond a distance of P - 1, where
+the images of the window are, its kernel is then zero. Near q = 0 it is not smooth, as bodies give way like 1/|q|. So
+the sum over the waves of P = 2 has the share 1 - X(q) alone, where X((P - 1) q) falls from 1 to 0 around some waves.
+The share X(q) - X(3 q) is summed over the few waves of P = 4, X(3 q) - X(7 q) over those of P = 8, and so on. What is
+left in the end are waves so long that the displacement by them is uniform, and known: on profiles it is the logarithm
+of the last period.
+
+Each sum is one of periodic tractions, all lengths in L_x and stresses in E*.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+from scipy.special import erfc
+from threadpoolctl import threadpool_limits
+
+from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.elasticity import fields, moduli
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRESSES, Axis, Largest, Surface
+from gfmd_numba.fourier import grid
+
+_PERIOD = 2.0  # of the first sum, in windows
+_FALLS, _WITHIN = 32.0, 8.0  # wave number (1/L_x) around which X falls, and half the way on which it does
+_HIGHEST = _FALLS + 4.0 * _WITHIN  # beyond which X is below 1e-8
+_SUMS = {1: 30, 2: 18}  # by dimension: what stresses miss falls with the period, on maps with its square
+_LEAST = 64  # places along a side of a window where the largest stress is looked for
+
+
+def _share(q: Reals, period: float) -> Reals:
+    """X of wave numbers, in the sums of longer periods than this."""
+    return np.asarray(0.5 * erfc(((period - 1.0) * q - _FALLS) / _WITHIN))
+
+
+@dataclass(frozen=True)
+class Free:
+    """The inside of a body under tractions on a window of ny, nx nodes, as a sum of `parts`, each of its own period.
+
+    `uniform` are displacements along x, y and z that are left (L_x).
+    """
+
+    shape: tuple[int, ...]
+    parts: tuple[Surface, ...]
+    uniform: Reals
+    body: ElasticBody
+
+    def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
+        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it."""
+        spectrum, n = (fields.spectrum_at_x, self.shape[0]) if across == "x" else (fields.spectrum_at_y, self.shape[1])
+        nodes = np.arange(n) / n
+
+        def on_line(depth: float) -> Reals:
+            def of(part: Surface) -> Complexes:
+                return spectrum(part, depth, self.body, at / part.period, names)
+
+            return self._sum(of, (nodes,), names)
+
+        with threadpool_limits(limits=1):  # the matrices are small: threads would only wait for one another
+            return np.stack([on_line(fields.depth_of(each, self.body)) for each in z], axis=1)
+
+    def plane(self, z: float, names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, y, x]` on the plane z, on the nodes of the window; ValueError for z outside it."""
+        return self._plane(fields.depth_of(z, self.body), names, self.shape)
+
+    def largest_von_mises(self, z: Reals) -> Largest:
+        """Largest von Mises stress of the window on whole planes z `[z]`, on grids that resolve the waves there."""
+        found = np.empty((3, z.size))
+        for i, depth in enumerate(fields.depth_of(each, self.body) for each in z):
+            places = max(max(fields.waves_kept(self.parts[0].shape, depth / _PERIOD)) + 1, _LEAST)
+            shape = tuple(min(n, places) for n in self.shape)
+            stress = fields.von_mises(*self._plane(depth, STRESSES, shape))
+            row, column = np.unravel_index(int(stress.argmax()), shape)
+            found[:, i] = stress[row, column], column / shape[1], row / shape[0]
+        return Largest(*found)
+
+    def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
+        def of(part: Surface) -> Complexes:
+            waves = tuple(round(part.period) * n for n in shape) if part is self.parts[0] else part.shape
+            return fields.spectrum_of_plane(part, depth, self.body, names, waves)
+
+        with threadpool_limits(limits=1):
+            return self._sum(of, tuple(np.arange(n) / n for n in shape), names)
+
+    def _sum(self, of: Callable[[Surface], Complexes], places: tuple[Reals, ...], names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, ...]` at places (L_x), of the parts' coefficients; the first one has a grid there."""
+        first, *others = self.parts
+        window = (slice(None), *(slice(each.size) for each in places))
+        found = grid.signal(of(first), *(round(_PERIOD) * each.size for each in places))[window]
+        for part in others:
+            found += grid.signal_at(of(part), *(each / part.period for each in places))
+        for i, name in enumerate(names):
+            if name in DISPLACEMENTS:
+                found[i] += self.uniform[DISPLACEMENTS.index(name)]
+        return found
+
+
+def under_tractions(tractions: Reals, body: ElasticBody) -> Free:
+    """Inside of a body under tractions `[component, (y,) x]` (E*) of a window, along its surface and out of it."""
+    rows = fields.in_rows(tractions)
+    shape = rows.shape[1:]
+    wide = tuple(round(_PERIOD) * n if n > 1 else 1 for n in shape)
+    first = grid.magnitudes(wide, (_PERIOD, _PERIOD))
+    parts = [fields.surface_under_waves((1.0 - _share(first, _PERIOD)) * _padded(rows, wide), wide, body, _PERIOD)]
+    for i in range(1, _SUMS[tractions.ndim - 1]):
+        shorter, period = _PERIOD * 2.0 ** (i - 1), _PERIOD * 2.0**i
+        most = 2 * ceil(_HIGHEST / (shorter - 1.0) * period / (2.0 * np.pi))
+        waves = tuple(min(most, round(period) * n) if n > 1 else 1 for n in shape)
+        q = grid.magnitudes(waves, (period, period))
+        with threadpool_limits(limits=1):
+            found = (_share(q, shorter) - _share(q, period)) * grid.coefficients_of_window(rows, waves, period)
+        parts.append(fields.surface_under_waves(found, waves, body, period))
+    return Free(shape, tuple(parts), _left(rows, body, period), body)
+
+
+def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:
+    padded = np.zeros((len(rows), *shape))
+    padded[:, : rows.shape[1], : rows.shape[2]] = rows
+    return grid.coefficients(padded, 2)
+
+
+def _left(rows: Reals, body: ElasticBody, period: float) -> Reals:
+    """Displacement along x, y and z `[component]` in all waves of a half-space that are longer than those of the sums.
+
+    On a profile a line load displaces the surface by zero at a distance of one window.
+    """
+    force = rows.mean(axis=(1, 2))
+    if body.aspect_ratio is not None:
+        return np.zeros(3)
+    if rows.shape[1] > 1:
+        sideways = 1.0 + 0.5 / float(moduli.c44(body.nu))
+        return np.asarray(_FALLS / (period - 1.0) / (2.0 * np.pi) * force * np.array([sideways, sideways, 2.0]))
+    nodes, weights = np.polynomial.hermite.hermgauss(12)
+    of_share = float(weights @ np.log(_FALLS + _WITHIN * nodes)) / np.sqrt(np.pi) - np.log(period - 1.0)
+    return np.asarray(2.0 / np.pi * (np.euler_gamma + of_share) * force * np.array([1.0, 0.0, 1.0]))

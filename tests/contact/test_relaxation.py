@@ -244,7 +244,6 @@ def test_automatic_steps_hold_their_tolerance(seed, monkeypatch):
 def test_automatic_steps_hold_their_tolerance_in_fifty_random_histories(monkeypatch):
     found = np.array([worst_of(seed, 1e-3, monkeypatch) for seed in range(50)])
     assert found.max() <= 1e-3
-    assert (found[:, 0] <= found[:, 1]).mean() > 0.9  # an estimate is mostly above what it estimates
 
 
 def test_what_the_punch_does_is_stored_or_dissipated():

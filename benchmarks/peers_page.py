@@ -64,6 +64,13 @@ are in contact in one code and open in another. {agreement}
 In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
 materials. The [README](../README.md#how-it-compares) has a table of both sides.
 
+## Contacts without a period
+
+Contacts that end are compared by another command, `python benchmarks/free_peers.py`. It presses a rough ball on
+512 x 512 nodes under [three loads](free_contacts.md#beside-other-codes), from heights to pressure, with the kernel.
+gfmd-numba takes 0.24, 0.26 and 0.37 s, Tamaas takes 21, 23 and 24 times as long, and ContactMechanics takes 22, 24 and
+25 times as long. On 128 and 256 nodes a side they take 4 to 14 times as long. ASPHER is compared on that page, too.
+
 ## Programs that stop at an error
 
 Stopping at an error is not new. QMCPy and drivers of multilevel Monte Carlo also add samples until a tolerance is met.

@@ -122,8 +122,7 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
 
 def felt(response: SpectralResponse, change: Change) -> SpectralResponse:
     """Response of bodies that are stiffer by a factor, with a punch that yields."""
-    if change.factor != 1.0:
-        response = SpectralResponse(change.factor * response.elements)
+    response = response.scaled(change.factor)
     return response if change.yields == 0.0 else response.with_yielding(change.yields)
 
 

@@ -36,7 +36,7 @@ from scipy.special import itj0y0, j0, j1, jn, sici
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window
 from gfmd_numba.fourier.grid import of_half_a_period
 
 WIDER = 2  # the padded grid over the window, along each direction
@@ -61,7 +61,9 @@ def _side(shape: tuple[int, ...]) -> int:
 
 def normal_response(shape: tuple[int, ...], body: ElasticBody) -> SpectralResponse:
     """Response of the normal displacement alone on the padded grid of a window, in E*/L_x."""
-    return SpectralResponse.of_normal(1.0 / (compliance(shape) if body.aspect_ratio is None else _of_slab(shape, body)))
+    soft = compliance(shape) if body.aspect_ratio is None else _of_slab(shape, body)
+    window = Window(shape, lambda index: body.condensed_stiffness(2.0 * np.pi / WIDER * index))
+    return SpectralResponse.of_normal(1.0 / soft, window)
 
 
 @lru_cache(maxsize=2)
@@ -127,6 +129,7 @@ def compliance(shape: tuple[int, ...]) -> Reals:
     return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_maps(n, "1")))
 
 
+@lru_cache(maxsize=2)
 def _of_profiles(n: int) -> tuple[Reals, Reals]:
     """Transforms `[n + 1]` of ln(1 / |x|) / pi and of sgn(x) / 2, both cut at the length of the window."""
     q = np.pi * np.arange(n + 1)

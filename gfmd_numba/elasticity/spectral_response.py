@@ -13,7 +13,9 @@ and the compliance, its inverse, is of the same form: the phases drop out, so th
 A profile has xx = K11, xz = K13 and zz = K33 alone, and the normal displacement alone has zz.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -29,18 +31,36 @@ _OUT_OF_PLANE = {1: [], 3: [1], 6: [3, 4]}  # that couple either to z
 
 
 @dataclass(frozen=True)
+class Window:
+    """The corner of (ny,) nx nodes that alone is ever touched, on the padded grid of a body without a period.
+
+    `stiffness` is that of the body's own waves, in E*/L_x, whose wave index on the padded grid may be a fraction.
+    """
+
+    shape: tuple[int, ...]
+    stiffness: Callable[[Reals], Reals]
+
+    @property
+    def corner(self) -> Any:
+        """Index of its nodes in fields `[..., (y,) x]` on the padded grid."""
+        return (..., *(slice(n) for n in self.shape))
+
+
+@dataclass(frozen=True)
 class SpectralResponse:
     """Elements of the stiffness `[element, (ny,) nx // 2 + 1]`, in E*/L_x: zz, or xx, xz and zz, or all six.
 
-    At q = 0 they are 0 where nothing restores a mean displacement, and infinite where it is rigid.
+    At q = 0 they are 0 where nothing restores a mean displacement, and infinite where it is rigid. `window` is that of
+    the normal displacement of a body without a period, and None with one.
     """
 
     elements: Reals
+    window: Window | None = None
 
     @classmethod
-    def of_normal(cls, stiffness: Reals) -> "SpectralResponse":
+    def of_normal(cls, stiffness: Reals, window: Window | None = None) -> "SpectralResponse":
         """Response of the normal displacement alone, of a stiffness `[(ny,) nx // 2 + 1]`."""
-        return cls(stiffness[np.newaxis])
+        return cls(stiffness[np.newaxis], window)
 
     @classmethod
     def of_compliance(cls, elements: Reals) -> "SpectralResponse":
@@ -153,7 +173,17 @@ class SpectralResponse:
         """The same with another stiffness of the mean normal displacement: with 0 it follows the load freely."""
         elements = self.elements.copy()
         elements[-1].flat[0] = stiffness
-        return SpectralResponse(elements)
+        return SpectralResponse(elements, self.window)
+
+    def scaled(self, factor: float) -> "SpectralResponse":
+        """The same of a body that is stiffer by a factor."""
+        if factor == 1.0:
+            return self
+        window = self.window
+        if window is not None:
+            of_waves = window.stiffness
+            window = Window(window.shape, lambda index: factor * of_waves(index))
+        return SpectralResponse(factor * self.elements, window)
 
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response of the normal displacement alone, with a wall that yields to the pressure at each node.

@@ -38,6 +38,7 @@ def _compiled_pyfftw() -> Any:
 
 pyfftw = _compiled_pyfftw()
 _FIRST = np.zeros(1, dtype=np.int64)
+_COLUMNS = 8  # of a map that are transformed together where it is pruned: 2048 nodes of them fit into 256 kB
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
@@ -78,7 +79,13 @@ class Transform:
     """
 
     def __init__(
-        self, rows: int, *shape: int, sources: int = 1, dtype: npt.DTypeLike = np.float64, in_place: bool = False
+        self,
+        rows: int,
+        *shape: int,
+        sources: int = 1,
+        dtype: npt.DTypeLike = np.float64,
+        in_place: bool = False,
+        filled: int | None = None,
     ) -> None:
         self.shape, self.n, self.half = shape, math.prod(shape), shape[-1] // 2 + 1
         waves = np.result_type(dtype, 1j)
@@ -101,6 +108,7 @@ class Transform:
         ]
         back = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._inverse = [pyfftw.FFTW(*pair, axes=axes, **back) for pair in zip(kept, self.samples, strict=True)]
+        self._pruned = None if filled is None else _Pruned(self.samples[:, :filled], kept[:, :filled], shape[0])
 
     def symbol(self, values: Reals) -> Reals:
         """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
@@ -154,8 +162,12 @@ class Transform:
         kernels.stiffen(self.waves[0], stiffness, self.n)
         self.inverse(_FIRST)
 
-    def soften(self, stiffness: Reals) -> None:
+    def soften(self, stiffness: Reals, pruned: bool = False) -> None:
         """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity."""
+        if pruned and self._pruned is not None:
+            self._pruned.soften(stiffness, self.n)
+            kernels.count(self.n_transforms, _FIRST, 2)
+            return
         self.forward(_FIRST)
         kernels.soften(self.waves[0], stiffness, self.n)
         self.inverse(_FIRST)
@@ -166,4 +178,41 @@ class Transform:
         alone.spectrum, alone.waves, alone.result = self.spectrum[one], self.waves[one], self.result[one]
         alone.samples, alone.memory, alone.n_transforms = self.samples[one], self.memory[one], self.n_transforms[one]
         alone._forward, alone._inverse = [plans[one] for plans in self._forward], self._inverse[one]
+        alone._pruned = None if self._pruned is None else self._pruned.row(i)
         return alone
+
+
+class _Pruned:
+    """Transforms of maps `[row, y, x]` in place that are zero beyond these rows of theirs, where alone they are needed.
+
+    Rows are transformed along x. Then some columns at a time are copied, transformed along y, multiplied and
+    transformed back, all in the cache: a third less work than on all rows, and fewer ways to the memory.
+    """
+
+    def __init__(self, samples: Reals, waves: npt.NDArray[Any], across: int) -> None:
+        self._waves, flags = waves, ("FFTW_ESTIMATE",)
+        self._block = pyfftw.zeros_aligned((across, _COLUMNS), dtype=waves.dtype, n=_LINE)
+        back = {"direction": "FFTW_BACKWARD", "flags": (*flags, "FFTW_DESTROY_INPUT")}
+        self._along_x = [pyfftw.FFTW(*pair, axes=(1,), flags=flags) for pair in zip(samples, waves, strict=True)]
+        self._back = [pyfftw.FFTW(*pair, axes=(1,), **back) for pair in zip(waves, samples, strict=True)]
+        self._along_y = pyfftw.FFTW(self._block, self._block, axes=(0,), flags=flags)
+        self._back_along_y = pyfftw.FFTW(self._block, self._block, axes=(0,), **back)
+
+    def row(self, i: int) -> "_Pruned":
+        """Return the transforms of one row alone, in the same memory."""
+        alone, one = copy(self), slice(i, i + 1)
+        alone._waves, alone._along_x, alone._back = self._waves[one], self._along_x[one], self._back[one]
+        return alone
+
+    def soften(self, stiffness: Reals, n: int) -> None:
+        """Replace the first pressure by the displacement that it causes, n nodes to a map."""
+        waves, block = self._waves[0], self._block
+        filled, columns = waves.shape
+        self._along_x[0].execute()
+        for first in range(0, columns, _COLUMNS):
+            kernels.take_columns(waves, filled, first, block)
+            self._along_y.execute()
+            kernels.soften_columns(block, stiffness, first, n)
+            self._back_along_y.execute()
+            kernels.put_columns(block, first, waves, filled)
+        self._back[0].execute()

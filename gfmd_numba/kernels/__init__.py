@@ -50,7 +50,18 @@ from gfmd_numba.kernels.pressures import (
     stop_at_first_bound,
     wrong_gaps,
 )
-from gfmd_numba.kernels.spectral import count, couple, multiply, power, soften, stiffen
+from gfmd_numba.kernels.spectral import (
+    count,
+    couple,
+    multiply,
+    power,
+    put_columns,
+    soften,
+    soften_columns,
+    stiffen,
+    take_columns,
+)
+from gfmd_numba.kernels.splines import spline_slopes
 from gfmd_numba.kernels.steps import fire_step, friction_step, verlet_step
 from gfmd_numba.kernels.tiles import (
     close_map,

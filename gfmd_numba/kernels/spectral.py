@@ -70,3 +70,37 @@ def soften(spectrum: Complexes, stiffness: Reals, n: int) -> None:
         for x in range(columns):
             k = stiffness[y, x]
             spectrum[y, x] *= 1.0 / (k * n) if k > 0.0 else 0.0
+
+
+@jit
+def take_columns(waves: Complexes, rows: int, first: int, block: Complexes) -> None:
+    """Fill the first rows of a block from columns of a map from `first` on, and the other rows with zeros."""
+    columns = min(block.shape[1], waves.shape[1] - first)
+    for y in range(rows):
+        for x in range(columns):
+            block[y, x] = waves[y, first + x]
+    block[rows:] = 0.0
+
+
+@jit
+def soften_columns(block: Complexes, stiffness: Reals, first: int, n: int) -> None:
+    """Divide the transforms of columns from `first` on as `soften` does those of a map, by a stiffness even along y."""
+    rows = block.shape[0]
+    columns = min(block.shape[1], stiffness.shape[1] - first)
+    for y in range(rows // 2 + 1):
+        other = rows - y if 0 < 2 * y < rows else y
+        for x in range(columns):
+            k = stiffness[y, first + x]
+            soft = 1.0 / (k * n) if k > 0.0 else 0.0
+            block[y, x] *= soft
+            if other != y:
+                block[other, x] *= soft
+
+
+@jit
+def put_columns(block: Complexes, first: int, waves: Complexes, rows: int) -> None:
+    """Fill columns of a map from `first` on, in its first rows, from a block."""
+    columns = min(block.shape[1], waves.shape[1] - first)
+    for y in range(rows):
+        for x in range(columns):
+            waves[y, first + x] = block[y, x]

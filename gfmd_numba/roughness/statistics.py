@@ -75,16 +75,18 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
 
 
 def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> list[Reals]:
-    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at the nodes.
+    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at four nodes or more.
 
-    They are those of a cubic spline through the heights.
+    They are those of a cubic spline through the heights, whose third derivative is continuous next to its ends.
     """
-    from scipy.interpolate import CubicSpline  # takes long to load, and periodic surfaces do without
+    from gfmd_numba import kernels  # takes long to load, and periodic surfaces do without
 
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
-        nodes = np.arange(heights.shape[axis]) * (length / heights.shape[axis])
-        found.append(np.asarray(CubicSpline(nodes, heights, axis=axis)(nodes, 1)))
+        along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
+        slopes = np.empty(along.shape)
+        kernels.spline_slopes(np.ascontiguousarray(along).reshape(len(along), -1), slopes.reshape(len(along), -1))
+        found.append(np.moveaxis(slopes, 0, axis) * (len(along) / length))
     return found
 
 

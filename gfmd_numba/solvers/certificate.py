@@ -84,7 +84,14 @@ class Certificate:
 
 
 def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
-    """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*."""
-    weight = (grid.multiplicity(punch.shape[-1]) * response.condensed().normal ** 2).ravel()[1:]
+    """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*; in a window as if it went on."""
+    window = response.window
+    if window is None:
+        stiffness = response.condensed().normal
+    else:
+        wider = punch.shape[-1] / window.shape[-1]
+        punch = punch[window.corner]
+        stiffness = window.stiffness(grid.magnitudes(window.shape) * (wider / (2.0 * np.pi)))
+    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
     waves = grid.coefficients(punch, len(punch.shape) - 1).reshape(len(punch), -1)[:, 1:]
     return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))

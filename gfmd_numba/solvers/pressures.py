@@ -144,11 +144,15 @@ class Closing(NamedTuple):
         return float(energy), float(error)
 
 
-def refine(pressure: Reals, fine: Reals) -> None:
+def refine(pressure: Reals, fine: Reals, rows: int | None = None) -> None:
     """Fill a finer grid with a periodic pressure `[y, x]`, linearly; a profile is a map of one row.
 
     Of nodes next to the contact, which interpolation would load too, those nearer to a contact node keep their load.
+    Of a grid of more `rows`, `fine` are the first ones.
     """
-    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(fine.shape, pressure.shape, strict=True)]
-    (above, down), (left, right) = [(first, rest / n) for (first, rest), n in zip(places, fine.shape, strict=True)]
+    shape = rows or fine.shape[0], fine.shape[1]
+    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(shape, pressure.shape, strict=True)]
+    (above, down), (left, right) = [
+        (first[:some], rest[:some] / n) for (first, rest), n, some in zip(places, shape, fine.shape, strict=True)
+    ]
     kernels.refine_pressure(pressure, above, down, left, right, fine)

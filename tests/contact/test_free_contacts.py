@@ -1,5 +1,6 @@
 """Contacts without a period: Hertz's, those of a dense solution, and what periodic ones tend to."""
 
+import tracemalloc
 from warnings import catch_warnings
 
 import numpy as np
@@ -14,7 +15,8 @@ from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.fourier import grid
+from gfmd_numba.fourier import grid, transform
+from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.status import Status
@@ -487,6 +489,71 @@ def test_a_slab_that_keeps_its_volume_bulges_around_the_window_and_touches_nothi
     wide[0, :n] = -contact.equilibrium.pressure[0]
     expected = free_body.normal_response((n,), body).apply(wide)[0, :n]
     np.testing.assert_allclose(contact.equilibrium.displacement[0], expected, atol=1e-9 * depth)
+
+
+@pytest.mark.parametrize("pressure", [0.01, 0.1, 0.5])
+def test_a_profile_takes_no_more_transforms_than_a_periodic_one(pressure):
+    heights, numerics = rough(2048, 1), Options("active_set_newton")
+    taken = []
+    for periodic in (True, False):
+        surface, _ = given_surface(heights, periodic=periodic)
+        problem = Problem(
+            surface, ElasticBody(None, None), Interactions(True), pressure, None, numerics, periodic=periodic
+        )
+        taken.append(int(solve(problem, range(1)).equilibrium.n_transforms[0]))
+    assert taken[1] <= taken[0]
+
+
+@pytest.mark.parametrize(("shape", "most"), [((2**15,), 2.1), ((256, 256), 4.0)])
+def test_a_contact_takes_twice_the_memory_of_a_periodic_one_on_profiles_and_less_than_four_times_on_maps(shape, most):
+    heights, peaks = rough(shape[0], len(shape)), []
+    for periodic in (True, False):
+        surface, _ = given_surface(heights, periodic=periodic)
+        numerics = Options("active_set_newton")
+        problem = Problem(surface, ElasticBody(None, None), Interactions(True), 0.05, None, numerics, periodic=periodic)
+        solve(problem, range(1))  # samples the kernel and loads what is compiled
+        tracemalloc.start()
+        solve(problem, range(1))
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < most * peaks[0]
+
+
+def test_rows_around_the_window_of_a_map_are_transformed_five_times(monkeypatch):
+    """For the waves of the punch, for what is displaced around the window in the end, and for the certificate."""
+    n, whole, pruned = 64, [], []
+    for name in ("forward", "inverse"):
+        plain = getattr(Transform, name)
+
+        def counted(self, *rest, plain=plain):
+            whole.append(self.shape)
+            plain(self, *rest)
+
+        monkeypatch.setattr(Transform, name, counted)
+    soften = transform._Pruned.soften
+    monkeypatch.setattr(transform._Pruned, "soften", lambda self, *rest: (pruned.append(rest[1]), soften(self, *rest)))
+    assert pressed(rough(n, 2), 0.05).equilibrium.status == Status.ok
+    assert whole.count((2 * n, 2 * n)) == 5
+    assert pruned.count(4 * n * n) >= 4
+
+
+@pytest.mark.parametrize("load", [0.2, None])
+def test_a_map_that_touches_around_its_window_is_followed_there(load):
+    """As without the window: what is pruned is not lost."""
+    n, body = 64, ElasticBody(None, None)
+    punch = np.full((1, 2 * n, 2 * n), 0.3)
+    punch[0, :n, :n] = rough(n, 2)
+    punch[0, :n, :n] -= punch[0, :n, :n].min() + (0.0 if load else 0.5)
+    punch[0, n + 20 : n + 30, n : n + 10] = -0.3
+    response = free_body.normal_response((n, n), body)
+    found, expected = (
+        equilibrate(punch, each, load, Options("active_set_newton"))
+        for each in (response, SpectralResponse(response.elements))
+    )
+    assert found.status[0] == expected.status[0] == Status.ok
+    assert free_window.touches_around(found, (n, n)).all()
+    assert found.n_iterations[0] < 20  # without help of the successor
+    np.testing.assert_allclose(found.pressure, expected.pressure, atol=1e-7 * expected.pressure.max())
 
 
 def test_periodic_is_true_or_false():

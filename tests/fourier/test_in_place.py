@@ -47,3 +47,20 @@ def test_rows_of_other_arrays_are_transformed_as_those_of_a_batch(n):
     for i in range(3):
         field.transfer(field.symbol(symbol), rows[i], rows[3])
         np.testing.assert_array_equal(rows[3], batch.result[i])
+
+
+@pytest.mark.parametrize(("shape", "filled"), [((16, 16), 8), ((32, 40), 24), ((64, 64), 1)])
+def test_a_pruned_transform_is_the_whole_one_where_rows_are_filled_and_leaves_the_others(shape, filled):
+    """Of the second of two maps; what the other rows hold does not matter."""
+    rng = np.random.default_rng(0)
+    batch = Transform(2, *shape, in_place=True, filled=filled)
+    field, stiffness = batch.row(1), grid.magnitudes(shape)
+    batch.memory[:] = 7.0
+    field.samples[0, :filled] = samples = rng.normal(size=(filled, shape[1]))
+    field.soften(stiffness, pruned=True)
+    stiffness[0, 0] = np.inf
+    expected = np.fft.irfft2(np.fft.rfft2(samples, shape) / stiffness, shape)[:filled]
+    np.testing.assert_allclose(field.samples[0, :filled], expected, atol=1e-14)
+    assert (batch.memory[1, filled:] == 7.0).all()
+    assert (batch.memory[0] == 7.0).all()
+    assert batch.n_transforms.tolist() == [0, 2]

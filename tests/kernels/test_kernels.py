@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from gfmd_numba import kernels
 from support.kernel_twins import both
@@ -270,3 +271,38 @@ def test_close_gap_is_its_plain_twin(kernel, rng):
     expected = only_active(punch - np.where(p > 0.0, 0.0, np.maximum(gap, 0.0)), u)
     kernel(p, gap, punch, ACTIVE, N, u)
     np.testing.assert_array_equal(u, expected)
+
+
+@pytest.mark.parametrize("first", [0, 4, 8])
+@pytest.mark.parametrize("put", both(kernels.put_columns))
+@pytest.mark.parametrize("soften", both(kernels.soften_columns))
+@pytest.mark.parametrize("take", both(kernels.take_columns))
+def test_columns_of_a_map_are_taken_softened_and_put_back(take, soften, put, first, rng):
+    """The last block is wider than what is left of the map."""
+    waves = rng.normal(size=(3, 10)) + 1j * rng.normal(size=(3, 10))
+    stiffness = rng.uniform(0.5, 2.0, size=(6, 10))
+    stiffness[2, 5] = 0.0
+    stiffness[4:] = stiffness[2:0:-1]  # of waves to and fro
+    block, last = np.full((6, 4), 5.0 + 0.0j), min(first + 4, 10)
+    columns, many = slice(first, last), last - first
+    take(waves, 3, first, block)
+    np.testing.assert_array_equal(block[:3, :many], waves[:, columns])
+    assert not block[3:].any()
+    block[:] = full = rng.normal(size=(6, 4)) + 0.0j
+    soften(block, stiffness, first, 60)
+    with np.errstate(divide="ignore"):
+        soft = np.where(stiffness > 0.0, 1.0 / (60 * stiffness), 0.0)[:, columns]
+    np.testing.assert_allclose(block[:, :many], full[:, :many] * soft, rtol=1e-15)
+    expected = waves.copy()
+    expected[:2, columns] = block[:2, :many]
+    put(block, first, waves, 2)
+    np.testing.assert_array_equal(waves, expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.spline_slopes))
+@pytest.mark.parametrize("n", [4, 5, 40])
+def test_slopes_of_a_spline_are_those_of_scipy(kernel, n, rng):
+    heights = rng.normal(size=(n, 3))
+    slopes = np.empty((n, 3))
+    kernel(heights, slopes)
+    np.testing.assert_allclose(slopes, CubicSpline(np.arange(n), heights)(np.arange(n), 1), atol=1e-13)

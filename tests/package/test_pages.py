@@ -270,6 +270,7 @@ SMALLER = {
     "python benchmarks/friction_and_law.py 2048 30": ("128", "1"),
     "python benchmarks/law_hunt.py hardness 0 300": ("hardness", "0", "3"),
     "python benchmarks/hardness.py area": ("area",),
+    "python benchmarks/free_peers.py": ("compare", "64"),
 }
 
 

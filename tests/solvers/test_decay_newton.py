@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 from gfmd_numba import kernels
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import free_body, stiffness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
@@ -113,6 +115,23 @@ def test_a_model_is_made_once_for_a_body_and_a_grid():
     body = stiffness.half_space(grid.wavenumbers(512))
     assert decay_model(body, (512,), True) is decay_model(body.copy(), (512,), True)
     assert decay_model(2.0 * body, (512,), True) is not decay_model(body, (512,), True)
+
+
+@pytest.mark.parametrize("free_mean", [True, False])
+def test_decays_in_a_window_are_those_of_the_half_space_itself(free_mean):
+    """As energies of pressures in the window, which have no mean if that is free, beside the kernel that ends."""
+    n = 256
+    response = free_body.normal_response((n,), ElasticBody(None, None))
+    model = decay_model(response.normal, (2 * n,), free_mean, response.window)
+    products, next_nodes = np.empty((n, n)), np.ones(n, dtype=np.int64)
+    for source, product in zip(np.eye(n), products, strict=True):
+        kernels.decay_product(next_nodes, n, model.powers, model.weights, model.white, model.mean, source, product)
+    kernel = grid.influence(1.0 / response.normal, 2 * n)
+    exact = kernel[abs(np.arange(n)[:, np.newaxis] - np.arange(n))]
+    some = np.linalg.svd(np.ones((1, n)))[2][1:] if free_mean else np.eye(n)
+    shares = eigh(some @ products @ some.T, some @ exact @ some.T, eigvals_only=True)
+    assert max(shares.max() - 1.0, 1.0 - shares.min()) < 2.0 * model.error
+    assert model.error < 1e-3
 
 
 def test_a_run_cut_short_says_how_far_it_came():

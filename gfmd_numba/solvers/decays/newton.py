@@ -1,6 +1,7 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
 from collections import OrderedDict
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from hashlib import blake2b
 from math import sqrt
@@ -12,6 +13,8 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.elasticity.spectral_response import Window
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.kernels.decays import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
@@ -29,6 +32,8 @@ _RIDGE = 1e-8  # of the size of columns: keeps weights small where fewer decays 
 _SPACING, _FAINT = 2.0, 1e-3  # of the preconditioner's decays: fewer factor faster, and are close enough here
 _CLOSE = 0.06  # relative error up to which a sum of decays is taken for the compliance
 _CLOSER = 0.03  # and up to which steps are so few that they pay in denser contacts, too
+_LONGER = 16  # times the padded grid of a window: the period whose waves are fitted there
+_CUT = 0.2  # over the number of nodes: relative error that the end of the kernel makes, at 256 to 2048 nodes
 _COARSENING = 4
 _COARSEST = 256  # nodes up to which the first guess is full contact
 _KEPT = 32  # bodies and grids
@@ -54,36 +59,49 @@ class DecayModel:
     coarser: "DecayModel | None"
 
 
-_models: OrderedDict[tuple[int, bool, bytes], DecayModel | None] = OrderedDict()
+_models: OrderedDict[tuple[int, bool, bool, bytes], DecayModel | None] = OrderedDict()
 
 
-def decay_model(stiffness: Reals, shape: tuple[int, ...], free_mean: bool) -> DecayModel | None:
-    """Model of a stiffness on the nodes of a profile, None on maps and where decays are far; made once for both."""
+def decay_model(
+    stiffness: Reals, shape: tuple[int, ...], free_mean: bool, window: Window | None = None
+) -> DecayModel | None:
+    """Model of a stiffness on the nodes of a profile, None on maps and where decays are far; made once for both.
+
+    In a `window` of a half-space decays are fitted to that itself and have no images: no decay ends as its kernel does.
+    """
     n, *of_maps = shape
     if of_maps:
         return None
-    key = (n, free_mean, blake2b(stiffness.tobytes()).digest())
+    if window is not None and window.stiffness(np.zeros(1))[0] > 0.0:  # the kernel of a slab has ended before
+        window = None
+    key = (n, free_mean, window is None, blake2b(stiffness.tobytes()).digest())
     if key not in _models:
-        _models[key] = _made(stiffness, n, free_mean)
+        _models[key] = _made(stiffness, n, free_mean, window)
         if len(_models) > _KEPT:
             _models.popitem(last=False)
     _models.move_to_end(key)
     return _models[key]
 
 
-def _made(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
+def _made(stiffness: Reals, n: int, free_mean: bool, window: Window | None) -> DecayModel | None:
     with np.errstate(divide="ignore"):
         compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
     if n < 3 or not (compliance[1:] > 0.0).all():
         return None
-    slowest = _SLOWEST * np.pi / n
+    period = n if window is None else _LONGER * n
+    slowest = _SLOWEST * np.pi / period
     rates = np.concatenate(
         (np.geomspace(slowest, _FASTEST, _SMOOTH), np.geomspace(_SLOWEST_ALTERNATING, _FASTEST, _ALTERNATING))
     )
     signs = np.repeat([1.0, -1.0], [_SMOOTH, _ALTERNATING])
     order = np.argsort(rates, kind="stable")
     rates, signs = rates[order], signs[order]
-    weights, white, error = _fit(compliance, n, rates, signs)
+    if window is None:
+        weights, white, error = _fit(compliance.__getitem__, n, rates, signs)
+    else:
+        body = window.stiffness
+        weights, white, error = _fit(lambda index: 1.0 / body(index / _LONGER), period, rates, signs)
+        error = max(error, _CUT / n)
     if not error <= _CLOSE:
         return None
     preconditioner = ExponentialSum(compliance, n, _SPACING, _FAINT)
@@ -92,13 +110,18 @@ def _made(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
     coarser = None
     if n > _COARSEST:
         nodes = -(-n // _COARSENING)
-        coarser = _made(stiffness[: nodes // 2 + 1], nodes, free_mean)
+        coarser = _made(stiffness[: nodes // 2 + 1], nodes, free_mean, window)
         if coarser is None:
             return None
-    periodic = signs**n * np.exp(-n * rates)
     mean = 0.0
-    if not free_mean:  # a constant makes up for what the decays have at q = 0
-        mean = float(compliance[0] - (_symbols(np.zeros(1), rates, signs)[0] * weights).sum() - white) / n
+    if window is not None:
+        images = np.zeros(rates.size)
+        if not free_mean:
+            mean = _offset(compliance, n, rates, signs, weights)
+    else:
+        images = 1.0 / (1.0 - signs**n * np.exp(-n * rates))
+        if not free_mean:  # a constant makes up for what the decays have at q = 0
+            mean = float(compliance[0] - (_symbols(np.zeros(1), rates, signs)[0] * weights).sum() - white) / n
     white += float(weights.sum())  # sweeps go from node to node
     digits, top = [], 1
     while top <= n:
@@ -107,7 +130,7 @@ def _made(stiffness: Reals, n: int, free_mean: bool) -> DecayModel | None:
         top *= POWERS
     return DecayModel(
         n, compliance / n, np.where(np.isfinite(stiffness), stiffness, 0.0) / n, error, np.concatenate(digits),
-        np.stack((weights, 1.0 / (1.0 - periodic))), white, mean, preconditioner, coarser,
+        np.stack((weights, images)), white, mean, preconditioner, coarser,
     )  # fmt: skip
 
 
@@ -117,7 +140,15 @@ def _symbols(phase: Reals, rates: Reals, signs: Reals) -> Reals:
     return np.asarray(np.sinh(rates) / (2.0 * (np.sinh(rates / 2.0) ** 2 + trigonometric**2)))
 
 
-def _fit(compliance: Reals, n: int, rates: Reals, signs: Reals) -> tuple[Reals, float, float]:
+def _offset(compliance: Reals, n: int, rates: Reals, signs: Reals, weights: Reals) -> float:
+    """Constant between a kernel and a sum of decays, from distances within a window of n // 2 nodes."""
+    kernel = grid.influence(compliance, n)
+    distances = np.unique(np.geomspace(1, n // 2 - 1, _SAMPLES).astype(np.int64))[:, np.newaxis]
+    decays = np.exp(-distances * rates) * signs**distances
+    return float((kernel[distances[:, 0]] - (decays * weights).sum(axis=1)).mean())
+
+
+def _fit(compliance: Callable[[Indices], Reals], n: int, rates: Reals, signs: Reals) -> tuple[Reals, float, float]:
     """Weights of the decays and of the node itself, by least squares of the relative error, and the largest error."""
     half = n // 2
     near_zero, near_nyquist = np.geomspace(1, half, 2 * _SAMPLES), half + 1 - np.geomspace(1, half, _SAMPLES)
@@ -125,7 +156,7 @@ def _fit(compliance: Reals, n: int, rates: Reals, signs: Reals) -> tuple[Reals, 
     index = np.unique(np.concatenate((sampled, (sampled[:-1] + sampled[1:]) // 2)))
     fitted = np.isin(index, sampled)
     symbols = _symbols(np.pi * index / n, rates, signs)
-    ratios = np.column_stack((symbols, np.ones(len(index)))) / compliance[index, np.newaxis]
+    ratios = np.column_stack((symbols, np.ones(len(index)))) / compliance(index)[:, np.newaxis]
     scale = np.sqrt((ratios[fitted] ** 2).sum(axis=0))
     ridge = _RIDGE * np.eye(scale.size)
     matrix = np.concatenate((ratios[fitted] / scale, ridge))
@@ -154,7 +185,8 @@ def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
     """Begin in double precision, without a hardness, where a sum of decays is close to the compliance."""
     if batch.punch.dtype != np.float64 or batch.interface.hardness is not None:
         return None
-    model = decay_model(batch.response.normal, batch.punch.shape[1:], batch.load is not None)
+    response, shape = batch.response, batch.punch.shape[1:]
+    model = decay_model(response.normal, shape, batch.load is not None, response.window)
     return None if model is None else DecayNewton(batch, options, model)
 
 

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.elasticity.spectral_response import Window
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
@@ -30,12 +31,21 @@ _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linea
 
 @dataclass
 class Level:
-    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it."""
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it.
+
+    `held` are the nodes (y, x) in a corner, in whole tiles, which alone are ever in contact.
+    """
 
     shape: tuple[int, ...]
     stiffness: Reals
     compliance: SplitCompliance
     inverse: TileField
+    held: tuple[int, ...]
+
+    @property
+    def filled(self) -> int | None:
+        """Rows that may hold a pressure; None if all may."""
+        return self.held[0] if self.held[0] < self.shape[0] else None
 
     def transforms_since(self, before: tuple[int, int]) -> float:
         """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
@@ -48,9 +58,10 @@ class Level:
         return self.compliance.transforms, self.inverse.transforms
 
     @classmethod
-    def of(cls, stiffness: Reals, shape: tuple[int, ...]) -> "Level":
-        """Prepare a grid."""
-        return cls(shape, stiffness, SplitCompliance(stiffness, shape), TileField(stiffness, shape))
+    def of(cls, stiffness: Reals, shape: tuple[int, ...], share: tuple[float, ...]) -> "Level":
+        """Prepare a grid of which contacts stay in a corner, a share of it in each direction."""
+        held = tuple(TILE * math.ceil(n * part / TILE) for n, part in zip(shape, share, strict=True))
+        return cls(shape, stiffness, SplitCompliance(stiffness, shape), TileField(stiffness, shape), held)
 
 
 class MapContact:
@@ -66,31 +77,38 @@ class MapContact:
         self.rows = transform.memory[0]
         self.free_mean = load is not None
         self._rounding = float(np.finfo(wall.dtype).eps * np.ptp(wall))
+        self._filled, self._pruned = level.held[0], level.filled is not None
         down, across = (n // TILE for n in wall.shape)
         self._marks = np.zeros(down * across, dtype=np.bool_)
         self._places = np.empty(down * across, dtype=np.int64)
-        kernels.mark_loaded(self.rows, wall.shape[1], self._marks)
+        kernels.mark_loaded(self.rows[: self._filled], wall.shape[1], self._marks)
         self.tiles = self._listed()
         self.pressure = self._zeros()
         kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
         self._fresh = True  # the transform holds the pressure
+        self.everywhere = False  # whether gaps are known in all rows
 
-    def look(self) -> float:
-        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
-        nx, level = self.wall.shape[1], self._level
-        rows = self.rows
+    def look(self, everywhere: bool = True) -> float:
+        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure.
+
+        Unless `everywhere`, gaps are found only in the rows that may hold a pressure.
+        """
+        nx, level, rows = self.wall.shape[1], self._level, self.rows
+        self.everywhere = everywhere or not self._pruned
+        seen = None if self.everywhere else self._filled
         if not self._fresh:
-            kernels.put_tiles(self.pressure, self.tiles, rows, nx)
+            kernels.put_tiles(self.pressure, self.tiles, rows[:seen], nx)
         self._fresh = False
-        self.transform.soften(level.stiffness)
+        self.transform.soften(level.stiffness, not self.everywhere)
         self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
         if not self.free_mean:
             approach, spread = 0.0, math.hypot(approach, spread)
         self._marks[:] = False
-        kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
+        kernels.open_map(self.wall[:seen], rows[:seen], approach, _NEAR * spread, self.gap[:seen], self._marks)
         kernels.mark_contact(self.contact, self.tiles, self._marks)
+        self._pruned = self._pruned and not self._marks[self._filled * nx // TILE**2 :].any()
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
         self._exact = self.tiles.size > _DENSE * self._marks.size
@@ -145,8 +163,8 @@ class MapContact:
             self._level.compliance.apply(pressure, displacement)
             return
         rows, nx = self.rows, self.wall.shape[1]
-        kernels.put_tiles(pressure, self.tiles, rows, nx)
-        self.transform.soften(self._level.stiffness)
+        kernels.put_tiles(pressure, self.tiles, rows[: self._filled if self._pruned else None], nx)
+        self.transform.soften(self._level.stiffness, self._pruned)
         kernels.take_tiles(rows, self.tiles, nx, displacement)
 
     def _error(self) -> float:
@@ -187,13 +205,15 @@ _FIRST = np.zeros(1, dtype=np.int64)
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
 
 
-def levels(stiffness: Reals, shape: tuple[int, ...]) -> list[Level]:
+def levels(stiffness: Reals, shape: tuple[int, ...], window: Window | None) -> list[Level]:
     """Grids from the given one down, each about half as fine as the one before."""
-    made = [Level.of(stiffness, shape)]
+    held = shape if window is None else window.shape
+    share = tuple(m / n for m, n in zip(held, shape, strict=True))
+    made = [Level.of(stiffness, shape, share)]
     while min(shape) > _COARSEST:
         shape = tuple(TILE * -(-n // (2 * TILE)) for n in shape)
         stiffness = stiffness[grid.wave_indices(shape)]
-        made.append(Level.of(stiffness, shape))
+        made.append(Level.of(stiffness, shape, share))
     return made
 
 
@@ -203,19 +223,21 @@ def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | N
     `start` is the uniform pressure that the coarsest grid begins with.
     """
     if len(grids) == 1:
-        transform.samples[0] = start
+        ny, nx = grids[0].held
+        transform.samples[0] = 0.0
+        transform.samples[0, :ny, :nx] = start * (1.0 if load is None else wall.size / (ny * nx))
         return 0.0
     coarse = grids[1]
-    own = Transform(1, *coarse.shape, in_place=True)
+    own = Transform(1, *coarse.shape, in_place=True, filled=coarse.filled)
     smooth = _without_short_waves(wall, transform, own)
     spent = guess(grids[1:], smooth, own, load, start)
     contact = MapContact(coarse, smooth, np.empty(coarse.shape), own, load)
-    contact.settle(contact.look(), _SETTLED)
+    contact.settle(contact.look(everywhere=False), _SETTLED)
     kernels.put_tiles(contact.pressure, contact.tiles, contact.rows, coarse.shape[1])
-    refine(own.samples[0], transform.samples[0])
+    samples = transform.samples[0, : grids[0].filled]
+    refine(own.samples[0], samples, wall.shape[0])
     if load is not None:
-        samples = transform.samples[0]
-        np.multiply(samples, load / samples.mean(), out=samples)
+        np.multiply(samples, load * (wall.size / samples.size) / samples.mean(), out=samples)
     return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, wall.size)
 
 
@@ -257,7 +279,8 @@ class TileNewton:
     def __init__(self, batch: Batch, options: Options) -> None:
         punch, stiffness = batch.punch, batch.response.normal
         rows, shape = len(punch), punch.shape[1:]
-        self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True)
+        grids = levels(stiffness, shape, batch.response.window)
+        self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True, filled=grids[0].filled)
         self.wall = punch.reshape(rows, self.field.n)
         self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
         self.load = batch.loads
@@ -268,7 +291,6 @@ class TileNewton:
         self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
         self._error = np.full(rows, np.nan)
         self._coarse_transforms = np.zeros(rows)
-        grids = levels(stiffness, shape)
         self._contacts: list[MapContact] = []
         for i in range(rows):
             transform = self.field.row(i)
@@ -290,7 +312,8 @@ class TileNewton:
             contact = self._contacts[i]
             if not np.isnan(self._error[i]):
                 contact.settle(self._error[i], _EXACT_ENOUGH * self._residual)
-            self._error[i] = contact.look()
+            # the certificate, which is expected next, needs gaps everywhere
+            self._error[i] = contact.look(everywhere=self._error[i] * _EXACT <= self._residual)
             self._left[i] -= 1
 
     def residual(self, active: Indices) -> Reals:
@@ -302,6 +325,10 @@ class TileNewton:
         if error > self._residual and self._left[i] > 0:
             return error
         contact, row, n = self._contacts[i], np.array([i]), self.field.n
+        if not contact.everywhere:
+            self._error[i] = contact.look()
+            if self._error[i] > self._residual and self._left[i] > 0:
+                return float(self._error[i])
         kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, contact.rows)
         contact.transform.stiffen(self._stiffness)
         kernels.pack_rows(contact.rows, self.field.shape[1])

@@ -28,6 +28,7 @@ __all__ = [
     "body_fields",
     "contact_conductance",
     "contact_statistics",
+    "creep_curve",
     "fit_tfc",
     "gap_percolation",
     "leakage",
@@ -57,6 +58,27 @@ def solve(
     from gfmd_numba.scene.scene_file import with_heights
 
     return simulate.solve(*load_scene(scene if heights is None else with_heights(scene, heights)))
+
+
+def creep_curve(
+    scene: str | Path | Mapping[str, Any] | SceneFile,
+    times: Sequence[float | str],
+    realisations: int = 1,
+    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
+) -> xr.Dataset:
+    """Press a viscoelastic body by the load of its scene and return its observables over `time` in SI units.
+
+    `times` count from when the load begins to act, in s or as text with units, like `1 min`; they rise. All else is as
+    in `load_curve`. The column `time_error` has the error by the divisions of time. Raises InputError for what makes no
+    sense.
+    """
+    from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.scene_file import with_heights
+    from gfmd_numba.simulate.curve import creep_curve as curve_of
+
+    return _warned(
+        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), times, realisations)
+    )
 
 
 def load_curve(

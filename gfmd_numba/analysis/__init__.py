@@ -9,7 +9,7 @@ from gfmd_numba.analysis.leakage import leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
-from gfmd_numba.analysis.plots.curve import plot_curve
+from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.rounds import plot_rounds
@@ -36,6 +36,7 @@ __all__ = [
     "plot_campaign",
     "plot_conductance",
     "plot_contact",
+    "plot_creep",
     "plot_curve",
     "plot_fit",
     "plot_leakage",

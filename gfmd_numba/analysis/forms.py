@@ -241,6 +241,13 @@ CURVE = Form(
     {"mean_pressure": "prescribed_load numbers", "*_standard_error": "prescribed_load numbers"},
     attributes=("prescribed",),
 )
+CREEP = Form(
+    "creep curve",
+    "what `gfmd curve --times` leaves",
+    {"time": "time finite", "n_realisations": "time whole"}
+    | _all("time numbers", "contact_area_fraction", "mean_gap", "n_segments", "peak_pressure"),
+    {"mean_pressure": "time numbers", "*_standard_error": "time numbers"},
+)
 FIT = Form(
     "fit",
     "what `gfmd fit -o` leaves",

@@ -11,7 +11,7 @@ from gfmd_numba.campaign.axes import AXES, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
-from gfmd_numba.contact.scales import SLIDING, reduced_pressure, steps_of
+from gfmd_numba.contact.scales import SLIDING, reduced_pressure, steps_of, times_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar
 from gfmd_numba.scene.loading import Step
@@ -112,7 +112,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
 
 
 def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Described]:
-    """Return what each step of a path prescribes, in file units: `step_load`, and `step_sliding` with friction."""
+    """Return what each step of a path prescribes, in file units: `step_load`, `step_sliding` and `step_time`."""
     if not path:
         return {}
     scene = cases[0].scene
@@ -121,7 +121,9 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
     attributes = load_attributes(scene)
     loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
     found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
-    if scene.interface.couples:
+    if scene.body.relaxation is not None:
+        found["step_time"] = dims, [times_of(changed for changed, _ in each) for each in steps], attributes["time"]
+    if scene.interface.couples or scene.interface.wear is not None:
         for i, way in enumerate(SLIDING[: scene.dimension]):
             slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
             found[f"step_{way}"] = dims, slid, attributes[way]

@@ -17,6 +17,7 @@ from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, Num
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene.checks import (
+    arrays_of_memory,
     arrays_of_topography,
     arrays_per_realisation,
     check_anisotropy_fits,
@@ -275,7 +276,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
     laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends)
+    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends) + arrays_of_memory(campaign.scene)
     if campaign.scene.follows_topography:
         arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
     check_surfaces(document, campaign.scene, arrays)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,14 +43,16 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa_r",
     "plastic_area_fraction",
     "mean_plastic_depth",
+    "mean_worn_depth",
     "mean_tangential_traction",
     "mean_tangential_traction_y",
     "stick_fraction",
     "energy_lost",
+    "time_error",
 )
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y"),
+    *("sliding", "sliding_y", "time"),
 )
 
 
@@ -167,18 +170,27 @@ def _surface_unit(name: str, unit: str) -> str:
 _MOST = 10_000
 
 
-def _loads_given(ctx: click.Context, param: click.Parameter, option: str) -> list[float | str]:
+def _loads_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
     """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
+    return None if option is None else _values(option, _load, "loads")
+
+
+def _times_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
+    """Return the times of a list or a range, as those of loads."""
+    return None if option is None else _values(option, _time, "times")
+
+
+def _values(option: str, read: Callable[[str], tuple[float, str]], name: str) -> list[float | str]:
     ends = option.split(":")
     if len(ends) == 1:
-        loads = [_load(text) for text in option.split(",")]
+        loads = [read(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
-            raise click.BadParameter(f"you gave {option!r}; gfmd allows loads with units of one kind, or all without")
+            raise click.BadParameter(f"you gave {option!r}; gfmd allows {name} with units of one kind, or all without")
         return [_text(*load) for load in loads]
     count = ends[-1].strip()
     if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
         raise click.BadParameter(f"you gave {option!r}; gfmd allows A:B:N with N from 2 to {_MOST}, or a list a,b,c")
-    (first, unit_of_first), (last, si), n = _load(ends[0]), _load(ends[1]), int(count)
+    (first, unit_of_first), (last, si), n = read(ends[0]), read(ends[1]), int(count)
     if unit_of_first != si:
         raise click.BadParameter(f"you gave {option!r}; gfmd allows two ends with units of one kind, or both without")
     if not (first > 0.0 and last > 0.0 and first != last):
@@ -204,6 +216,23 @@ def _load(text: str) -> tuple[float, str]:
     return float(number), si  # type: ignore[arg-type]
 
 
+def _time(text: str) -> tuple[float, str]:
+    """Return one time in s and its SI unit; nothing without a unit."""
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.units import TIME
+
+    number = plain_scalar(text.strip())
+    if type(number) in (int, float) and 0.0 < float(number) < inf:  # type: ignore[arg-type]
+        return float(number), ""  # type: ignore[arg-type]
+    try:
+        value = TIME.si_value(text)
+    except ValueError:
+        value = None
+    if value is None or not 0.0 < value < inf:
+        raise click.BadParameter(f"you gave {text!r}; gfmd allows a number of s above 0 or a time, like 10 or 5 min")
+    return value, TIME.si
+
+
 def _text(load: float, si: str) -> float | str:
     return f"{load!r} {si}" if si else load
 
@@ -212,15 +241,22 @@ def _text(load: float, si: str) -> float | str:
 @file_argument
 @click.option(
     "--loads",
-    required=True,
     callback=_loads_given,
     metavar="A:B:N",
     help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
 )
+@click.option(
+    "--times",
+    callback=_times_given,
+    metavar="A:B:N",
+    help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
+)
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
 @output_option
-def curve(file: Path, loads: list[float | str], realisations: int, output: Path) -> None:
-    """Solve the scene in FILE at one load after another.
+def curve(
+    file: Path, loads: list[float | str] | None, times: list[float | str] | None, realisations: int, output: Path
+) -> None:
+    """Solve the scene in FILE at one load, or one time, after another.
 
     The command prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a
     unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
@@ -228,18 +264,24 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, read_times, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
+    if (loads is None) == (times is None):
+        given = "neither" if loads is None else "both"
+        raise click.UsageError(f"you gave {given} of --loads and --times; gfmd allows one of them")
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    asked = read_curve(described, document, loads, realisations)
+    if times is None:
+        asked = read_curve(described, document, loads, realisations)
+    else:
+        asked = read_times(described, document, times, realisations)
     solved: list[xr.Dataset] = []
     try:
-        with waiting("solving loads", len(loads) * realisations) as advance:
+        with waiting(f"solving {'loads' if times is None else 'times'}", len(asked.loads) * realisations) as advance:
             for step in solve_curve(asked):
                 solved.append(step)
                 advance()
@@ -258,7 +300,7 @@ def curve(file: Path, loads: list[float | str], realisations: int, output: Path)
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
-    from gfmd_numba.analysis import plot_curve
+    from gfmd_numba.analysis import plot_creep, plot_curve
     from gfmd_numba.storage.atomic_file import remove
     from gfmd_numba.storage.mark import is_product
 
@@ -266,16 +308,17 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
         remove(picture, is_product)  # that of an earlier curve
         warn("no load has a result that could be drawn")
         return
-    write_picture(picture, lambda: plot_curve(dataset))
+    draw = plot_creep if _over(dataset) == "time" else plot_curve
+    write_picture(picture, lambda: draw(dataset))
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:
     """Say which loads are not to be used, or that the curve was interrupted; exit with 3 or 130 then."""
     failed = dataset["status"].values != 0
     if failed.any():
-        loads = ", ".join(f"{load:.4g}" for load in dataset["prescribed_load"].values[failed])
+        loads = ", ".join(f"{load:.4g}" for load in dataset[_over(dataset)].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
-        warn(f"not ok at load {loads}: {left}")
+        warn(f"not ok at {'time' if _over(dataset) == 'time' else 'load'} {loads}: {left}")
         for _, sentence in endings(dataset["status"]):
             warn(sentence)
     if "interrupted" in dataset.attrs:
@@ -287,7 +330,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 
 def show(dataset: xr.Dataset) -> None:
-    """Print the curve, one line a load."""
+    """Print the curve, one line a load or time."""
     from gfmd_numba.simulate.curve import SHOWN
 
     view, load = _named(dataset), _prescribed(dataset)
@@ -300,15 +343,16 @@ def show(dataset: xr.Dataset) -> None:
     if int(dataset["n_realisations"].max()) > 1:
         values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
     heading, loads = column(view, load)
-    print_table("load curve", {heading: loads}, values)
+    print_table(dataset.attrs["title"], {heading: loads}, values)
 
 
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
     view = _named(dataset)
-    names = [str(name) for name in ("prescribed_load", *dataset.data_vars)]
+    over = _over(dataset)
+    names = [str(name) for name in (over, *dataset.data_vars)]
     units = {
-        name: unit(view, _prescribed(dataset) if name == "prescribed_load" else name.removesuffix("_standard_error"))
+        name: unit(view, _prescribed(dataset) if name == over else name.removesuffix("_standard_error"))
         for name in names
     }
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
@@ -324,4 +368,9 @@ def _prescribed(dataset: xr.Dataset) -> str:
 
 def _named(dataset: xr.Dataset) -> xr.Dataset:
     """Return the dataset whose load has the name of what is prescribed."""
-    return dataset.assign({_prescribed(dataset): dataset["prescribed_load"]})
+    return dataset.assign({_prescribed(dataset): dataset[_over(dataset)]})
+
+
+def _over(dataset: xr.Dataset) -> str:
+    """Return the dim of a curve."""
+    return "time" if "time" in dataset.dims else "prescribed_load"

@@ -44,10 +44,13 @@ WORDS = {
     "kappa_r": "kappa_r",
     "plastic_area_fraction": "plastic area fraction",
     "mean_plastic_depth": "mean plastic depth",
+    "mean_worn_depth": "mean worn depth",
     "mean_tangential_traction": "mean tangential traction",
     "mean_tangential_traction_y": "mean tangential traction along y",
     "stick_fraction": "sticking share",
     "energy_lost": "energy lost",
+    "time": "time",
+    "time_error": "error of time",
     "hysteresis": "hysteresis",
     "pull_off_pressure": "pull-off pressure",
     "residual": "residual",
@@ -56,7 +59,10 @@ _PRESSURES = {"mean_pressure", "peak_pressure", "pull_off_pressure"} | {
     "mean_tangential_traction",
     "mean_tangential_traction_y",
 }
-_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "approach", "mean_gap", "mean_plastic_depth"}
+_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "approach", "mean_gap"} | {
+    "mean_plastic_depth",
+    "mean_worn_depth",
+}
 _ENERGIES = {"elastic_energy", "energy_lost", "hysteresis"}
 
 

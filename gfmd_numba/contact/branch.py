@@ -175,7 +175,7 @@ def _advance(
     jumps = least - gained > negligible
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost + yielded, np.nan)]
-    halfway = start.problem.step.halfway_to(problem.step)
+    halfway = start.problem.step.towards(problem.step, 0.5)
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
         at = Followed(lost + yielded, halfway.load, jump_sliding=halfway.sliding[0])

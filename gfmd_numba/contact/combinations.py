@@ -86,6 +86,34 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
+def _in_time() -> Iterator[Refusal]:
+    """What bodies that creep and surfaces that wear do not go with yet, and what only they need."""
+    not_yet = {
+        "rough bodies": "a rigid punch on one smooth body",
+        "hardness": "a hard_wall without hardness",
+        "normal law": "a hard_wall alone",
+        "cohesive law": "a hard_wall alone",
+        "friction": "no friction",
+        "limits": "no limits",
+        "accuracy": "no `gfmd accuracy`",
+    }
+    of_bodies = {
+        "prescribed": "a contact",
+        "boundary": "no boundary",
+        "layers": "a body of one material",
+        "single": "'double'",
+    }
+    for feature, allowed in not_yet.items():
+        yield Refusal("wear", feature, f"{allowed} with a wear: this is not built yet", "not built yet")
+    for feature, allowed in (not_yet | of_bodies).items():
+        told = f"{allowed} with a relaxation of a body: this is not built yet"
+        yield Refusal("relaxation", feature, told, "not built yet")
+    for feature in ("duration", "time_tolerance"):
+        nothing = "nothing without a relaxation of the body, as nothing else takes time"
+        yield Refusal("elastic bodies", feature, nothing, "without effect")
+    yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
+
+
 REFUSALS = (
     Refusal(
         "dimension 2",
@@ -124,7 +152,7 @@ REFUSALS = (
         "a finite number of at least 0, as nothing acts across an open gap",
         "physics",
     ),
-    Refusal("contact without drag", "sliding", "nothing without friction or a cohesive law", "physics"),
+    Refusal("contact without drag", "sliding", "nothing without friction, a cohesive law or wear", "physics"),
     Refusal("half-space", "sliding", f"nothing without a finite aspect_ratio, {_NO_REFERENCE}", "physics"),
     Refusal("layers on a half-space", "sliding", f"nothing without base rigid, {_NO_REFERENCE}", "physics"),
     Refusal(
@@ -143,6 +171,7 @@ REFUSALS = (
     ),
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
+    *_in_time(),
     Refusal(
         "loaded by tractions alone",
         "single",
@@ -225,8 +254,15 @@ PHRASES = {
     "boundary": "prescribed tractions under a punch",
     "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
-    "contact without drag": "no friction and no cohesive law",
+    "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no exponential and no cohesive law",
+    "duration": "the `duration` of a load or a step",
+    "elastic bodies": "bodies without `relaxation`",
+    "layers": "`layers`",
+    "no sliding": "a path without `sliding`",
+    "relaxation": "a viscoelastic body (`relaxation`)",
+    "time_tolerance": "`time_tolerance`",
+    "wear": "wear of the punch (`wear`)",
     "dimension 1": "a profile (`dimension: 1`)",
     "dimension 2": "a map (`dimension: 2`)",
     "displacement": "a prescribed displacement of the punch",

@@ -22,19 +22,18 @@ from gfmd_numba.contact.dataset import (
     refuse_nonfinite,
 )
 from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.evaluation import gap, measure, recorded_of
 from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OF_PUNCH,
     OF_SUM,
     ROUGH_BODY_OBSERVABLES,
-    recorded,
     recorded_along,
 )
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, Sliding, contact_modulus, elastic_body, reduced_pressure
+from gfmd_numba.contact.scales import SLIDING, Sliding, contact_modulus, elastic_body, reduced_pressure, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
@@ -102,7 +101,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     unit = Units.of(scene, rms_gradient)
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None and not any(problem.ends):
-        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem)
+        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem) / contact.change.factor
     if contact.change.out is not None:
         displacement = displacement + contact.change.out[0]
     fields = {
@@ -114,6 +113,8 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
     if problem.interface.hardness is not None:
         of_punch = "depth by which the punch has been flattened, kept when it is unloaded"
         fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
+    if problem.wear_rate is not None:
+        fields["worn_depth"] = "height", "depth by which the punch has worn", contact.memory["worn"][0]
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
     if problem.tractions is not None:
         given = *problem.tractions.tangential, problem.tractions.normal
@@ -127,7 +128,7 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
     measures = measure(contact)
-    for name, row in recorded(problem.interface.hardness is not None, problem.ends, problem.has_form).items():
+    for name, row in recorded_of(contact).items():
         variables[name] = unit.measure(name, row, measures[name][0])
     if contact.equilibrium.growing_wave is not None:
         attributes = cf_attributes("index of the wave that grew most before it was unstable")
@@ -301,6 +302,8 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     for scene, sliding in given.steps:
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
+    if given.file.scene.body.relaxation is not None:
+        found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
@@ -311,5 +314,5 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
 def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
     load = reduced_pressure(scene, rms_gradient)
     reduced = {} if load is None else {"reduced_pressure": load}
-    own = {name: float(value) for name, value in scene.loading if value is not None}
+    own = {scene.loading.control: float(getattr(scene.loading, scene.loading.control))}
     return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

@@ -110,6 +110,7 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
         "line_load": cf_attributes(LINE_LOAD, "N m-1"),
         "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
+        "time": cf_attributes("time since the first load began to act", "s"),
         "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
         "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
     }

@@ -14,6 +14,7 @@ from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thi
 from gfmd_numba.contact.scales import contact_modulus
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
+from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
@@ -30,10 +31,22 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_beyond_small_strains, _at_the_edge, _past_asperities, _overlap, _rounded_heights)
+    each = (_coarse_times, _beyond_small_strains, _at_the_edge, _past_asperities, _overlap, _rounded_heights)
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
+
+
+def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about steps in time whose divisions do not reach the tolerance, nothing for others."""
+    tolerance = given.file.numerics.time_tolerance or TIME_TOLERANCE
+    error = float(dataset["time_error"].max()) if "time_error" in dataset else 0.0
+    if not error > tolerance:
+        return ""
+    return (
+        f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
+        f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
+    )
 
 
 def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:

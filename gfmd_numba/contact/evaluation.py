@@ -350,6 +350,16 @@ def plastic_work(contact: Contact) -> Reals:
     return mean_of_nodes(contact.equilibrium.pressure * contact.flattened)
 
 
+def mean_worn_depth(contact: Contact) -> Reals:
+    """Mean depth in g L_x that the punch has worn by since it was first loaded `[realisation]`."""
+    return mean_of_nodes(np.asarray(contact.memory["worn"]))
+
+
+def time_error(contact: Contact) -> Reals:
+    """Relative error by the divisions of time of all steps so far `[realisation]`."""
+    return np.full(len(contact.heights), contact.time_error)
+
+
 def full_contact_pressure(contact: Contact) -> Reals:
     """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
     if contact.ends:
@@ -367,8 +377,11 @@ def elastic_energy(contact: Contact) -> Reals:
     """Elastic energy per nominal area of what the punch adds to the deformation, in g^2 E* L_x `[realisation]`.
 
     That of all waves but the mean, -<p (u - <u>)> / 2 by Clapeyron, and <tau (v - <v>)> / 2 of each tangential one.
-    Without a period it is all the energy, -<p u> / 2.
+    Without a period it is all the energy, -<p u> / 2. That of a viscoelastic body is what its springs store.
     """
+    springs = contact.memory.get("springs")
+    if springs is not None:
+        return np.asarray(springs.energy(contact.approach is None))
     along = tuple(range(1, contact.heights.ndim))
     u, tangential = contact.equilibrium.displacement, contact.equilibrium.tangential
     if contact.approach is None:
@@ -396,10 +409,16 @@ def _periods(contact: Contact) -> tuple[float, ...]:
     return (1.0,) * (contact.heights.ndim - 1)
 
 
+def recorded_of(contact: Contact) -> dict[str, Observable]:
+    """Rows of all observables that a contact has."""
+    remembered = () if contact.before is None else contact.before.memory
+    has_hardness = contact.equilibrium.plastic is not None
+    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
+
+
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
-    found = contact.equilibrium
-    rows = recorded(found.plastic is not None, contact.ends, contact.form is not None)
+    found, rows = contact.equilibrium, recorded_of(contact)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         values = {name: _value(name, row, contact) for name, row in rows.items()}
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}

@@ -30,18 +30,11 @@ _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
 
 
-def response(
-    shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...], factor: float = 1.0
-) -> SpectralResponse:
-    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple.
-
-    It is stiffer by a factor than the body.
-    """
+def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...]) -> SpectralResponse:
+    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
     if not all(ends):
-        found = free_body.response_along_y(shape)
-    else:
-        found = free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
-    return found.scaled(factor)
+        return free_body.response_along_y(shape)
+    return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
 def padded(

@@ -5,17 +5,19 @@ The solution is a fold over the steps of the path. The contact is recorded at ev
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from math import isinf, isnan, nan
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.contact import branch, solution, two_step
+from gfmd_numba.contact import branch, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.surfaces import SummedSurface
@@ -30,11 +32,19 @@ def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed
         state, solve = two_step.begin(problem, realisation), two_step.solve
     else:
         state = solution.begin(problem, range(realisation, realisation + 1))
-        solve = branch.follow if problem.path and branch.is_followed(problem) else solution.solve
+        solve = _follower(problem)
     for at_load in problem.at_each_load:
         solved = solve(at_load, state)
         yield solved
         state = solved.after
+
+
+def _follower(problem: Problem) -> Callable[[Problem, State], Contact]:
+    """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
+    takes_time = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
+    if takes_time and problem.time_tolerance is not None:
+        return partial(time_steps.follow, tolerance=problem.time_tolerance / takes_time)
+    return branch.follow if problem.path and branch.is_followed(problem) else solution.solve
 
 
 Measures = dict[str, npt.NDArray[Any]]
@@ -52,6 +62,7 @@ class PathRecord:
     _least: list[float] = field(default_factory=list)  # mean pressure on the way to a step
     _pressures: list[float] = field(default_factory=list)  # mean pressure at its end
     _balance: Balance | None = None
+    _dissipated: float = 0.0  # by the dashpots of a viscoelastic body
 
     def add(self, problem: Problem, solved: Contact | Pressed, is_ok: bool) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
@@ -68,11 +79,13 @@ class PathRecord:
         lost = 0.0 if before is None else self._balance.lost(before)
         if contact.followed is not None:
             lost = contact.followed.lost
+        elif (springs := contact.memory.get("springs")) is not None:
+            lost, self._dissipated = float(springs.dissipated[0]) - self._dissipated, float(springs.dissipated[0])
         elif problem.interface.hardness is not None:
             lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
         jumps = contact.followed is not None and not isnan(contact.followed.jump_at)
         yielded = 0.0 if problem.interface.hardness is None else float(plastic_work(contact)[0])
-        self._certain.append(max(lost, 0.0) if jumps else yielded)
+        self._certain.append(max(lost, 0.0) if jumps or problem.relaxation is not None else yielded)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
         self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
@@ -135,7 +148,7 @@ def measured(problem: Problem, realisations: range) -> Measures:
     if problem.path:
         rows = [_along(problem, realisation) for realisation in realisations]
         return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    if problem.rough is None:
+    if problem.rough is None and not problem.duration:
         return measure(solve(problem, realisations))
     found = [_measure(problem, next(solve_path(problem, realisation))) for realisation in realisations]
     return {name: np.concatenate([each[name] for each in found]) for name in found[0]}
@@ -143,7 +156,8 @@ def measured(problem: Problem, realisations: range) -> Measures:
 
 def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
-    rows = recorded(problem.interface.hardness is not None, problem.ends, problem.has_form)
+    remembered = [process.name for process in processes_of(problem)]
+    rows = recorded(problem.interface.hardness is not None, problem.ends, problem.has_form, remembered)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 

@@ -32,7 +32,18 @@ class Observable:
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
     needs: Literal[
-        "", "hardness", "form", "period", "window", "drag", "drag of maps", "friction", "loss", "tension"
+        "",
+        "hardness",
+        "springs",
+        "worn",
+        "form",
+        "period",
+        "window",
+        "drag",
+        "drag of maps",
+        "friction",
+        "loss",
+        "tension",
     ] = ""
 
     @property
@@ -86,6 +97,16 @@ OBSERVABLES = {
     ),
     "mean_plastic_depth": Observable(
         "contact", "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"
+    ),
+    "mean_worn_depth": Observable(
+        "contact", "height", "mean depth by which the punch has worn", needs="worn", held="height"
+    ),
+    "time_error": Observable(
+        "contact",
+        "1",
+        "relative error of pressures and displacements by the divisions of time, of all steps so far",
+        needs="springs",
+        no_limit=_OF_AN_ERROR,
     ),
     "kappa_edges": Observable(
         "contact",
@@ -198,10 +219,16 @@ OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 
-def recorded(hardness: bool, ends: tuple[bool, ...] = (), form: bool = False) -> dict[str, Observable]:
-    """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch."""
+def recorded(
+    hardness: bool, ends: tuple[bool, ...] = (), form: bool = False, remembered: Collection[str] = ()
+) -> dict[str, Observable]:
+    """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
+
+    Processes have the names of what is `remembered` of them.
+    """
     period, window = not ends or not all(ends), any(ends)
     has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
+    has |= {name: name in remembered for name in ("springs", "worn")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 
@@ -224,7 +251,8 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": ((interface.couples or attracts) and not higher_orders)
+        "loss": any(body.relaxation is not None for body in scene.deformable)
+        or ((interface.couples or attracts) and not higher_orders)
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,
     }

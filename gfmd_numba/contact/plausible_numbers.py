@@ -41,8 +41,13 @@ _OF_LAWS = Common(1e-10, 1e-5, "shorter than an atom", "longer than forces betwe
 _OF_FORMS = Common(1e-9, 1.0, "sharper than any tip", "more than 1 m", ("mm", "um", "nm"))
 _OF_PUNCHES = Common(1e-13, 1e-2, "less than a thousandth of an atom", "more than 1 cm", ("um", "nm"))
 Given = tuple[Location, float, Quantity]
+_OF_BODIES = Common(1e5, 2e12, "softer than rubber", "stiffer than diamond", ("GPa", "MPa", "kPa"))
+_OF_TIMES = Common(1e-12, 1e10, "shorter than atoms vibrate", "longer than a century", ("min", "h"))
 COMMON = {
-    "youngs_modulus": Common(1e5, 2e12, "softer than rubber", "stiffer than diamond", ("GPa", "MPa", "kPa")),
+    "youngs_modulus": _OF_BODIES,
+    "modulus": _OF_BODIES._replace(low=1.0, below="softer than any gel"),
+    **dict.fromkeys(("time", "duration"), _OF_TIMES),
+    "rate": Common(1e-20, 1e-9, "less than any material wears", "more than chalk wears", ("mm^2/N", "mm^3/N/m")),
     "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
     "work_of_adhesion": Common(1e-4, 10.0, "weaker than van der Waals forces", "stronger than a glue", ("mJ/m^2",)),
     "range": _OF_LAWS,

@@ -22,6 +22,7 @@ from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import generators, statistics
@@ -78,9 +79,11 @@ class Problem:
     """Heights in g L_x, stresses in g E*; one of the two loads is None.
 
     `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
-    has the bodies, and the surface is the sum of theirs. `processes` happen in addition to what a hardness and the
-    tractions do. `sliding` of the punch (none: 0) and `duration` are those of the load, as in a `LoadStep`. A
-    surface that is not `periodic` is a window, around which the body is free; "y": on both sides along x alone.
+    has the bodies, and the surface is the sum of theirs. A viscoelastic body has a `relaxation`, the modulus of the
+    relaxed body being that of E*, and an error of `time_tolerance` along the path. A punch wears by `wear_rate` (in
+    1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0) and `duration`
+    are those of the load, as in a `LoadStep`. A surface that is not `periodic` is a window, around which the body is
+    free; "y": on both sides along x alone.
     """
 
     surface: Surface
@@ -97,6 +100,9 @@ class Problem:
     sliding: tuple[float, ...] = ()
     duration: float = 0.0
     periodic: bool | Literal["y"] = True
+    relaxation: PronySeries | None = None
+    time_tolerance: float | None = None
+    wear_rate: float | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -161,6 +167,9 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.periodic is not True:
             content["periodic"] = self.periodic
+        for name in ("relaxation", "time_tolerance", "wear_rate"):
+            if getattr(self, name) is not None:
+                content[name] = repr(getattr(self, name))
         if self.processes:
             content["processes"] = [repr(each) for each in self.processes]
         if any(self.sliding) or self.duration:

@@ -1,4 +1,4 @@
-"""The processes of scenes: what a hardness and prescribed tractions do to the steps of a path."""
+"""The processes of scenes: what hardness, wear, slow bodies and prescribed tractions do to steps."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.relaxation import Relaxation
 from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
 
 
@@ -59,11 +60,38 @@ class Deflection:
         return moved
 
 
+@dataclass(frozen=True)
+class Wear:
+    """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times the way of the punch.
+
+    It remembers the depth `[realisation, (y,) x]` in g L_x. What a step wears off depends on the pressure at its end,
+    so that no step is too long: the load finds its way to nodes that have not worn.
+    """
+
+    rate: float
+    name: ClassVar[str] = "worn"
+
+    def begin(self, shape: tuple[int, ...]) -> Reals:
+        """Nothing is worn yet."""
+        return np.zeros(shape)
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """The wall is lower where it has worn, and yields to the pressure of the step."""
+        return Change(wall=state.memory[self.name], yields=self.rate * state.way(step))
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
+        """Depths grow by what the step wears off."""
+        depth: Reals = state.memory[self.name] + solved.change.yields * solved.equilibrium.pressure
+        return depth
+
+
 def processes_of(problem: Problem) -> tuple[Process, ...]:
     """All that happens to the steps of a problem, and its own processes last."""
     dents = () if problem.interface.hardness is None else (Dents(),)
     deflection = () if problem.tractions is None else (Deflection(problem),)
-    return *dents, *deflection, *problem.processes
+    relaxation = () if problem.relaxation is None else (Relaxation(problem),)
+    wear = () if problem.wear_rate is None else (Wear(problem.wear_rate),)
+    return *dents, *deflection, *relaxation, *wear, *problem.processes
 
 
 def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:

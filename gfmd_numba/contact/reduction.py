@@ -11,7 +11,16 @@ from functools import lru_cache
 import numpy as np
 
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
-from gfmd_numba.contact.scales import compliance_share, contact_modulus, elastic_body, reduced_load, stiffness_scale
+from gfmd_numba.contact.scales import (
+    compliance_share,
+    contact_modulus,
+    elastic_body,
+    reduced_duration,
+    reduced_load,
+    relaxation,
+    stiffness_scale,
+    wear_rate,
+)
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli, stiffness
@@ -19,6 +28,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
+from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.table import SOLVERS, Options, automatic
 
@@ -54,7 +64,8 @@ def reduce(
     interface, interactions = _interface(scene.interface, given, facing, may_slip, period, modulus, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
-    mean_matters = displacement is not None or any(scene.ends)
+    memory = relaxation(scene)
+    mean_matters = displacement is not None or any(scene.ends) or memory is not None
     body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
     options = _options(numerics, scene.dimension, interface.abilities)
     counter = None
@@ -79,8 +90,18 @@ def reduce(
         counter,
         rough=rough,
         periodic=scene.periodic,
+        duration=reduced_duration(scene),
+        relaxation=memory,
+        time_tolerance=None if memory is None else numerics.time_tolerance or TIME_TOLERANCE,
+        wear_rate=wear_rate(scene, rms_gradient),
     )
+    interactions += _slow_effects(scene)
     return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
+
+
+def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
+    """What became of the effects that remember the past."""
+    return _as_asked("relaxation", scene.body.relaxation), _as_asked("wear", scene.interface.wear)
 
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share

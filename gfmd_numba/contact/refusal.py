@@ -88,6 +88,8 @@ def _features(
 def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
     if numerics.precision == "single":
         yield "single", ("numerics", "precision")
+    if numerics.time_tolerance is not None:
+        yield "time_tolerance", ("numerics", "time_tolerance")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:
@@ -107,6 +109,13 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
         yield "plane stress", ("scene", "body", "state")
     if not scene.follows_topography:
         yield "smooth bodies", ("scene", "body")
+    of_time = [name for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False) if body.relaxation is not None]
+    yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
+    if not of_time:
+        yield "elastic bodies", ("scene", "body")
+    for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
+        if body.layers is not None:
+            yield "layers", ("scene", name, "layers")
     for place, surface in scene.surfaces.items():
         if getattr(surface, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", *place, "anisotropy")
@@ -126,10 +135,17 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     if _has_hardness(scene, grid):
         yield "hardness", ("scene", "interface", "hard_wall", "hardness")
     yield from (("sticking", location) for location in _infinite_friction(scene, grid))
-    if not scene.interface.couples:
+    if not scene.interface.couples and scene.interface.wear is None:
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
         yield "contact without reach", ("scene", "interface")
+    yield from _of_time(scene, path)
+    if scene.counter_body is not None:
+        yield "rough bodies", ("scene", "counter_body")
+    elif scene.follows_topography:
+        yield "rough bodies", ("scene", "body", "roughness")
+    if scene.boundary is not None:
+        yield "boundary", ("scene", "boundary")
     yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
     yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
@@ -140,6 +156,17 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
+    """What takes time, or depends on how far the punch has slid."""
+    if scene.loading.duration is not None:
+        yield "duration", ("scene", "loading", "duration")
+    yield from (("duration", ("path", i, "duration")) for i, step in enumerate(path) if step.duration is not None)
+    if scene.interface.wear is not None:
+        yield "wear", ("scene", "interface", "wear")
+        if all(step.sliding is None and step.sliding_y is None for step in path):
+            yield "no sliding", ("path",)
 
 
 def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -183,10 +210,12 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         if getattr(scene.loading, load) is not None:
             yield load, ("scene", "loading", load)
     for i, step in enumerate(path):
+        # how far a punch has slid that wears and nothing drags on, a half-space need not know
+        drags = ("sliding",) if scene.interface.wear is None else ()
         if step.sliding is not None:
-            yield "sliding", ("path", i, "sliding")
+            yield from ((feature, ("path", i, "sliding")) for feature in drags)
         if step.sliding_y is not None:
-            yield from ((feature, ("path", i, "sliding_y")) for feature in ("sliding", "sliding_y"))
+            yield from ((feature, ("path", i, "sliding_y")) for feature in (*drags, "sliding_y"))
         if (step.displacement or 0.0) < 0.0:
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:
@@ -216,12 +245,6 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
     if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
         yield "slab", ("scene", "body")
     yield from _slabs_without_a_period(scene, grid)
-    if scene.counter_body is not None:
-        yield "rough bodies", ("scene", "counter_body")
-    elif scene.follows_topography:
-        yield "rough bodies", ("scene", "body", "roughness")
-    if scene.boundary is not None:
-        yield "boundary", ("scene", "boundary")
     if scene.interface.couples and scene.body.layers is None:
         for i, nu in enumerate(grid.get("poissons_ratio", ())):
             if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:

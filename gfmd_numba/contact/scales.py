@@ -6,11 +6,13 @@ A hardness bears less mean pressure than that at which every node would be plast
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import accumulate
 
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
+from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.scene import Body, Document, Interface, LoadedBody, Random, Scene
 from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
@@ -72,6 +74,37 @@ def stiffness_scale(scene: Scene | LoadedBody) -> float:
     return rounded(contact_modulus(scene) * softness)
 
 
+def longest_time(scene: Scene) -> float:
+    """Longest relaxation time of a scene in s, in which durations count; 1 s without one."""
+    return max((branch.time for branch in scene.body.relaxation or ()), default=1.0)
+
+
+def reduced_duration(scene: Scene) -> float:
+    """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
+    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
+
+
+def times_of(steps: Iterable[Scene]) -> list[float]:
+    """Times in s at the end of steps, whose scenes have the durations of their loadings."""
+    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
+
+
+def relaxation(scene: Scene) -> PronySeries | None:
+    """Branches of the body over its relaxed modulus and the longest time, to 12 digits; None of an elastic one."""
+    branches = scene.body.relaxation
+    if branches is None:
+        return None
+    relaxed, longest = scene.body.surface_modulus or 1.0, longest_time(scene)
+    moduli = tuple(rounded(branch.modulus / relaxed) for branch in branches)
+    return PronySeries(moduli, tuple(rounded(branch.time / longest) for branch in branches))
+
+
+def wear_rate(scene: Scene, rms_gradient: float) -> float | None:
+    """Rate at which the punch wears in 1 / g E*, None if it does not."""
+    wear = scene.interface.wear
+    return None if wear is None else rounded(rounded(wear.rate * contact_modulus(scene)) * rms_gradient)
+
+
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 SLIDING = ("sliding", "sliding_y")
@@ -120,8 +153,8 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
 
     Raises ValueError as `reduced_pressure` does.
     """
-    load = reduced_load(scene, rms_gradient)
-    return LoadStep(load, tuple(reduced_length(way, scene, rms_gradient) for way in sliding))
+    ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
+    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:
@@ -132,7 +165,8 @@ def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Slidin
         changes = step.model_dump(exclude_none=True)
         asked = changes.pop("sliding", sliding[0]), changes.pop("sliding_y", sliding[-1])
         sliding = asked[: scene.dimension]
-        scene = scene.model_copy(update={"loading": scene.loading.model_copy(update=changes)})
+        loading = scene.loading.model_copy(update={"duration": None} | changes)
+        scene = scene.model_copy(update={"loading": loading})
         yield scene, sliding
 
 

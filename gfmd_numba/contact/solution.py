@@ -57,7 +57,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
-        response = _response(problem, change)
+        response = felt(_response(problem), change)
         equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
@@ -67,6 +67,10 @@ def solve(problem: Problem, state: State | range) -> Contact:
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
     of_waves = partial(condensed_stiffness, problem)
+    if change.yields > 0.0:  # the wall, and not the body
+        yielded = change.yields * equilibrium.pressure
+        equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
+        of_waves = partial(_stiffness_felt, problem, change)
     found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 
@@ -75,14 +79,14 @@ def _without_period(
     problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, laws, factor = punch.shape[1:], problem.interface, state.change(problem.step).factor
-    response = free_window.response(shape, laws, problem.body, problem.ends, factor)
+    shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
+    response = felt(free_window.response(shape, laws, problem.body, problem.ends), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
     shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        wide = free_window.padded(punch, load, laws, problem.ends, factor, farther)
+        wide = free_window.padded(punch, load, laws, problem.ends, change.factor, farther)
         found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
         around = free_window.touches_around(found, shape)
         if not around.any():
@@ -116,15 +120,24 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     return Start(displacement, moved, np.where(touching, moved - tangential.slip, np.nan), -tangential.slip)
 
 
-def _response(problem: Problem, change: Change) -> SpectralResponse:
+def felt(response: SpectralResponse, change: Change) -> SpectralResponse:
+    """Response of bodies that are stiffer by a factor, with a punch that yields."""
+    response = response.scaled(change.factor)
+    return response if change.yields == 0.0 else response.with_yielding(change.yields)
+
+
+def _response(problem: Problem) -> SpectralResponse:
     """Of all that deforms: of the normal displacement alone, or of all."""
     shape, counter = problem.surface.shape, problem.counter
     if not problem.interface.couples:
-        response = SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
-    else:
-        own = problem.body.response(shape)
-        response = own if counter is None else own.in_series(counter.body.response(shape), counter.share)
-    return response.scaled(change.factor)
+        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
+    own = problem.body.response(shape)
+    return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
+
+
+def _stiffness_felt(problem: Problem, change: Change, q: Reals) -> Reals:
+    """Stiffness of the deformable bodies and a punch that yields, at wave numbers q, in E*/L_x."""
+    return felt(SpectralResponse.of_normal(condensed_stiffness(problem, q)), change).normal
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -30,18 +30,20 @@ class LoadStep(NamedTuple):
     sliding: tuple[float, ...]
     duration: float = 0.0
 
-    def halfway_to(self, end: "LoadStep") -> "LoadStep":
-        """First half of the step from here to an end."""
-        sliding = tuple(0.5 * (here + there) for here, there in zip(self.sliding, end.sliding, strict=True))
-        return LoadStep(0.5 * (self.load + end.load), sliding, 0.5 * end.duration)
+    def towards(self, end: "LoadStep", share: float) -> "LoadStep":
+        """First share of the step from here to an end."""
+        rest = 1.0 - share
+        sliding = tuple(rest * here + share * there for here, there in zip(self.sliding, end.sliding, strict=True))
+        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration)
 
 
 @dataclass(frozen=True)
 class Change:
     """What a process does to a step; None is nothing, and costs nothing.
 
-    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material. The
-    surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
+    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material, and
+    moves by another `yields` (L_x/E*) times the pressure of a node that touches, as a punch does that wears in the
+    step. The surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
     `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`.
     The nodes have been carried along what they meet by `carried`, of the shape of `along`, and tangential tractions
     bear `lifted` of the mean pressure.
@@ -51,6 +53,7 @@ class Change:
     out: Reals | None = None
     along: Reals | None = None
     factor: float = 1.0
+    yields: float = 0.0
     carried: Reals | None = None
     lifted: float = 0.0
 
@@ -63,7 +66,8 @@ class Change:
         wall, out, along, carried = (
             _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
         )
-        return cls(wall, out, along, prod(each.factor for each in every), carried, sum(each.lifted for each in every))
+        factor, yields = prod(each.factor for each in every), sum(each.yields for each in every)
+        return cls(wall, out, along, factor, yields, carried, sum(each.lifted for each in every))
 
 
 NO_CHANGE = Change()
@@ -167,7 +171,8 @@ class Contact:
     `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
     `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
     displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
-    it is empty with a period. `found` is what observables have found.
+    it is empty with a period. `time_error` is the relative error by the divisions of time of all steps so far, 0 where
+    no step takes time. `found` is what observables have found.
     """
 
     heights: Reals
@@ -180,6 +185,7 @@ class Contact:
     stiffness: Callable[[Reals], Reals] = stiffness.half_space
     approach: Reals | None = None
     ends: tuple[bool, ...] = ()
+    time_error: float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property
@@ -208,6 +214,11 @@ class Contact:
         if self.equilibrium.plastic is None:
             return 0.0
         return np.maximum(self.equilibrium.displacement - self.punch, 0.0)
+
+    @property
+    def memory(self) -> Mapping[str, Any]:
+        """What processes remember after the step, by their names; nothing of a contact that no state came before."""
+        return {} if self.before is None else self.after.memory
 
     @property
     def plastic_depth(self) -> Reals | float:

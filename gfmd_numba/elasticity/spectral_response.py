@@ -185,6 +185,14 @@ class SpectralResponse:
             window = Window(window.shape, lambda index: factor * of_waves(index))
         return SpectralResponse(factor * self.elements, window)
 
+    def with_yielding(self, compliance: float) -> "SpectralResponse":
+        """Response of the normal displacement alone, with a wall that yields to the pressure at each node.
+
+        `compliance` is how far, in L_x/E*. A mean displacement that nothing restores stays so.
+        """
+        with np.errstate(divide="ignore"):
+            return self.of_normal(1.0 / (1.0 / self.normal + compliance))
+
     def principal(self) -> tuple[Reals, Reals]:
         """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""
         if self.components == 1:

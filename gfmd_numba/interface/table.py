@@ -6,6 +6,7 @@ scene read it too.
 
 from typing import get_args
 
-from gfmd_numba.scene.interface_records import Interface, Law
+from gfmd_numba.scene.interface_records import Interface, Law, LawRecord
 
-LAWS: dict[str, type[Law]] = {name: get_args(field.annotation)[0] for name, field in Interface.model_fields.items()}
+_FIELDS = {name: get_args(field.annotation)[0] for name, field in Interface.model_fields.items()}
+LAWS: dict[str, type[Law]] = {name: record for name, record in _FIELDS.items() if issubclass(record, LawRecord)}

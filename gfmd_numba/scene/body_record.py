@@ -5,7 +5,16 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Discriminator, Field, Tag, WithJsonSchema, model_validator
 
-from gfmd_numba.scene.quantities import RECORD, AspectRatio, Length, PoissonsRatio, Pressure, Size, broken_rule
+from gfmd_numba.scene.quantities import (
+    RECORD,
+    AspectRatio,
+    Duration,
+    Length,
+    PoissonsRatio,
+    Pressure,
+    Size,
+    broken_rule,
+)
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import in_unit_of
 
@@ -25,6 +34,14 @@ class Layer(Material):
     """Layer of one material, bonded to what is above and below it."""
 
     height: Length = Field(description="Height in m, or in L_x without a length")
+
+
+class Branch(BaseModel):
+    """Branch of a generalised Maxwell body: a spring and a dashpot in series, beside all other branches."""
+
+    model_config = RECORD
+    modulus: Pressure = Field(description="Young's modulus of the spring in Pa (in that of the body without moduli)")
+    time: Duration = Field(description="Relaxation time in s, after which its stress has fallen to 1/e")
 
 
 def _kind(given: Any) -> str:
@@ -61,6 +78,13 @@ class Body(BaseModel):
         "and wherever stresses count in E*, is then that of the first one, E/(1 - nu^2) in plane strain",
     )
     base: Base | None = Field(None, description="What layers rest on: rigid, or the material of a half-space")
+    relaxation: tuple[Branch, ...] | None = Field(
+        None,
+        strict=False,
+        min_length=1,
+        description="Branches of a viscoelastic body, whose youngs_modulus is then the relaxed one; its Poisson's "
+        "ratio is constant",
+    )
     stiffness_scale: Size = Field(
         1.0,
         description="Factor on the stiffness; 1 is right, and 2 repeats an error of the thesis's chapter 4",

@@ -19,6 +19,7 @@ _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at 
 _ARRAYS_OF_INCLINED_SURFACES = 56  # and more above order 0
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 _ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
+_ARRAYS_OF_A_BRANCH, _ARRAYS_OF_WEAR = 24, 8
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
 _FIELDS_WITHOUT_DRAG = 4
 ARRAYS_OF_A_SURFACE = 16  # that making a surface alone and its statistics may take
@@ -54,6 +55,12 @@ def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
     acting = set(laws)
     fields = _FIELDS[dimension] if acting & {"friction", "cohesive"} else _FIELDS_WITHOUT_DRAG
     return 2 * fields * (1 + steps) + (_ARRAYS_OF_STABILITY if "exponential" in acting else 0)  # joined: twice
+
+
+def arrays_of_memory(scene: Scene) -> int:
+    """Return how many more arrays the past of a scene takes: of a viscoelastic body, and of a punch that wears."""
+    branches = len(scene.body.relaxation or ())
+    return _ARRAYS_OF_A_BRANCH * branches + (_ARRAYS_OF_WEAR if scene.interface.wear is not None else 0)
 
 
 def beyond_memory(nodes: float, arrays: int, whose: str = "this") -> str:

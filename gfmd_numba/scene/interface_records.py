@@ -2,7 +2,7 @@
 
 Each law says what computes it and what it asks of a solver, whether its tractions are normal or tangential, whether
 they act across an open gap, whether they keep the bodies apart, and whether they need touching nodes. A field of
-`Interface` is the row of a law: `gfmd_numba.interface.table` reads it.
+`Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
 from typing import ClassVar, Self
@@ -15,6 +15,7 @@ from gfmd_numba.scene.quantities import (
     Length,
     Pressure,
     SignedWorkOfAdhesion,
+    WearRate,
     WorkOfAdhesion,
     broken_rule,
 )
@@ -98,6 +99,13 @@ class Friction(LawRecord):
     coefficient: FrictionCoefficient
 
 
+class Wear(BaseModel):
+    """Archard's law: the punch wears by a depth of rate times pressure times the way that it has slid."""
+
+    model_config = RECORD
+    rate: WearRate = Field(description="Depth over pressure and way in m^2/N (1/E* without moduli)")
+
+
 Law = HardWall | Exponential | Cohesive | Friction
 
 
@@ -109,11 +117,12 @@ class Interface(BaseModel):
     exponential: Exponential | None = Field(None, description="Finite-range attraction or repulsion")
     cohesive: Cohesive | None = Field(None, description="Attraction, repulsion and resistance to slip in one law")
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
+    wear: Wear | None = Field(None, description="Loss of material of the punch where it slides")
 
     @property
     def laws(self) -> dict[str, Law]:
         """The laws that act, by name."""
-        return {name: law for name, law in self if law is not None}
+        return {name: law for name, law in self if isinstance(law, Law)}
 
     @property
     def hardness(self) -> float | None:

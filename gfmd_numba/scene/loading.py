@@ -1,5 +1,6 @@
 """Records of the loading: what is prescribed, at first and after each step of a path."""
 
+from collections.abc import Iterator
 from typing import Self
 
 from pydantic import BaseModel, Field, model_validator
@@ -11,6 +12,7 @@ from gfmd_numba.scene.quantities import (
     MEAN_PRESSURE,
     RECORD,
     REDUCED_PRESSURE,
+    Duration,
     Force,
     LineLoad,
     Pressure,
@@ -18,7 +20,7 @@ from gfmd_numba.scene.quantities import (
     SignedLength,
     broken_rule,
 )
-from gfmd_numba.scene.units import quantities, respelt
+from gfmd_numba.scene.units import Quantity, quantities, respelt
 
 LOADS = ("reduced_pressure", "pressure", "line_load", "force")
 CONTROLS = (*LOADS, "displacement")
@@ -35,6 +37,9 @@ class Controls(BaseModel):
     force: Force | None = Field(None, description=FORCE_ON_A_MAP)
     displacement: SignedLength | None = Field(
         None, description="Punch displacement beyond first touch, in m if the scene has a length, else in L_x"
+    )
+    duration: Duration | None = Field(
+        None, description="Time in s over which the load changes evenly, from no load at first; None: at once"
     )
 
 
@@ -53,9 +58,14 @@ class Loading(Controls):
         return self
 
 
+def _loads() -> Iterator[tuple[str, Quantity]]:
+    """What may be prescribed with a unit."""
+    return ((name, quantity) for name, quantity in quantities(Loading).items() if name in CONTROLS)
+
+
 def control_of(load: str) -> str | None:
     """Name of the load that a number with a unit is, or None; `50 MPa` is a pressure."""
-    for name, quantity in quantities(Loading).items():
+    for name, quantity in _loads():
         try:
             if quantity.si_value(load) is not None:
                 return name
@@ -68,7 +78,7 @@ def load_meant(load: str) -> str:
     """How to write a number with a unit that is no load, or the unit that may be meant; nothing without a guess."""
     if hint := respelt(load):
         return hint
-    for quantity in quantities(Loading).values():
+    for _, quantity in _loads():
         try:
             quantity.si_value(load)
         except PydanticCustomError as error:
@@ -79,7 +89,7 @@ def load_meant(load: str) -> str:
 
 
 class Step(Controls):
-    """A change of the loading; what is left out stays as it is."""
+    """A change of the loading; what is left out stays as it is, and a step without duration happens at once."""
 
     sliding: SignedLength | None = Field(
         None,

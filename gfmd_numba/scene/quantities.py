@@ -12,6 +12,8 @@ from gfmd_numba.scene.units import (
     FORCE_PER_LENGTH,
     LENGTH,
     PRESSURE,
+    TIME,
+    WEAR_RATE,
     given_with_units,
 )
 
@@ -27,6 +29,8 @@ WorkOfAdhesion = Annotated[Size, ENERGY_PER_AREA]
 SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
+Duration = Annotated[Size, TIME]
+WearRate = Annotated[Size, WEAR_RATE]
 
 
 def _aspect_ratio(given: float) -> float:

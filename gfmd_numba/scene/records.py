@@ -287,6 +287,7 @@ def _tolerance(given: Any) -> Any:
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
 
 
+TIME_TOLERANCE = 1e-3
 SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
 
 
@@ -317,6 +318,13 @@ class Numerics(BaseModel):
     )
     effects: Tolerance = Field(
         1e-4, description="Largest relative change of kappa that leaving out an effect may cause"
+    )
+    time_tolerance: float | None = Field(
+        None,
+        gt=0,
+        le=0.1,
+        description="Largest relative error of pressures and displacements by the divisions of time along a path over "
+        f"a viscoelastic body; None: {TIME_TOLERANCE:g}",
     )
     precision: Literal["double", "single"] = Field("double", description="Precision of the solver's numbers")
     damping: Damping | None = Field(

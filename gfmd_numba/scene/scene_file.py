@@ -8,6 +8,7 @@ from typing import Any
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.checks import (
     arrays_of_a_loaded_body,
+    arrays_of_memory,
     arrays_of_path,
     arrays_per_realisation,
     check_anisotropy_fits,
@@ -86,7 +87,7 @@ def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
     if isinstance(file, SceneFile):
         laws = [*file.scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
         arrays = arrays_per_realisation(scene.dimension, laws, file.scene.ends)
-        arrays += arrays_of_path(scene.dimension, laws, len(file.path))
+        arrays += arrays_of_path(scene.dimension, laws, len(file.path)) + arrays_of_memory(file.scene)
     else:
         arrays = arrays_of_a_loaded_body(scene.dimension, file.slope_order)
     if file.discretisation is not None:

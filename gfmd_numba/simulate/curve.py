@@ -1,8 +1,11 @@
-"""The load curve of a scene: one warm-started path of loads for each realisation, and the mean of all."""
+"""The curve of a scene over loads, or over times: one warm-started path for each realisation, and the mean of all.
+
+A viscoelastic body creeps under the load of its scene, which is looked at after one time after another.
+"""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Any
 
 import numpy as np
@@ -23,6 +26,7 @@ from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import (
     RECORD,
     REDUCED_PRESSURE,
+    Duration,
     Force,
     LineLoad,
     Pressure,
@@ -42,6 +46,7 @@ RECORDED = (
     "peak_pressure",
     "n_segments",
     "elastic_energy",
+    "time_error",
     "status",
     "residual",
     "n_iterations",
@@ -60,6 +65,7 @@ SHOWN = (
     "peak_pressure",
     "n_segments",
     "elastic_energy",
+    "time_error",
 )
 _PRESSURES = {"reduced_pressure", "mean_pressure"}  # without an error where the scene prescribes them
 _METHOD = (
@@ -89,11 +95,19 @@ _LOADS = {  # by what a loading prescribes
     "force": _record(Force),
     "displacement": _record(SignedLength),
 }
+_TIME = "time"  # what is prescribed of a curve over times
+
+
+class _Times(_Curve):
+    loads: tuple[Duration, ...] = Field(min_length=1, max_length=10_000, strict=False, alias="times")
 
 
 @dataclass(frozen=True)
 class LoadCurve:
-    """The loads of a scene, as its loading prescribes them, and what each realisation is read from."""
+    """The loads of a scene, as its loading prescribes them, and what each realisation is read from.
+
+    A curve over `time` has times in s as its loads.
+    """
 
     given: ContactInput  # of the first realisation, at the loading of the file
     document: Document
@@ -102,16 +116,50 @@ class LoadCurve:
     realisations: int
 
 
-def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> LoadCurve:
-    """Check a scene and its loads; raises InputError, by the names of these arguments, for what makes no sense."""
+def read_times(file: SceneFile | BoundaryFile, document: Document, times: object, realisations: object) -> LoadCurve:
+    """Check a scene and times in s since its load began to act; raises InputError as `read_curve` does."""
+    file = _without_path(file, document)
+    asked = Document(None, "", {"times": _listed(times), "realisations": realisations})
+    if file.scene.body.relaxation is None:
+        raise asked.refused(("times",), "nothing without a relaxation of the body: give loads")
+    checked = validate(asked, _Times)
+    _check_order(asked, checked.loads, "times")
+    begun = file.scene.loading.duration or 0.0
+    if len(checked.loads) > 1 and checked.loads[1] < checked.loads[0]:
+        raise asked.error(("times", 1), checked.loads[1], "times that rise")
+    if checked.loads[0] <= begun:
+        raise asked.error(("times", 0), checked.loads[0], f"times after the duration of the loading, {begun:g} s")
+    _check_realisations(file, asked, checked.realisations)
+    return LoadCurve(read_contact(file, document), document, _TIME, checked.loads, checked.realisations)
+
+
+def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
+    """A scene file with its measured surfaces; raises InputError for one with a path, or without a punch."""
     if isinstance(file, BoundaryFile):
         raise InputError(document.line(("scene",), "a loaded body without a punch", "a contact, with a loading"))
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
         raise InputError(document.line(("path",), f"a path of {len(file.path)} steps", allowed))
-    file, _ = with_measured_surfaces(file, document)
-    if isinstance(loads, Iterable) and not isinstance(loads, str | bytes | Mapping):
-        loads = loads.tolist() if isinstance(loads, np.ndarray) else list(loads)
+    return with_measured_surfaces(file, document)[0]
+
+
+def _listed(values: object) -> object:
+    if isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping):
+        return values.tolist() if isinstance(values, np.ndarray) else list(values)
+    return values
+
+
+def _check_realisations(file: SceneFile, asked: Document, realisations: int) -> None:
+    if realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
+        raise asked.error(("realisations",), realisations, "1, as no surface of this scene is random")
+
+
+def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> LoadCurve:
+    """Check a scene and its loads; raises InputError, by the names of these arguments, for what makes no sense."""
+    file, loads = _without_path(file, document), _listed(loads)
+    if file.scene.body.relaxation is not None:
+        allowed = "times for a viscoelastic body, under the load of its scene, or a path whose steps have a duration"
+        raise InputError(f"loads: you gave {brief(loads)}; gfmd allows {allowed}")
     prescribed = _control(file.scene, loads)
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
@@ -119,9 +167,7 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     with located(asked):
         check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("loads",))
     _check_order(asked, checked.loads)
-    if checked.realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
-        allowed = "1, as no surface of this scene is random"
-        raise asked.error(("realisations",), checked.realisations, allowed)
+    _check_realisations(file, asked, checked.realisations)
     given = read_contact(loaded, document)
     if prescribed == "displacement":
         check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
@@ -158,11 +204,11 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
     return file.model_copy(update={"scene": file.scene.model_copy(update={"loading": loading})})
 
 
-def _check_order(asked: Document, loads: tuple[float, ...]) -> None:
+def _check_order(asked: Document, loads: tuple[float, ...], name: str = "loads") -> None:
     rises = len(loads) > 1 and loads[1] > loads[0]
     for i, (before, load) in enumerate(pairwise(loads)):
         if load == before or (load > before) != rises:
-            raise asked.error(("loads", i + 1), load, f"loads that all rise, or all fall, unlike {before:g} before it")
+            raise asked.error((name, i + 1), load, f"{name} that all rise, or all fall, unlike {before:g} before it")
 
 
 def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> SceneFile:
@@ -180,6 +226,9 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
     numbers = implausible(curve.given.file.scene)
+    if curve.prescribed == _TIME:
+        yield from _solve_times(curve, numbers)
+        return
     for i in range(curve.realisations):
         given = _given(curve, i)
         whole, _ = given.reduced
@@ -194,11 +243,32 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
             yield scalars.assign_attrs(solver=problem.numerics.solver, validity="\n".join(filter(None, sentences)))
 
 
+def _solve_times(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
+    """Scalars after each time, in SI units."""
+    begun = curve.given.file.scene.loading.duration or 0.0
+    path = tuple(Step(duration=end - start) for start, end in pairwise((begun, *curve.loads)))
+    for i in range(curve.realisations):
+        given = _realisation(curve, i)
+        given = replace(given, file=given.file.model_copy(update={"path": path}))
+        whole, _ = given.reduced
+        steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
+        for problem, solved in islice(steps, 1, None):
+            step = step_dataset(given, problem, solved)
+            sentences = (*numbers, doubts(given, whole, step))
+            attributes = {"solver": problem.numerics.solver, "validity": "\n".join(filter(None, sentences))}
+            yield step[[name for name in RECORDED if name in step]].assign_attrs(attributes)
+
+
 def _given(curve: LoadCurve, i: int) -> ContactInput:
     """What the file gives for one of the realisations, with a path that approaches each load over a short step."""
+    given = _realisation(curve, i)
+    return replace(given, file=_with_path(given.file, curve.prescribed, _approached(curve)))
+
+
+def _realisation(curve: LoadCurve, i: int) -> ContactInput:
+    """What the file gives for one of the realisations."""
     file = curve.given.file.model_copy(update={"realisation": curve.given.file.realisation + i})
-    given = curve.given if i == 0 else read_contact(file, curve.document)
-    return replace(given, file=_with_path(file, curve.prescribed, _approached(curve)))
+    return curve.given if i == 0 else read_contact(file, curve.document)
 
 
 def _approached(curve: LoadCurve) -> tuple[float, ...]:
@@ -241,6 +311,12 @@ def load_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     return curve_dataset(curve, list(solve_curve(curve)))
 
 
+def creep_curve(file: SceneFile | BoundaryFile, document: Document, times: object, realisations: object) -> xr.Dataset:
+    """Observables over `time` in SI units; raises InputError. The `status` says which runs failed."""
+    curve = read_times(file, document, times, realisations)
+    return curve_dataset(curve, list(solve_curve(curve)))
+
+
 def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     """One row a load of what was solved, all or the beginning of it: columns `[prescribed_load]` in SI units.
 
@@ -271,13 +347,13 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     dataset.attrs = {
         **found.attrs,
         "Conventions": CONVENTIONS,
-        "title": "load curve",
+        "title": "load curve" if curve.prescribed != _TIME else "creep curve",
         "scene": curve.given.file.model_dump_json(),
         "prescribed": curve.prescribed,
     }
     if len(solved) < len(curve.loads) * curve.realisations:
         dataset.attrs["interrupted"] = _finished(curve, found)
-    return dataset
+    return dataset if curve.prescribed != _TIME else dataset.rename(prescribed_load=_TIME)
 
 
 def _standard_error(values: xr.DataArray) -> xr.DataArray:
@@ -299,7 +375,8 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
         whole = "one period" if scene.periodic is True else "the window"
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
-    found["contact_stiffness"].attrs = _stiffness_attributes(scene)
+    if "contact_stiffness" in found:
+        found["contact_stiffness"].attrs = _stiffness_attributes(scene)
 
 
 def _stiffness_attributes(scene: Scene) -> dict[str, Any]:

@@ -67,6 +67,9 @@ WRITTEN = {
     "contact": _contact,
     "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
     "load curve": lambda: gfmd_numba.load_curve(FILE, [0.1, 0.2]),
+    "creep curve": lambda: gfmd_numba.creep_curve(
+        FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}, [0.1, 1.0]
+    ),
     "statistics of a contact": lambda: gfmd_numba.contact_statistics(_contact()),
     "leakage": lambda: leakage(_map()),
     "conductance": lambda: gfmd_numba.contact_conductance(_map()),

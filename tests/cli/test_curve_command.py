@@ -159,3 +159,21 @@ def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
     for i in range(1, 5):
         assert f"busy     solving loads, {i} of 4 done\n" in done.stderr
+
+
+def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):
+    soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
+    (tmp_path / "creep.yaml").write_text(soft)
+    done = gfmd("curve", tmp_path / "creep.yaml", "--times", "1s:1min:3", "-o", tmp_path / "c.nc")
+    assert done.exit_code == 0, done.output
+    columns, units = table(tmp_path / "c.csv")
+    np.testing.assert_allclose(columns["time"], [1.0, 60.0**0.5, 60.0])
+    assert units["time"] == "s"
+    assert done.stdout.count("creep curve") == 1
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
+
+
+@pytest.mark.parametrize("options", [[], ["--loads", "1e-2,1e-1", "--times", "1,2"], ["--times", "1 m,2 m"]])
+def test_a_curve_is_over_loads_or_times(scene, tmp_path, options):
+    assert "gfmd allows" in unfolded(refused("curve", scene, *options, "-o", tmp_path / "c.nc"))

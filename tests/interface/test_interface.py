@@ -195,7 +195,7 @@ path: []
         (
             "path: []",
             "path: [{sliding: 1e-7}]",
-            "9:18: path[0].sliding: you gave 1e-07; gfmd allows nothing without friction or a cohesive law",
+            "9:18: path[0].sliding: you gave 1e-07; gfmd allows nothing without friction, a cohesive law or wear",
         ),
         (
             "path: []",

@@ -52,6 +52,22 @@ def test_a_scene_is_refused_exactly_where_its_arrays_do_not_fit(law, steps, arra
         loaded(law, steps)
 
 
+@pytest.mark.parametrize(
+    ("changes", "arrays"),
+    [
+        ({"body": {"poissons_ratio": 0.3, "relaxation": [{"modulus": 1.0, "time": 1.0}] * 2}}, 72),
+        ({"interface": {"hard_wall": {}, "wear": {"rate": 1.0}}}, 32),
+    ],
+)
+def test_what_remembers_its_past_takes_more(changes, arrays, memory):
+    whole = FILE | {"scene": FILE["scene"] | changes}
+    memory(arrays)
+    load_scene(whole)
+    memory(arrays - 1)
+    with pytest.raises(InputError, match="GB of memory"):
+        load_scene(whole)
+
+
 def test_a_long_path_takes_more_than_its_steps_do_alone(memory):
     memory(256)
     loaded("friction")

@@ -136,7 +136,7 @@ def test_a_campaign_of_maps_varies_friction(tmp_path):
     ("path", "changes", "said"),
     [
         ([{"sliding_y": 1e-9}], {"dimension": 1}, "nothing with dimension 1; sliding_y needs dimension 2"),
-        ([{"sliding_y": 1e-9}], {"interface": {"hard_wall": {}}}, "nothing without friction or a cohesive law"),
+        ([{"sliding_y": 1e-9}], {"interface": {"hard_wall": {}}}, "nothing without friction, a cohesive law or wear"),
         (
             [{"sliding_y": 1e-9}],
             {"body": {"youngs_modulus": 1e9, "poissons_ratio": 0.3}},

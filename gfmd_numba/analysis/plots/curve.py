@@ -1,4 +1,4 @@
-"""Figure of a load curve: area, mean gap, stiffness and peak pressure over the load."""
+"""Figures of curves: area, mean gap and peak pressure over the load, with the stiffness, or over the time."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CURVE, UnusableDataError
+from gfmd_numba.analysis.forms import CREEP, CURVE, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix
 from gfmd_numba.arrays import Reals
 
@@ -19,6 +19,7 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
+_IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANELS[3])
 
 
 @checked
@@ -37,10 +38,29 @@ def plot_curve(dataset: Annotated[xr.Dataset, CURVE]) -> Figure:
         if by_pressure
         else (dataset["prescribed_load"], "Punch displacement", "L_x")
     )
+    return _drawn(dataset, over, label, natural, _PANELS)
+
+
+@checked
+def plot_creep(dataset: Annotated[xr.Dataset, CREEP]) -> Figure:
+    """Draw a creep curve of `gfmd curve --times` over the time.
+
+    Times that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
+    dataset that is no creep curve, or has no time with a result.
+    """
+    dataset = dataset.isel(time=dataset["n_realisations"].values > 0)
+    if not dataset.sizes["time"]:
+        raise UnusableDataError("you gave no time with a result; gfmd allows a creep curve with runs that are ok")
+    return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME)
+
+
+def _drawn(
+    dataset: xr.Dataset, over: xr.DataArray, label: str, natural: str, panels: tuple[tuple[str, str, str, bool], ...]
+) -> Figure:
     factor, unit = prefix(over, natural)
     with mpl.rc_context(STYLE):
         figure = Figure((9.6, 6.6), dpi=150, layout="constrained")
-        for axis, (name, text, free, logarithmic) in zip(figure.subplots(2, 2, sharex=True).flat, _PANELS, strict=True):
+        for axis, (name, text, free, logarithmic) in zip(figure.subplots(2, 2, sharex=True).flat, panels, strict=True):
             drawn = _draw(axis, dataset, name, text, free, factor * over.values)
             if logarithmic and drawn.size and drawn.min() > 0.0:
                 axis.set_yscale("log")

@@ -1,0 +1,77 @@
+"""Steps of a path that take time, divided until halving all divisions changes next to nothing.
+
+The load and the sliding are linear in time over a step of the path. Divisions grow with the time since its beginning,
+as what a body remembers decays: they are equal in the logarithm of that time and the shortest relaxation time.
+"""
+
+from dataclasses import replace
+from math import expm1, log1p
+from typing import Any
+
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.relaxation import Springs
+from gfmd_numba.contact.state import Contact, LoadStep, State
+from gfmd_numba.solvers.status import Status
+
+HALVINGS = 10  # at most
+_COUNTED = ("n_iterations", "n_transforms", "wall_time")
+
+
+def follow(problem: Problem, state: State, tolerance: float) -> Contact:
+    """Equilibrium at the end of a step, reached from a state with an error by its divisions of at most a tolerance.
+
+    Where halving all divisions changes r times less than halving them before did, r - 1 times the error is left of a
+    change. It is taken as 1 to 3 times, as errors fall with the square of the divisions unless something happens all at
+    once. `time_error` adds the error to that of the steps before. After the most halvings it may be above the
+    tolerance.
+    """
+    before = 0.0 if state.last is None else state.last.time_error
+    found, spent = _divided(problem, state, 1)
+    change, error = 0.0, 0.0
+    for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
+        if found.equilibrium.status[0] != Status.ok:
+            break
+        coarse, (found, more) = found, _divided(problem, state, 2**halvings)
+        spent = {name: spent[name] + more[name] for name in _COUNTED}
+        if found.equilibrium.status[0] != Status.ok:
+            break
+        last, change = change, difference(coarse, found, state)
+        error = change / (min(max(last / change, 2.0), 4.0) - 1.0) if change > 0.0 else 0.0
+        if error <= tolerance:
+            break
+    return replace(found, equilibrium=replace(found.equilibrium, **spent), time_error=before + error)
+
+
+def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, dict[str, Any]]:
+    """The contact that a step ends with, in so many divisions, or the first that is not ok, and what all have taken."""
+    start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
+    if state.last is not None and state.last.step is not None:
+        start = state.last.step
+    series, gone, spent = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0)
+    assert series is not None
+    growth = log1p(problem.duration / min(series.times))
+    for division in range(1, divisions + 1):
+        share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
+        step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
+        solved = solution.solve(problem.under(step), state)
+        spent = {name: spent[name] + getattr(solved.equilibrium, name) for name in _COUNTED}
+        if solved.equilibrium.status[0] != Status.ok:
+            break
+        state, gone = solved.after, share
+    return solved, spent
+
+
+def difference(coarse: Contact, fine: Contact, before: State) -> float:
+    """Mean difference of the pressures of two contacts over their mean, or that of the displacements if it is larger.
+
+    The pressure counts in that `before` the step if that is larger, as it may end without contact.
+    """
+    springs: tuple[Springs, Springs] = coarse.after.memory["springs"], fine.after.memory["springs"]
+    pressures, moved = (coarse.equilibrium.pressure, fine.equilibrium.pressure), [each.stretch[0] for each in springs]
+    earlier = 0.0 if before.last is None else float(abs(before.last.equilibrium.pressure).sum())
+    found = 0.0
+    for (one, other), least in ((pressures, earlier), (moved, 0.0)):
+        scale = max(float(abs(other).sum()), least)
+        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
+    return found

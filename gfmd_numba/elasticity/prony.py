@@ -1,0 +1,60 @@
+"""The relaxation of a generalised Maxwell body, whose modulus decays in time as a Prony series,
+
+    E(t) = E (1 + sum_i m_i exp(-t / tau_i)),
+
+with E the relaxed modulus. Its Poisson's ratio is constant, so that one factor holds for the stiffness of every wave.
+Each branch i is a spring of modulus m_i behind a dashpot. Where a displacement u is linear in a step of duration dt,
+x = dt / tau_i, the stretch w_i of the spring of a branch becomes, exactly,
+
+    w_i' = kept_i w_i + joined_i (u' - u),    kept_i = exp(-x),    joined_i = (1 - exp(-x)) / x.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+
+_SMALL = 1e-2  # duration over relaxation time below which differences of exponentials are a series
+
+
+@dataclass(frozen=True)
+class PronySeries:
+    """Moduli of the branches over the relaxed modulus, and their relaxation times in a unit of time of the user's."""
+
+    moduli: tuple[float, ...]
+    times: tuple[float, ...]
+
+    def modulus(self, time: float) -> float:
+        """Modulus at a time after a sudden displacement, over the relaxed one."""
+        return 1.0 + float(np.array(self.moduli) @ np.exp(-time / np.array(self.times)))
+
+    def factor(self, duration: float) -> float:
+        """Factor on the stiffness against what a step of a duration adds to the displacement."""
+        return 1.0 + float(np.array(self.moduli) @ self.shares(duration)[1])
+
+    def shares(self, duration: float) -> tuple[Reals, Reals]:
+        """Shares `[branch]` of the old stretch that a spring has kept, and of the step that it is stretched by."""
+        return _shares(self.times, duration)
+
+    def losses(self, duration: float) -> Reals:
+        """Integrals over a step of t / tau_i, of what the dashpots do to the products of stresses and stretches.
+
+        `[3, branch]`: of products of two old ones, of an old one and the change in the step, and of two changes.
+        """
+        x = duration / np.array(self.times)
+        gone = -np.expm1(-x)
+        twice = -0.5 * np.expm1(-2.0 * x)
+        safe = np.maximum(x, _SMALL)
+        exact = (x - 2.0 * gone + twice) / safe**2
+        series = x * (1.0 / 3.0 - x * (1.0 / 4.0 - x * (7.0 / 60.0 - x / 24.0)))
+        both = np.where(x < _SMALL, series, exact)
+        return np.array([twice, 0.5 * gone * self.shares(duration)[1], both])
+
+
+@lru_cache(maxsize=64)
+def _shares(times: tuple[float, ...], duration: float) -> tuple[Reals, Reals]:
+    x = duration / np.array(times)
+    joined = np.divide(-np.expm1(-x), x, out=np.ones_like(x), where=x > 0.0)
+    return np.exp(-x), joined

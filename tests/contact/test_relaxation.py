@@ -1,0 +1,288 @@
+"""Bodies that creep: what Lee and Radok, and Ting, know of them, their limits, the order of their steps and energy."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+
+import gfmd_numba
+from gfmd_numba.contact import time_steps
+from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.relaxation import Relaxation
+from gfmd_numba.contact.solution import begin, solve
+from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.table import Options
+from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, modulus, relaxation
+
+EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
+TIMES = (0.01, 0.1, 1.0, 10.0, 100.0)
+
+
+def scene(dimension=1, periodic=True, load=0.05, series=None, **more):
+    """A rough punch on a body, elastic without a series."""
+    body = {"poissons_ratio": 0.5} | ({} if series is None else {"relaxation": relaxation(series)})
+    return {
+        "dimension": dimension,
+        "periodic": periodic,
+        "body": body,
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": load} | more,
+    }
+
+
+def solved(scene, path=(), **numerics):
+    """The dataset of a scene and a path."""
+    file = {"scene": scene, "path": list(path), "numerics": numerics}
+    if "roughness" in scene:
+        file |= {"discretisation": EPS[scene["dimension"]], "seed": 3}
+    found = gfmd_numba.solve(file)
+    assert not found["status"].any()
+    return found
+
+
+def dwells(times, **more):
+    """Steps that end at times."""
+    return [{"duration": end - start, **more} for start, end in zip((0.0, *times), times, strict=False)]
+
+
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("series", [STANDARD, THREE], ids=["standard", "three"])
+def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_compliance(periodic, series):
+    """Lee and Radok: of a contact that only grows all but the pressure is that of E* = 1 / J(t)."""
+    creeping = solved(scene(periodic=periodic, series=series), dwells(TIMES))
+    for i, time in enumerate((0.0, *TIMES)):
+        elastic = solved(scene(periodic=periodic, load=0.05 * compliance(series, time)))
+        now = creeping.isel(step=i)
+        assert float(now["contact_area_fraction"]) == pytest.approx(float(elastic["contact_area_fraction"]), rel=1e-6)
+        np.testing.assert_array_equal(now["gap"] == 0.0, elastic["gap"] == 0.0)
+        for name in ("gap", "displacement"):
+            error = abs(now[name] - elastic[name]).max() / abs(elastic[name]).max()
+            assert float(error) <= max(float(now["time_error"]), 1e-8)
+    assert float(creeping["time_error"][-1]) <= 1e-3
+    np.testing.assert_allclose(creeping["time"], [0.0, *TIMES])
+
+
+def test_a_rough_map_is_too():
+    series = STANDARD
+    creeping = solved(scene(2, series=series), dwells((0.5, 4.0)))
+    for i, time in enumerate((0.0, 0.5, 4.0)):
+        elastic = solved(scene(2, load=0.05 * compliance(series, time)))
+        assert float(creeping["contact_area_fraction"][i]) == pytest.approx(
+            float(elastic["contact_area_fraction"]), rel=1e-6
+        )
+        assert float(creeping["mean_gap"][i]) == pytest.approx(float(elastic["mean_gap"]), rel=1e-4)
+
+
+def test_under_a_load_that_grows_evenly_the_profile_is_that_of_the_equivalent_load():
+    creeping = solved(scene(series=THREE, duration=0.5), [{"duration": 1.5, "reduced_pressure": 0.2}])
+    for i, time in enumerate((0.5, 2.0)):
+        elastic = solved(scene(load=equivalent_load(THREE, 0.0, 0.1, time)))
+        assert float(creeping["contact_area_fraction"][i]) == pytest.approx(
+            float(elastic["contact_area_fraction"]), rel=1e-6
+        )
+        assert float(creeping["mean_gap"][i]) == pytest.approx(float(elastic["mean_gap"]), rel=1e-3)
+
+
+@pytest.mark.parametrize("slab", [False, True])
+def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_body(slab):
+    def of(body, *given, **more):
+        whole = scene(**more)
+        whole["body"] |= body | ({"poissons_ratio": 0.3, "aspect_ratio": 0.3} if slab else {})
+        return solved(whole, *given, residual=1e-10)
+
+    found = of({"relaxation": relaxation(THREE)}, [{"duration": 1e6}, {"duration": 1e6}])
+    for i, load in ((0, 0.05 / 4.5), (2, 0.05)):
+        elastic = of({}, load=load)
+        for name in ("gap", "displacement"):
+            np.testing.assert_allclose(found[name][i], elastic[name], atol=1e-8 * float(abs(elastic[name]).max()))
+        pressure = elastic["pressure"] * (4.5 if i == 0 else 1.0)
+        np.testing.assert_allclose(found["pressure"][i], pressure, atol=1e-8 * float(pressure.max()))
+
+
+def ball(dimension, points, loading, path=(), **numerics):
+    """A ball, or a cylinder, of radius 4 in a window of length 1 with a node at its apex, on a standard solid."""
+    pressed = {
+        "dimension": dimension,
+        "periodic": False,
+        "length": 1.0,
+        "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": relaxation(STANDARD, 0.75)},
+        "form": {"radius": 4.0, "points": points},
+        "interface": {"hard_wall": {}},
+        "loading": loading,
+    }
+    return solved(pressed, path, **numerics)
+
+
+def half_width(found):
+    """Where the pressure of a cylinder ends, by a parabola through its square next to the edge."""
+    x, pressure = (np.asarray(found[name]) for name in ("x", "pressure"))
+    right = (x > 0.5) & (pressure > 0.0)
+    a, b = np.polyfit(x[right][-8:-2] - 0.5, pressure[right][-8:-2] ** 2, 1)
+    return -b / a
+
+
+def test_a_cylinder_creeps_as_lee_and_radok_say():
+    """The half-width of b^2 = 4 R F J / pi, E* = 1, in a step and a ramp."""
+    load = 0.25 * np.pi * 0.25**2 / 4.0
+    step = ball(1, 1024, {"line_load": load}, dwells((0.5, 2.0)))
+    ramp = ball(1, 1024, {"line_load": 0.5 * load, "duration": 1.0}, [{"duration": 1.0, "line_load": load}])
+    for found, expected in (
+        (step, [load * compliance(STANDARD, time) for time in (0.0, 0.5, 2.0)]),
+        (ramp, [equivalent_load(STANDARD, 0.0, 0.5 * load, time) for time in (1.0, 2.0)]),
+    ):
+        for i, equivalent in enumerate(expected):
+            width = np.sqrt(16.0 * equivalent / np.pi)
+            assert float(found["contact_radius"][i]) == pytest.approx(width, rel=5e-3)
+
+
+def test_a_ball_creeps_as_lee_and_radok_say():
+    """The approach a^2 / R, a^3 = 3 R F J / 4, which is known better than the radius of so few nodes."""
+    load = 4.0 * 0.25**3 / (3.0 * 4.0)
+    found = ball(2, 32, {"force": load}, dwells((1.0, 4.0)))
+    for i, time in enumerate((0.0, 1.0, 4.0)):
+        radius = np.cbrt(3.0 * load * compliance(STANDARD, time))
+        assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
+
+
+def test_a_ball_is_unloaded_as_ting_says():
+    """Approach at an even speed and back: the contact is that of the time t1 with int_t1^t E(t - s) d(approach) = 0."""
+    deepest, turn = 0.25**2 / 4.0, 1.0
+
+    def speed(time):
+        return deepest if time < turn else -deepest
+
+    def earlier(time):
+        def missing(first):
+            parts = [(first, turn), (turn, time)]
+            return sum(quad(lambda s: modulus(STANDARD, time - s) * speed(s), *part)[0] for part in parts)
+
+        return brentq(missing, 0.0, turn)
+
+    def force(time):
+        last = time if time <= turn else earlier(time)  # F = 4 / (3 R) int E(t - s) d(a^3), a^2 = R approach
+        cubes = lambda s: 1.5 * (4.0 * deepest) ** 1.5 * np.sqrt(s)  # noqa: E731
+        return quad(lambda s: modulus(STANDARD, time - s) * cubes(s), 0.0, last)[0] / 3.0
+
+    path = [{"displacement": share * deepest, "duration": abs(share - 1.0)} for share in (0.9, 0.8)]
+    path[1]["duration"] = 0.1
+    found = ball(2, 32, {"displacement": deepest, "duration": 1.0}, path)
+    for i, time in enumerate((1.0, 1.1, 1.2)):
+        assert float(found["mean_pressure"][i]) == pytest.approx(force(time), rel=5e-3)
+    radius = np.sqrt(4.0 * deepest * earlier(1.2))
+    assert float(found["contact_radius"][-1]) == pytest.approx(radius, rel=0.05)
+
+
+def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e-10, **more):
+    """A relaxing body under a rough profile."""
+    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, 3, range(1))[0])[0]
+    numerics, memory = Options("active_set_newton", residual=residual), PronySeries(*zip(*series, strict=True))
+    body, laws = ElasticBody(None, None), Interactions(True)
+    return Problem(surface, body, laws, load, None, numerics, relaxation=memory, time_tolerance=tolerance, **more)
+
+
+def test_steps_in_time_are_of_second_order():
+    """A dwell, and a load that falls: the error of divisions of time against 1024 of them falls as their square."""
+    for load in (0.05, 0.01):
+        problem = rough_problem()
+        state = solve(problem, begin(problem, range(1))).after
+        step = problem.under(LoadStep(load, (0.0,), 2.0))
+        exact = time_steps._divided(step, state, 1024)[0]
+        errors = [
+            time_steps.difference(time_steps._divided(step, state, n)[0], exact, state) for n in (4, 8, 16, 32, 64)
+        ]
+        orders = -np.diff(np.log2(errors))
+        assert (orders > 1.5).all()
+        assert np.log2(errors[0] / errors[-1]) / 4 == pytest.approx(2.0, abs=0.25)
+
+
+def random_history(seed, tolerance):
+    """A relaxing profile under a path of four random loads and durations, some of them 0."""
+    draw = np.random.default_rng(seed)
+    series = tuple(zip(draw.uniform(0.2, 4.0, 2), 10.0 ** draw.uniform(-1.0, 0.0, 2), strict=True))
+    loads, durations = 10.0 ** draw.uniform(-2.0, -0.5, 5), 10.0 ** draw.uniform(-1.5, 1.0, 5) * (draw.random(5) > 0.2)
+    first, *path = (LoadStep(load, (0.0,), time) for load, time in zip(loads, durations, strict=True))
+    return rough_problem(64, first.load, series, tolerance, 1e-8, duration=first.duration, path=tuple(path))
+
+
+def worst_of(seed, tolerance, monkeypatch):
+    """Largest error of a random history against ten times finer divisions, and the largest that is reported."""
+    problem, counts = random_history(seed, tolerance), []
+    divided = time_steps._divided
+
+    def counted(step, state, divisions):
+        counts.append((step.step, divisions))
+        return divided(step, state, divisions)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(time_steps, "_divided", counted)
+        found = list(solve_path(problem, 0))
+    taken = dict(counts)
+    state, errors = begin(problem, range(1)), []
+    for step, contact in zip((problem.step, *problem.path), found, strict=True):
+        one = problem.under(step)
+        fine = divided(one, state, 10 * taken[step] if step.duration else 1)[0]
+        assert contact.equilibrium.status[0] == fine.equilibrium.status[0] == 0
+        errors.append(time_steps.difference(contact, fine, state))
+        state = fine.after
+    return max(errors), found[-1].time_error
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_automatic_steps_hold_their_tolerance(seed, monkeypatch):
+    error, reported = worst_of(seed, 1e-2, monkeypatch)
+    assert reported <= 1e-2
+    assert error <= 1e-2
+
+
+@pytest.mark.long
+def test_automatic_steps_hold_their_tolerance_in_fifty_random_histories(monkeypatch):
+    found = np.array([worst_of(seed, 1e-3, monkeypatch) for seed in range(50)])
+    assert found.max() <= 1e-3
+
+
+def test_what_the_punch_does_is_stored_or_dissipated():
+    """A slab in a window is pressed and let go, in so many steps that the force is linear in each."""
+    rises, falls = np.linspace(0.05, 1.0, 20), np.linspace(0.95, 0.05, 19)
+    depth = 2e-3 * np.concatenate([rises, falls])
+    whole = scene(periodic=False, series=STANDARD)
+    whole["body"] |= {"poissons_ratio": 0.3, "aspect_ratio": 0.5}
+    whole["loading"] = {"displacement": depth[0], "duration": 0.05}
+    found = solved(whole, [{"displacement": each, "duration": 0.05} for each in depth[1:]])
+    force, ways = np.array(found["mean_pressure"]), np.diff(depth, prepend=0.0)
+    before = np.concatenate([[0.0], force[:-1]])
+    work = np.cumsum(0.5 * (force + before) * ways)
+    stored = np.array(found["elastic_energy"])
+    lost = np.cumsum(found["energy_lost"])
+    assert (np.diff(lost) > 0.0).all()
+    np.testing.assert_allclose(stored + lost, work, atol=2e-3 * work.max())
+    assert float(found["hysteresis"]) == pytest.approx(lost[-1])
+
+
+def test_an_elastic_body_has_no_memory_and_pays_nothing(monkeypatch):
+    relaxing = solved(scene(series=STANDARD))
+
+    def made(*given):
+        raise AssertionError("what a memory alone needs was made")
+
+    for name in ("begin", "split", "advance"):
+        monkeypatch.setattr(Relaxation, name, made)
+    monkeypatch.setattr(time_steps, "follow", made)
+    elastic = solved(scene(), [{"reduced_pressure": 0.1}])
+    stiff = solved(scene(load=0.05 / 4.0))
+    assert int(stiff["n_transforms"]) == int(relaxing["n_transforms"])  # a memory takes none either
+    assert "time" not in elastic.coords
+    assert "time_error" not in elastic
+    problem = rough_problem()
+    assert problem.identity != Problem(**{**_fields(problem), "relaxation": None, "time_tolerance": None}).identity
+    with pytest.raises(AssertionError, match="memory alone"):
+        begin(problem, range(1))
+
+
+def _fields(problem):
+    return {name: getattr(problem, name) for name in Problem.__dataclass_fields__ if name != "_identity"}

@@ -1,0 +1,117 @@
+"""Wear by Archard's law: the worn volume, the flat that a sine wears to, and steps of any length."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import gfmd_numba
+from gfmd_numba.contact.processes import Wear
+from gfmd_numba.contact.state import LoadStep
+
+EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
+
+
+def scene(dimension=1, periodic=True, rate=2.0, **body):
+    return {
+        "dimension": dimension,
+        "periodic": periodic,
+        "body": {"poissons_ratio": 0.3} | body,
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},
+        "interface": {"hard_wall": {}, "wear": {"rate": rate}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+
+
+def solved(scene, path, **more):
+    file = {"scene": scene, "path": path, "numerics": {"residual": 1e-12}} | more
+    if "roughness" in scene and scene["roughness"]["method"] == "psd":
+        file |= {"seed": 2, "discretisation": EPS[scene["dimension"]]}
+    found = gfmd_numba.solve(file)
+    assert not found["status"].any()
+    return found
+
+
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
+@pytest.mark.parametrize(("dimension", "periodic"), [(1, True), (1, False), (2, True), (2, False)])
+@pytest.mark.parametrize("body", [{}, {"aspect_ratio": 0.4}], ids=["half-space", "slab"])
+def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body):
+    """However the way is divided, and whichever way it goes."""
+    path = [{"sliding": 0.5}, {"sliding": 0.7, "reduced_pressure": 0.08}, {"sliding": 0.1}]
+    path += [{"sliding": 0.2, "sliding_y": 0.1}] * (dimension == 2)
+    found = solved(scene(dimension, periodic, **body), path)
+    gradient = float(found["rms_gradient_target"])
+    ways = (0.5, 0.2, 0.6, np.hypot(0.1, 0.1))[: len(path)]
+    loads = gradient * np.array([0.05, 0.08, 0.08, 0.08])[: len(path)]
+    expected = 2.0 * np.cumsum(loads * ways)
+    np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-10)
+    np.testing.assert_allclose(found["worn_depth"].mean(("y", "x")[2 - dimension :])[1:], expected, rtol=1e-10)
+    assert (np.diff(found["contact_area_fraction"])[[0, 1]] > 0.0).all()
+
+
+def test_one_long_step_is_near_many_short_ones_and_these_are_of_first_order():
+    def depth(steps):
+        path = [{"sliding": (i + 1) * 0.4 / steps} for i in range(steps)]
+        return np.array(solved(scene(), path)["worn_depth"][-1])
+
+    fine = depth(64)
+    errors = [abs(depth(steps) - fine).max() / fine.max() for steps in (1, 2, 4, 8)]
+    assert errors[0] < 0.3
+    ratios = np.array(errors[:-1]) / errors[1:]
+    assert (ratios > 1.5).all()
+
+
+def test_a_sine_wears_to_its_flat():
+    """Under a small load a blunt sine loses its caps, of the worn volume; its flat bears an even pressure."""
+    n, amplitude, load, rate = 512, 1e-3, 1e-5, 40.0
+    x = np.arange(n) / n
+    heights = amplitude * np.cos(2.0 * np.pi * (x - 0.5))
+    whole = scene(rate=rate)
+    whole |= {"roughness": {"method": "measured"}, "loading": {"reduced_pressure": load}}
+    file = {"scene": whole, "path": [{"sliding": 0.1 * (i + 1)} for i in range(20)], "numerics": {"residual": 1e-10}}
+    found = gfmd_numba.solve(file, heights=heights)
+    assert not found["status"].any()
+    volume = float(found["mean_worn_depth"][-1])
+
+    def missing(b):  # of a cap from -b to b
+        return amplitude * (np.sin(2.0 * np.pi * b) / np.pi - 2.0 * b * np.cos(2.0 * np.pi * b)) - volume
+
+    b = brentq(missing, 1e-6, 0.5)
+    last = found.isel(step=-1)
+    assert float(last["contact_area_fraction"]) == pytest.approx(2.0 * b, abs=2.0 / n)
+    worn = np.array(last["height"] - last["worn_depth"])
+    flat = np.minimum(heights, amplitude * np.cos(2.0 * np.pi * b)) - heights.mean()
+    assert abs(worn - worn.mean() - flat + flat.mean()).max() < 0.01 * amplitude
+    pressure = np.array(last["pressure"])[abs(x - 0.5) < 0.8 * b]
+    assert np.ptp(pressure) < 0.1 * pressure.mean()
+
+
+def test_a_body_that_creeps_wears_the_same_volume():
+    whole = scene(relaxation=[{"modulus": 3.0, "time": 1.0}])
+    path = [{"sliding": 0.3, "duration": 1.0}, {"sliding": 0.3, "duration": 5.0}, {"sliding": 0.5}]
+    found = solved(whole, path, numerics={"time_tolerance": 0.05, "residual": 1e-10})
+    expected = 2.0 * 0.02 * 0.05 * np.array([0.3, 0.3, 0.5])
+    np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-8)
+
+
+def test_units_make_no_difference():
+    plain = solved(scene(), [{"sliding": 0.5}])
+    body = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.3}
+    modulus = 2e9 / (1.0 - 0.3**2)
+    engineering = scene() | {"length": "1 mm", "body": body}
+    engineering["interface"] = {"hard_wall": {}, "wear": {"rate": f"{2.0 / modulus!r} m^2/N"}}
+    found = solved(engineering, [{"sliding": "0.5 mm"}])
+    np.testing.assert_allclose(found["mean_worn_depth"], 1e-3 * plain["mean_worn_depth"], rtol=1e-9)
+    assert found["worn_depth"].units == "m"
+
+
+def test_without_wear_nothing_is_remembered(monkeypatch):
+    def made(*given):
+        raise AssertionError("what wear alone needs was made")
+
+    for name in ("begin", "split", "advance"):
+        monkeypatch.setattr(Wear, name, made)
+    whole = scene()
+    whole["interface"] = {"hard_wall": {}}
+    found = solved(whole, [{"reduced_pressure": 0.06}])
+    assert not {"worn_depth", "mean_worn_depth"} & set(found.variables)
+    assert LoadStep(0.0, (0.0,)).towards(LoadStep(1.0, (2.0,), 4.0), 0.25) == LoadStep(0.25, (0.5,), 1.0)

@@ -129,13 +129,6 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     Refusal(
-        "loaded by tractions alone",
-        "single",
-        "nothing where tractions alone are prescribed on a body without a punch: one transform, in double precision, "
-        "tells what they do",
-        "without effect",
-    ),
-    Refusal(
         "smooth bodies",
         "topography_order",
         "nothing where no deformable body is rough and only one deforms: there is no topography to follow",
@@ -236,7 +229,6 @@ PHRASES = {
     "reduced_pressure": "a `reduced_pressure`",
     "rough bodies": "a rough deformable body, or two of them",
     "rigid mean": "a prescribed displacement of incompressible bodies",
-    "single": "single precision",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",

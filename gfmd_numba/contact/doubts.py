@@ -30,7 +30,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_beyond_small_strains, _at_the_edge, _past_asperities, _overlap, _rounded_heights)
+    each = (_beyond_small_strains, _at_the_edge, _past_asperities, _overlap)
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
@@ -141,22 +141,6 @@ def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
     return (
         f"the surfaces overlap by up to {deepest:.3g} times normal_length, and without a hard_wall no area counts as "
         "contact: add one to the interface unless you mean that"
-    )
-
-
-def _rounded_heights(given: ContactInput, dataset: xr.Dataset) -> str:
-    """Return a warning about heights that single precision rounds too much for a law of a short range, else nothing."""
-    numerics, laws = given.file.numerics, given.file.scene.interface.laws.values()
-    acting = [law for law in laws if law.across_open_gap]
-    lengths = [value for law in acting for name, value in law if name != "work_of_adhesion"]
-    if numerics.precision == "double" or not lengths:
-        return ""
-    rounding = 0.5 * float(np.finfo(np.float32).eps) * float(np.ptp(dataset["height"].values)) / min(lengths)
-    if rounding <= numerics.residual:
-        return ""
-    return (
-        f"single precision rounds the heights, and with them the gaps, by up to {rounding:.2g} of the shortest length "
-        "of the interaction law, and its tractions as much: take numerics.precision double"
     )
 
 

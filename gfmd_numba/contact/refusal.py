@@ -86,8 +86,6 @@ def _features(
 
 
 def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
-    if numerics.precision == "single":
-        yield "single", ("numerics", "precision")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:

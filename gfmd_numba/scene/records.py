@@ -266,9 +266,6 @@ def _tolerance(given: Any) -> Any:
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
 
 
-SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
-
-
 class _Rough(Protocol):
     """A scene whose deformable bodies may be rough."""
 
@@ -297,7 +294,6 @@ class Numerics(BaseModel):
     effects: Tolerance = Field(
         1e-4, description="Largest relative change of kappa that leaving out an effect may cause"
     )
-    precision: Literal["double", "single"] = Field("double", description="Precision of the solver's numbers")
     damping: Damping | None = Field(
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
@@ -307,15 +303,6 @@ class Numerics(BaseModel):
         if self.topography_order is None:
             return 0 if scene.knows_lowest_order_only else 2
         return self.topography_order
-
-    @model_validator(mode="after")
-    def _residual_is_within_precision(self) -> Self:
-        if self.precision == "single" and self.residual < SINGLE_RESIDUAL:
-            raise broken_rule(
-                ("residual",),
-                f"at least {SINGLE_RESIDUAL:g} in single precision, whose rounding alone leaves about 1e-8 nx",
-            )
-        return self
 
 
 Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene

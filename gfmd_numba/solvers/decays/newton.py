@@ -151,8 +151,8 @@ _SURE = 0.5  # share of the residual within which an expected error is taken for
 
 
 def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
-    """Begin in double precision, without a hardness, where a sum of decays is close to the compliance."""
-    if batch.punch.dtype != np.float64 or batch.interface.hardness is not None:
+    """Begin without a hardness, where a sum of decays is close to the compliance."""
+    if batch.interface.hardness is not None:
         return None
     model = decay_model(batch.response.normal, batch.punch.shape[1:], batch.load is not None)
     return None if model is None else DecayNewton(batch, options, model)

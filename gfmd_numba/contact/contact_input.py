@@ -7,6 +7,7 @@ from typing import TypeVar
 
 import numpy as np
 
+from gfmd_numba.contact.dataset import Units
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
@@ -41,6 +42,11 @@ class ContactInput:
     def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
         """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
         return tuple(steps_of(self.file.scene, self.file.path))
+
+    @cached_property
+    def units(self) -> Units:
+        """What each unit of the dimensionless problem is worth, and what it is called in results."""
+        return Units.of(self.file.scene, self.surfaces.rms_gradient)
 
     @cached_property
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:

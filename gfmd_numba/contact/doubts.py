@@ -11,7 +11,6 @@ from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import contact_modulus
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.text.numbers import si_prefix
@@ -57,7 +56,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
+    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / given.units.worth["E*"]
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, scene.periodic).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
@@ -363,6 +363,7 @@ class LoadedBody(BaseModel):
     """A body, what is prescribed on its surface, and the period L_x in m."""
 
     model_config = RECORD
+    periodic: ClassVar[bool] = True
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
     length: Length | None = Field(

@@ -165,6 +165,7 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     assert (verify(refined.results.parent).missing, verify(refined.results.parent).foreign) == (0, [])
 
 
+@pytest.mark.long
 def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):
     twice = run_until(COARSE | {"grid": {"poissons_ratio": [0.3, 0.33]}}, GOAL, tmp_path / "out", HERE)
     once, both = ([each.price for each in outcome.rounds.rounds] for outcome in (refined, twice))

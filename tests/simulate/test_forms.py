@@ -151,9 +151,8 @@ def test_units_do_not_matter():
 @pytest.mark.parametrize(("dimension", "name"), [*((1, name) for name in ROUGHNESS), *((2, name) for name in OF_MAPS)])
 def test_it_lies_under_every_roughness(dimension, name):
     table = ROUGHNESS if dimension == 1 else OF_MAPS
-    for form in FORMS.values():
-        if dimension == 1 and "radius_y" in form:
-            continue
+    forms = [form for form in FORMS.values() if dimension == 2 or "radius_y" not in form]
+    for form in forms if name == "psd" else [forms[list(table).index(name) % len(forms)]]:
         both, rough = (gfmd_numba.solve(scene(each, dimension, 1e-3, roughness=table[name])) for each in (form, None))
         smooth = gfmd_numba.solve(scene(form | {"points": rough.sizes["x"]}, dimension, 1e-3))
         np.testing.assert_allclose(both["height"], rough["height"] + smooth["height"], atol=1e-12)

@@ -103,7 +103,8 @@ def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
     heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
-    results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS[:3]]
+    solvers = SOLVERS[:3] if np.isinf(aspect_ratio) else SOLVERS[1:3]  # dynamics of thin slabs take seconds
+    results = [press(heights, load, solver, body, residual=1e-8) for solver in solvers]
     for result in results:
         np.testing.assert_allclose(result.pressure.mean(axis=1), load, rtol=2e-8)
         np.testing.assert_array_equal(result.touching, results[0].touching)

@@ -60,16 +60,12 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
         _show_study(study, list(group))
 
 
-def _figure(value: float) -> str:
-    return "-" if isnan(value) else f"{value:.2g}"
-
-
 def _show_study(study: str, points: list[Point]) -> None:
     """Print what one setting costs, and how far off kappa is."""
     settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
     names = _ERRORS if points[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
     found = {
-        heading: [_figure(getattr(point, name)) for point in points]
+        heading: ["-" if isnan(value := getattr(point, name)) else f"{value:.2g}" for point in points]
         for heading, name in names.items()
         if name == "error" or not all(isnan(getattr(point, name)) for point in points)
     }

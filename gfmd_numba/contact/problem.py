@@ -216,8 +216,7 @@ def random_surface(
     Raises ValueError for lengths that do not go with the period.
     """
     period, cut_from = scene.length or 1.0, 1 if scene.periodic else WIDER_THAN_A_PATCH
-    surface = generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
-    return surface, generators.rms_gradient(record, surface, period)
+    return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
 
 
 def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
@@ -260,8 +259,7 @@ def given_surface(heights: Reals, gradient: float | None = None, periodic: bool 
     if not SMALLEST <= own <= LARGEST:
         raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     unit = heights / scale / (slope if gradient is None else gradient / scale)
-    digest = hashlib.sha256(unit.tobytes()).hexdigest()
-    return GivenSurface(unit.shape[-1], digest, unit), own if gradient is None else gradient
+    return GivenSurface.of(unit), own if gradient is None else gradient
 
 
 def scaled_gradient(heights: Reals, periodic: bool = True) -> tuple[float, float]:

@@ -1,6 +1,5 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, prod
@@ -128,7 +127,7 @@ def ensemble_of_rough_bodies(
     for place, record in scene.surfaces.items():
         centred = place != ("roughness",)
         if isinstance(record, Measured):
-            parts[place] = Topography(_as_it_is(measured[place].in_periods), 1.0, centred)
+            parts[place] = Topography(GivenSurface.of(measured[place].in_periods), 1.0, centred)
         else:
             surface, asked[place] = _random(place, scene, discretisation, seed, document)
             parts[place] = Topography(surface, asked[place], centred)
@@ -201,11 +200,6 @@ def _asked_for(asked: Mapping[Place, float], parts: Mapping[Place, Topography]) 
 
 def _points(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape))
-
-
-def _as_it_is(heights: Reals) -> GivenSurface:
-    """Surface of heights in L_x, in units of L_x."""
-    return GivenSurface(heights.shape[-1], hashlib.sha256(heights.tobytes()).hexdigest(), heights)
 
 
 def _random(

@@ -216,7 +216,6 @@ PHRASES = {
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "line_load": "a load `line_load`",
-    "loaded by tractions alone": "a body loaded without a punch by tractions alone",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",

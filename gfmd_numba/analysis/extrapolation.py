@@ -23,6 +23,7 @@ from gfmd_numba.arrays import Reals
 # = 128 to 4096, against their limits: fits that bridge less than 4 % are off by a tenth of the distance
 _OF_THE_DISTANCE = 0.3
 _OF_THE_LIMIT = 0.02
+_OF_MEASURED = 0.2  # of this where k_c and m were measured on contacts of the same kind
 # Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
 # long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
 # as the difference of slabs from half-spaces (a = 0.02 to 0.3, 1/eps_t = 2 to 8, 1/eps_f = 1024)
@@ -65,7 +66,9 @@ def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Co
     limit = choice.fits[index].coefficients[:, 0]
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            found[:, column] = doubt(found[:, column], limit, choice.laws[name].whole)
+            is_whole = choice.laws[name].whole
+            share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
+            found[:, column] = share * doubt(found[:, column], limit, is_whole)
     column = LIMITS.index("eps_t")
     found[:, column] = np.hypot(found[:, column], doubt_of_layers(group, means) * limit)
     return found

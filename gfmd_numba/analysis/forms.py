@@ -169,6 +169,7 @@ CAMPAIGN = Form(
         "status": "case realisation [step] whole",
         "limit": "case texts",
         "thinnest_layer": "case numbers",
+        "has_measured_slope_law": "case flags",
         "case_seconds": "case numbers",
         "rms_height": "case [realisation] numbers",
         **_all("case whole", "realisations", "nx", "dimension"),

@@ -22,10 +22,11 @@ STEEPEST = 0.9  # Hurst exponent whose exponent of eps_f, 0.2, can be told from 
 # Wave index, over that of the longest wave, from which half of the slope is seen, and the exponent with which the part
 # that is not seen falls beyond. Contacts see the waves that are shorter than themselves, and so the index falls with
 # the reduced pressure p*. Both were measured at 1/eps_t = 8 on half-spaces (H = 0.3 to 1, p* = 0.001 to 0.3) and a
-# slab, and on maps; next to their medians stands the factor of a standard deviation
+# slab, and on maps. Next to their medians stands the factor of a standard deviation, which is smaller for contacts like
+# those of the measurements than for all others
 _CUTS, _TAILS = (0.02, 200.0), (0.25, 2.5)
-_CUT = {1: 0.024, 2: 0.0077}  # by the dimension of the surfaces: the factor of k_c's formula
-_FACTOR_OF_CUTS, _FACTOR_OF_TAILS = 1.4, 1.2
+_CUT = {1: (0.055, 6.0, 0.55), 2: (0.0077, 5.0, 0.75)}  # by the dimension of the surfaces: constants of k_c's formula
+_FACTORS = {True: (1.15, 1.06), False: (1.4, 1.2)}  # of k_c and m, by whether the contacts are like those measured
 _FURTHEST = 5.0  # of those standard deviations
 POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws
 _POINTS = 128  # of the integrals over a spectrum
@@ -112,12 +113,13 @@ def power(limit: str, given: Given) -> Law:
     return Law((parameter,), lambda eps, alpha: np.exp(alpha[:, :1] * np.log(eps)))
 
 
-def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1) -> Law:
+def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_measured: bool = False) -> Law:
     """Return the law of the fractal limit of kappa from the share of g^2 that contacts do not see.
 
     Of a wave of index k the part 1 / (1 + (k / k_c)^m) is not seen; the parameters are k_c, over the index of the
     longest wave of the power law, and m. The spectrum of the slopes is k^(1 - 2 H) from there to 1 / eps_f. The `load`
-    is the reduced pressure p / (g E*), nan where it is not known.
+    is the reduced pressure p / (g E*), nan where it is not known; `is_measured` if k_c and m were measured on contacts
+    of this kind.
     """
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
 
@@ -130,13 +132,15 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1) -> Law:
         unseen = (slope / (1.0 + np.exp(steepness * (index - half)))).sum(axis=-1) / slope.sum(axis=-1)
         return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
 
+    factor_of_cuts, factor_of_tails = _FACTORS[is_measured]
     cut = Parameter("eps_f", *_CUTS, logarithmic=True)
     if load > 0.0:
-        median = _CUT[dimension] * np.exp(3.0 * hurst - 5.0 * load) * load**-0.75
-        furthest = _FACTOR_OF_CUTS**_FURTHEST
+        factor, rate, power_of_load = _CUT[dimension]
+        median = factor * np.exp(3.0 * hurst - rate * load) * load**-power_of_load
+        furthest = factor_of_cuts**_FURTHEST
         ends = (median / furthest, median * furthest)
-        cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, _FACTOR_OF_CUTS))
-    usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), _FACTOR_OF_TAILS)
+        cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, factor_of_cuts))
+    usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), factor_of_tails)
     tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=usual_tail)
     return Law((cut, tail), excess, whole=True)
 
@@ -158,7 +162,8 @@ def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> lis
     ):
         return [powers]
     load = loads[0] if len(set(loads)) == 1 else np.nan  # k_c depends on it
-    from_theory = powers | {"eps_f": unseen_slope(hursts[0], load, groups[0].dimension)}
+    is_measured = all(group.has_measured_slope_law for group in groups)
+    from_theory = powers | {"eps_f": unseen_slope(hursts[0], load, groups[0].dimension, is_measured)}
     return [powers, from_theory] if "eps_f" in given and hursts[0] <= STEEPEST else [from_theory]
 
 

@@ -16,6 +16,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import brief
 from gfmd_numba.text.numbers import si_prefix, with_error
 
+_MEASURED_LOADS = (0.001, 0.3)  # reduced pressures at which the law of the unseen slope was measured
 PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
 
 
@@ -43,6 +44,13 @@ def dimension_of(cases: xr.Dataset) -> int:
 def thinnest_layer_of(cases: xr.Dataset) -> float:
     """Return the height of the thinnest layer of the bodies over the period, inf for half-spaces."""
     return float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf
+
+
+def has_measured_slope_law(cases: xr.Dataset) -> bool:
+    """Return whether the law of the unseen slope was measured for contacts of this kind and load; no if not known."""
+    low, high = _MEASURED_LOADS
+    told = "has_measured_slope_law" in cases and bool(cases["has_measured_slope_law"].values.all())
+    return told and low * (1.0 - 1e-9) <= load_of(cases) <= high * (1.0 + 1e-9)
 
 
 def load_of(cases: xr.Dataset) -> float:
@@ -105,6 +113,7 @@ class Group:
     dimension: int  # of its surfaces
     load: float  # reduced pressure p / (g E*), nan if it is not the same in all cases or not known
     thinnest_layer: float  # height of the thinnest layer of the bodies over the period, inf for half-spaces
+    has_measured_slope_law: bool  # whether the law of the unseen slope was measured for such contacts
     notes: list[str]
 
     @property
@@ -296,6 +305,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         dimension=dimension_of(cases),
         load=load_of(cases),
         thinnest_layer=thinnest_layer_of(cases),
+        has_measured_slope_law=has_measured_slope_law(cases),
         notes=notes,
     )
 

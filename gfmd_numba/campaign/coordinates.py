@@ -16,6 +16,7 @@ from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import REDUCED_PRESSURE
+from gfmd_numba.scene.surfaces import SelfAffine
 from gfmd_numba.scene.units import WithUnit, quantities
 from gfmd_numba.text.numbers import si_prefix
 
@@ -29,6 +30,7 @@ _OTHERS = {
     "nx": "grid points over the period",
     "dimension": "1: profiles, 2: maps",
     "thinnest_layer": "height of the body or of its thinnest layer over the period",
+    "has_measured_slope_law": "whether the law of the unseen slope was measured for contacts of this kind",
 }
 _ROUNDING = 5e-6  # relative, of a number that was read off a table
 _MOST_VALUES = 10
@@ -45,7 +47,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     columns: dict[str, list[Any]] = {axis.coordinate: [] for axis in axes} | ({_REDUCED: []} if reduced else {})
     summed = {_GRADIENT: [case.rms_gradient for case in cases]} if cases[0].scene.follows_topography else {}
     thinnest = [case.scene.thinnest_layer for case in cases]
-    dimensions = []
+    dimensions, measured = [], []
     for case in cases:
         scene = case.scene
         for axis in axes:
@@ -53,6 +55,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         if reduced:
             columns[_REDUCED].append(reduced_pressure(scene, case.rms_gradient))
         dimensions.append(scene.dimension)
+        measured.append(has_measured_slope_law(scene))
     return {
         "case_id": [case.problem.identity for case in cases],
         "limit": [case.limit for case in cases],
@@ -63,7 +66,20 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         "nx": [case.problem.surface.nx for case in cases],
         "dimension": dimensions,
         **({"thinnest_layer": thinnest} if min(thinnest) < inf else {}),
+        "has_measured_slope_law": measured,
     }
+
+
+def has_measured_slope_law(scene: Scene) -> bool:
+    """Return whether a contact is of the kind on which the constants of the law of the unseen slope were measured.
+
+    That is a hard wall alone under a rigid profile that is self-affine up to a plateau, with a period.
+    """
+    surface = scene.roughness
+    self_affine = isinstance(surface, SelfAffine) and surface.plateau and scene.dimension == 1
+    alone = len(scene.surfaces) == 1 and scene.form is None and scene.boundary is None
+    hard = set(scene.interface.laws) == {"hard_wall"} and scene.interface.hardness is None
+    return self_affine and alone and hard and scene.periodic
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:

@@ -14,6 +14,7 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.decision import (
+    Decision,
     Fit,
     Judgement,
     UnknownExponentsError,
@@ -211,7 +212,10 @@ def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, targe
 
 
 def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
-    """Return the rounds with one more, of finer levels for groups whose laws leave more than `most` open; else None."""
+    """Return the rounds with one more, of finer levels for groups whose laws leave more than `most` open; else None.
+
+    Of the other groups, those that miss the target get more surfaces in the same round.
+    """
     now, results = state.now, of_target.results
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
@@ -233,11 +237,48 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
         each = prices.get((group, level), prices[group, like] * float(finer))
         problem = (alike[group], level)
         priced[problem] = max(priced.get(problem, 0.0), count * each)
-    price = sum(priced.values())
-    if state.goal.budget is not None and price * (state.seconds_per_price or 0.0) > state.goal.budget:
+    price, most_of_all = sum(priced.values()), _most(state)
+    if price > most_of_all:
         return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
-    another = another.model_copy(update={"realisations": tuple(counts), "price": price})
+    more, added = _for_the_others(state, of_target, levels, most_of_all - price)
+    counts = [max(count, more.get(case, 0)) for case, count in zip(another.cases, counts, strict=True)]
+    another = another.model_copy(update={"realisations": tuple(counts), "price": price + added})
     return state.followed_by(another)
+
+
+def _most(state: Rounds) -> float:
+    """Return the price that the budget allows in all, inf without one."""
+    budget, seconds = state.goal.budget, state.seconds_per_price
+    return inf if budget is None or seconds is None else budget / seconds
+
+
+def _for_the_others(
+    state: Rounds, of_target: _Standing, levels: Sequence[tuple[Level, ...]], most: float
+) -> tuple[dict[tuple[int, Level], int], float]:
+    """Return realisations by case for the groups that keep their levels and miss the target, and what these add."""
+    now, results, fitted, fit = state.now, of_target.results, of_target.fitted, of_target.fit
+    doubts, n_groups = of_target.doubts, len(now.levels)
+    others = [
+        group
+        for group in range(n_groups)
+        if levels[group] == now.levels[group] and doubts[group].size < of_target.target < doubts[group].error < inf
+    ]
+    here = [index for index, (group, _) in enumerate(now.cases) if group in others]
+    if not here:
+        return {}, 0.0
+    results = results.isel(case=here)
+    fitted = fitted.isel(group=[index for index in range(fitted.sizes["group"]) if index % n_groups in others])
+    aim = sqrt(of_target.target**2 - max(doubts[group].size for group in others) ** 2)
+    try:
+        spent = whole_price(results, price_of_realisations(results), results["realisations"].values)
+        found = judge(results, fitted, fit)
+        decision = _decision(state, replace(of_target, results=results, found=found), aim, most + spent)
+    except UnusableDataError:
+        return {}, 0.0
+    if decision is None:
+        return {}, 0.0
+    cases = [now.cases[index] for index in here]
+    return dict(zip(cases, decision.realisations.tolist(), strict=True)), decision.price - spent
 
 
 def _alike(now: Round, identities: Sequence[str]) -> list[int]:
@@ -252,12 +293,8 @@ def _alike(now: Round, identities: Sequence[str]) -> list[int]:
 
 def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: float) -> Rounds:
     """Return the rounds with one more of more realisations, which bring all error but that `of_laws` to an `aim`."""
-    most, found = inf, of_target.found
-    if state.goal.budget is not None and state.seconds_per_price is not None:
-        most = state.goal.budget / state.seconds_per_price
-    mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
     try:
-        decision = decide(of_target.results, mendable, aim, of_target.fit, most, after_pilot=len(state.rounds) == 1)
+        decision = _decision(state, of_target, aim, _most(state))
     except UnknownExponentsError as error:
         return state.ending(f"not {REACHED}: {error}{_widest(of_target.fitted)}")
     except UnusableDataError as error:
@@ -274,6 +311,13 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
         target_price=decision.target_price,
     )
     return state.followed_by(another)
+
+
+def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> Decision | None:
+    """Return the realisations that bring what surfaces can mend to an `aim`, for a price of at most `most` in all."""
+    found = of_target.found
+    mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
+    return decide(of_target.results, mendable, aim, of_target.fit, most, after_pilot=len(state.rounds) == 1)
 
 
 def _widest(fitted: xr.Dataset) -> str:

@@ -67,6 +67,19 @@ def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most
     assert part(by_power, "extrapolation") > 0.02 * by_power["kappa_tfc"].item()
 
 
+@pytest.mark.parametrize(("load", "less"), [(0.007, True), (0.0009, False), (0.4, False)])
+def test_the_law_of_the_unseen_slope_is_off_by_less_for_contacts_like_those_measured(load, less):
+    dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
+    size = dataset.sizes["case"]
+    dataset = dataset.assign_coords(reduced_pressure=("case", np.full(size, load), {"axis": "physics"}))
+    like = dataset.assign_coords(has_measured_slope_law=("case", np.full(size, True)))
+    ratios = [
+        part(each, "extrapolation") / abs(each["extrapolated"].sel(limit="eps_f").item())
+        for each in map(fit_tfc, (like, dataset))
+    ]
+    assert (0.0 < ratios[0] < 0.6 * ratios[1]) if less else ratios[0] == ratios[1] > 0.0
+
+
 def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does():
     """And a note says what theory makes of the same levels."""
     dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))

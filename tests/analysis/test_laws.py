@@ -68,7 +68,9 @@ LIMITS = ("eps_c", "eps_f", "eps_t")
 
 
 def group(hurst, load, variable="kappa"):
-    return SimpleNamespace(variable=variable, dimension=1, parameters={"hurst": hurst}, load=load)
+    return SimpleNamespace(
+        variable=variable, dimension=1, parameters={"hurst": hurst}, load=load, has_measured_slope_law=False
+    )
 
 
 @pytest.mark.parametrize(
@@ -125,6 +127,12 @@ def test_contacts_see_shorter_waves_the_larger_the_load_is():
         assert cut.low < found < cut.high
         assert tail.middle == pytest.approx(np.exp(0.25 - 0.95 * hurst))
     assert unseen_slope(0.8).parameters[0].usual is None  # of contacts whose load is not known
+
+
+def test_more_is_known_of_contacts_like_those_measured():
+    like, other = (unseen_slope(0.8, 0.007, is_measured=each).parameters for each in (True, False))
+    assert [each.middle for each in like] == [each.middle for each in other]
+    assert all(one.variance < 0.3 * each.variance for one, each in zip(like, other, strict=True))
 
 
 @pytest.mark.parametrize(

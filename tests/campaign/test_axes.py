@@ -6,7 +6,7 @@ from pydantic import TypeAdapter
 
 import gfmd_numba
 from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
-from gfmd_numba.campaign.coordinates import coordinates
+from gfmd_numba.campaign.coordinates import coordinates, has_measured_slope_law
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.scene import Discretisation, Scene
@@ -139,3 +139,30 @@ def test_an_axis_without_values_has_no_coordinate(tmp_path):
     found = coordinates(plan(tmp_path / "plain.yaml").cases)
     assert not {"anisotropy", "punch_displacement", "friction_coefficient", "work_of_adhesion"} & found.keys()
     assert {"hurst", "reduced_pressure", "rms_gradient_target", "eps_c"} <= found.keys()
+
+
+PLAIN = {
+    "body": {"poissons_ratio": 0.3},
+    "roughness": {"method": "psd", "hurst": 0.5, "rms_gradient": 0.1},
+    "interface": {"hard_wall": {}},
+    "loading": {"reduced_pressure": 0.01},
+}
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({}, True),
+        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.1}}, True),
+        ({"dimension": 2}, False),
+        ({"periodic": False}, False),
+        ({"form": {"radius": 1.0}}, False),
+        ({"roughness": PLAIN["roughness"] | {"plateau": False}}, False),
+        ({"roughness": PLAIN["roughness"] | {"method": "midpoint_displacement"}}, False),
+        ({"roughness": None, "body": PLAIN["body"] | {"roughness": PLAIN["roughness"]}}, False),
+        ({"interface": {"hard_wall": {"hardness": 0.1}}}, False),
+        ({"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}, False),
+    ],
+)
+def test_the_law_of_the_unseen_slope_was_measured_for_plain_contacts_of_profiles(change, expected):
+    assert has_measured_slope_law(Scene.model_validate(PLAIN | change)) == expected

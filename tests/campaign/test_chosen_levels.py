@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import gfmd_numba
-from gfmd_numba.campaign import until
+from gfmd_numba.campaign import next_round, until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
@@ -163,6 +163,18 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     found = campaign_in(refined.results.parent)
     assert [case.realisations for case in found.cases] == list(last.realisations)
     assert (verify(refined.results.parent).missing, verify(refined.results.parent).foreign) == (0, [])
+
+
+@pytest.mark.long
+def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_path, monkeypatch):
+    monkeypatch.setattr(next_round, "_MOST", 2)
+    goal = GOAL.model_copy(update={"targets": {"kappa": 0.02}})
+    outcome = run_until(COARSE | {"grid": {"hurst": [0.3, 0.9]}}, goal, tmp_path / "out", HERE)
+    before, last = outcome.rounds.rounds[-2:]
+    assert (last.levels[0] == before.levels[0], last.levels[1] == before.levels[1]) == (True, False)
+    counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in (before, last)]
+    assert any(counts[1][case] > counts[0][case] for case in before.cases if case[0] == 0)
+    assert all(counts[1][case] >= counts[0][case] for case in before.cases)
 
 
 @pytest.mark.long

@@ -3,11 +3,10 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from gfmd_numba.contact.dataset import Units
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
@@ -22,6 +21,9 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
+
+if TYPE_CHECKING:
+    from gfmd_numba.contact.dataset import Units
 
 Described = TypeVar("Described", Scene, LoadedBody)
 
@@ -44,8 +46,10 @@ class ContactInput:
         return tuple(steps_of(self.file.scene, self.file.path))
 
     @cached_property
-    def units(self) -> Units:
+    def units(self) -> "Units":
         """What each unit of the dimensionless problem is worth, and what it is called in results."""
+        from gfmd_numba.contact.dataset import Units  # which needs xarray, and a worker does not
+
         return Units.of(self.file.scene, self.surfaces.rms_gradient)
 
     @cached_property

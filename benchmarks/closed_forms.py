@@ -1,6 +1,7 @@
 """Error against Westergaard, Hertz and full contact, and the order at which it falls."""
 
 import numpy as np
+import textbook
 
 from gfmd_numba.contact.edges import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
@@ -67,8 +68,8 @@ table(
     "Hertz line contact, half width 0.015 to 0.025 L_x",
     2 ** np.arange(9, 15),
     lambda x: -(x**2) / (2 * RADIUS),
-    lambda x, p: closed_forms.hertz_line_pressure(x, p, RADIUS),
-    lambda p: closed_forms.hertz_line_half_width(p, RADIUS),
+    lambda x, p: textbook.hertz_line_pressure(x, p, RADIUS),
+    lambda p: textbook.hertz_line_half_width(p, RADIUS),
     np.pi * np.linspace(0.015, 0.025, 23) ** 2 / (4 * RADIUS),
 )
 print("\nFull contact, self-affine: largest error of the pressure over its rms fluctuation")

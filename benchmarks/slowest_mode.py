@@ -9,6 +9,7 @@ or nu < -0.184 (coupled) the softest wave is where q z_m is 0 to 3, whatever its
 from typing import Literal, NamedTuple
 
 import numpy as np
+import textbook
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli, stiffness
@@ -60,7 +61,7 @@ def half_space_coupled(poissons_ratio: float) -> SlowestMode:
 def slab_coupled(poissons_ratio: float, aspect_ratio: float) -> SlowestMode:
     """Both components of the slab (6.90): C44/z_m for -0.184 < nu <= 1/2, a wave in a thin slab with lower nu."""
     index = _indices(poissons_ratio, aspect_ratio)
-    waves = 2.0 * np.pi * index * stiffness.principal_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[0]
+    waves = 2.0 * np.pi * index * textbook.principal_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[0]
     return _softer(float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), "tangential", waves, "mixed")
 
 
@@ -74,7 +75,7 @@ def switch(
     """
     nu = 1.0 - 0.5 / (1.0 - np.asarray(s, dtype=np.float64))  # (6.51)
     q = 2.0 * np.pi * wave_index
-    pair = stiffness.condensed_elements if case in ("f1", "f3") else stiffness.principal_elements
+    pair = stiffness.condensed_elements if case in ("f1", "f3") else textbook.principal_elements
     component = {"f1": 0, "f3": 1, "f1'": 1, "f3'": 0, "f3''": 0}[case]
     wave = q * pair(np.asarray(q * aspect_ratio), nu)[component]
     tangential, normal = stiffness.uniform_stiffness(nu, aspect_ratio)

@@ -8,6 +8,7 @@ mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 import slowest_mode
+import textbook
 
 from gfmd_numba.elasticity import moduli, stiffness
 
@@ -58,7 +59,7 @@ def half_space(ratio_axis, axis):
 
 def first_waves(axes):
     nu = poissons_ratio(S)
-    smaller, larger = (Q1 * part / moduli.c44(nu) for part in stiffness.principal_elements(Q1 * COLUMN, nu))
+    smaller, larger = (Q1 * part / moduli.c44(nu) for part in textbook.principal_elements(Q1 * COLUMN, nu))
     for axis, values, name in ((axes[0], larger, "1'"), (axes[1], smaller, "3'")):
         picture = contours(axis, S, HEIGHTS, values, rf"6.16 $k = 1$: $\log_{{10}} \kappa_{{{name}}} L_x/C_{{44}}$")
     return picture
@@ -74,7 +75,7 @@ def first_over_uniform(axis):
                 style = ("-", "--")[mode] if part == 0 else (":", "-.")[mode]
                 label = rf"$\kappa_{{{name}}}/\kappa_{2 * mode + 1}(0)$, $s = {s:g}$"
                 ratio = [
-                    Q1 * stiffness.principal_elements(Q1 * a, nu)[part] / stiffness.uniform_stiffness(nu, a)[mode]
+                    Q1 * textbook.principal_elements(Q1 * a, nu)[part] / stiffness.uniform_stiffness(nu, a)[mode]
                     for a in (heights, printed)
                 ]
                 axis.loglog(heights, ratio[0], style, color=colour, label=label)

@@ -146,17 +146,13 @@ _GAIN = 0.998  # of the error, for which another share of a level is worth takin
 class Design:
     """Realisations of the reference and of each level, the relative error of the limit they give, and their cost in s.
 
-    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot. `sampling` and
-    `exponents` are the parts of the error, `limiting` says what it mostly comes from.
+    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot.
     """
 
     reference: int
     levels: dict[str, dict[float, int]]  # limit -> eps -> realisations
     error: float
-    sampling: float
-    exponents: float
     seconds: float
-    limiting: str
     cross: tuple[int, ...] = ()
 
 
@@ -305,14 +301,6 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
 
 
 def _described(choice: _Choice, counts: Reals) -> Design:
-    worst = max(choice.ensembles, key=lambda ensemble: relative_errors(ensemble, counts)[0])
-    total, sampling = relative_errors(worst, counts)
-    names = np.array([name for name, _ in choice.levels])
-    relief = {
-        name: total**2 - relative_errors(worst, np.where(names == name, 1000 * counts, counts))[0] ** 2
-        for name in dict.fromkeys(names.tolist())
-    }
-    relief["exponents"] = max(0.0, total**2 - sampling**2)
     levels: dict[str, dict[float, int]] = {}
     for (name, eps), count in zip(choice.levels, counts, strict=True):
         if name in LIMITS:
@@ -321,12 +309,9 @@ def _described(choice: _Choice, counts: Reals) -> Design:
     return Design(
         reference=int(counts[0]),
         levels=levels,
-        error=total,
-        sampling=sampling,
-        exponents=float(np.sqrt(relief["exponents"])),
+        error=choice.error(counts),
         seconds=float(counts[used] @ choice.price[used]),
-        limiting=max(relief, key=lambda name: relief[name]),
-        cross=tuple(counts[names == CROSS].astype(int).tolist()),
+        cross=tuple(int(count) for (name, _), count in zip(choice.levels, counts, strict=True) if name == CROSS),
     )
 
 

@@ -22,7 +22,7 @@ from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, Document, InputError, Scene, Surface
+from gfmd_numba.scene import Discretisation, Document, InputError, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.scene_file import located_boundary
 
@@ -144,9 +144,9 @@ def _surface(
 ) -> tuple[RandomSurface, float]:
     """Return the ensemble of a surface and its rms gradient; raises InputError if none can be drawn."""
     assert campaign.seed is not None  # the campaign's promise
+    assert isinstance(roughness, Random)  # any other is measured
     try:
-        scene = campaign.scene.model_copy(update={"roughness": roughness})
-        return random_surface(scene, discretisation, campaign.seed)
+        return random_surface(roughness, campaign.scene, discretisation, campaign.seed)
     except ValueError as error:
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]

@@ -42,7 +42,8 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
     Where several surfaces are pressed together, the rms gradient is that of their sum.
     """
     axes = present(cases[0].scene, cases[0].discretisation)
-    reduced = _follows(cases[0].scene)
+    loading = cases[0].scene.loading
+    reduced = loading.displacement is None and loading.reduced_pressure is None  # p/(g E*) follows from Pa or N
     columns: dict[str, list[Any]] = {axis.coordinate: [] for axis in axes} | ({_REDUCED: []} if reduced else {})
     summed = {_GRADIENT: [case.rms_gradient for case in cases]} if cases[0].scene.follows_topography else {}
     thinnest = [case.scene.thinnest_layer for case in cases]
@@ -128,11 +129,6 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
             slid = [[float(sliding[i]) for _, sliding in each] for each in steps]
             found[f"step_{way}"] = dims, slid, attributes[way]
     return found
-
-
-def _follows(scene: Scene) -> bool:
-    """Whether the load p/(g E*) follows from one in Pa or N."""
-    return scene.loading.displacement is None and scene.loading.reduced_pressure is None
 
 
 def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:

@@ -104,7 +104,7 @@ def predict(
     timed. Earlier pilots on this machine are remembered and count towards the budget. A problem that fails, or takes
     longer than `timeout` seconds, is predicted like those that were not measured.
     """
-    kinds = _kinds_of(problems)
+    kinds = sorted({_kind(problem) for problem in problems})  # each has an iteration, hence a run time, of its own
     x, weight = _features(problems, kinds), np.array(realisations, dtype=float)
     known = _Known(remembered(), min(_MOST_REALISATIONS, max(realisations, default=1)))
     for problem, row in zip(problems, x, strict=True):
@@ -266,11 +266,6 @@ def _regression(x: Reals, seconds: Reals) -> _Regression:
         left = excess - x @ coefficients
         scatter = float(np.sqrt((4 * (2 * _SCATTER) ** 2 + left @ left) / (4 + len(left))))
     return _Regression(np.asarray(expected + coefficients), np.asarray(covariance, dtype=float), scatter)
-
-
-def _kinds_of(problems: Sequence[Problem]) -> list[str]:
-    """Return the kinds among problems: each has an iteration of its own, hence a run time of its own."""
-    return sorted({_kind(problem) for problem in problems})
 
 
 def _features(problems: Sequence[Problem], kinds: Sequence[str]) -> Reals:

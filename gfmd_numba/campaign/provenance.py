@@ -90,7 +90,8 @@ def content_digest(dataset: xr.Dataset) -> str:
     for name in sorted(map(str, dataset.variables)):
         if name in _OF_THE_RUN:
             continue
-        variable = dataset[name].transpose(*sorted(map(str, dataset[name].dims)))
+        variable = dataset.variables[name]
+        variable = variable.transpose(*sorted(map(str, variable.dims)))
         values = variable.values
         digest.update(f"{name} {variable.dims} {values.shape}".encode())
         if values.dtype.kind in "OUS":

@@ -25,7 +25,7 @@ from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.scene import SINGLE_RESIDUAL, Discretisation
+from gfmd_numba.scene import Discretisation
 from gfmd_numba.solvers.table import able
 
 _RESIDUALS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
@@ -33,7 +33,6 @@ _TIGHT = 1e-10
 _PATIENCE = 50_000  # iterations
 _TIME_STEPS = (0.25, 0.5, 0.95)
 _DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
-_OF_EACH_PRECISION = ("active_set_newton", "verlet")
 _FINER = 4  # times as fine as the reference, the level that others are compared with
 _SLABS = (1.0, 0.5, 0.2, 0.1)
 _DIVISIONS, _FINEST_DIVISION = (1, 2, 4), 8  # of each step of a path
@@ -176,19 +175,12 @@ def study_of(planned: Plan, realisations: int | None = None) -> "Study":
     case = next(case for case in planned.cases if case.limit == "reference")
     if realisations is None:
         realisations = min(_SURFACES[1], max(_SURFACES[0], _NODES // _nodes(case.problem)))
-    numerics = planned.campaign.numerics.model_copy(update={"precision": "double"})
-    campaign = planned.campaign.model_copy(update={"numerics": numerics})
-    return Study(replace(planned, campaign=campaign), _exactly(case), realisations)
+    return Study(planned, case, realisations)
 
 
 def _nodes(problem: Problem) -> int:
     """Nodes of all loads of a realisation."""
     return problem.surface.nodes * problem.n_loads
-
-
-def _exactly(case: Case) -> Case:
-    exact = replace(case.problem.numerics, precision="double")
-    return replace(case, problem=replace(case.problem, numerics=exact))
 
 
 @dataclass(frozen=True)
@@ -212,16 +204,14 @@ class Study:
         return tuple(name for name in OF_PATHS if name in rows)
 
     def solvers(self) -> Iterator[Point]:
-        """Solver and residual, precision, time step and damping of the reference solver, against a tight residual."""
+        """Solver and residual, time step and damping of the reference solver, against a tight residual."""
         exact = self.run(self.problem, residual=_TIGHT)
-        solvers = [name for name in self._able() if self._allowed(solver=name)]
+        needs = (f"dimension {len(self.problem.surface.shape)}", *self.problem.interface.abilities)
+        solvers = [name for name in able(needs) if self._allowed(solver=name)]
         for solver in solvers:
             for residual in _RESIDUALS:
                 values = self.run(self.problem, solver=solver, residual=residual, max_iterations=_PATIENCE)
                 yield self.point("solver residual", solver.replace("_", " "), residual, values, exact)
-        if "active_set_newton" in solvers and self.problem.interface.hardness is None:
-            names = [name for name in _OF_EACH_PRECISION if name in solvers]
-            yield from self._precision(exact, [name for name in names if self._allowed(solver=name, single=True)])
         if "verlet" not in solvers:
             return
         for damping in _DAMPINGS:
@@ -230,24 +220,11 @@ class Study:
                 values = self.run(self.problem, solver="verlet", **settings)
                 yield self.point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
 
-    def _able(self) -> tuple[str, ...]:
-        return able((f"dimension {len(self.problem.surface.shape)}", *self.problem.interface.abilities))
-
-    def _allowed(self, *, single: bool = False, **changed: Any) -> bool:
+    def _allowed(self, **changed: Any) -> bool:
         """Whether the campaign could have these numerics."""
-        own = {"time_step": None, "damping": None, "precision": "single" if single else "double"}
-        residual = {"residual": SINGLE_RESIDUAL} if single else {}
-        numerics = self.planned.campaign.numerics.model_copy(update=own | residual | changed)
+        own = {"time_step": None, "damping": None}
+        numerics = self.planned.campaign.numerics.model_copy(update=own | changed)
         return not any(refusals(self.case.scene, numerics, self.planned.campaign.path, {}))
-
-    def _precision(self, exact: Measures, solvers: list[str]) -> Iterator[Point]:
-        """Single precision compared with double, as far down as its certificate goes."""
-        for solver in solvers:
-            for precision in ("double", "single"):
-                for residual in (residual for residual in _RESIDUALS if residual >= SINGLE_RESIDUAL):
-                    settings: dict[str, Any] = {"residual": residual, "max_iterations": _PATIENCE}
-                    values = self.run(self.problem, solver=solver, precision=precision, **settings)
-                    yield self.point("precision", f"{solver.replace('_', ' ')}, {precision}", residual, values, exact)
 
     def discretisation(self, axis: str) -> Iterator[Point]:
         """Levels from 8 times coarser to 4 times finer than the reference, against the finest."""

@@ -36,7 +36,7 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     """Measure on this machine what accuracy costs.
 
     The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
-    processor time: solver and residual, precision, time step and damping, each discretisation, the number of surfaces,
+    processor time: solver and residual, time step and damping, each discretisation, the number of surfaces,
     the length of the steps of a loading path, the order in the slope of rough bodies, and a slab in place of a
     half-space. `gfmd plan --target` tells what an error of the limit costs.
     """
@@ -60,16 +60,12 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
         _show_study(study, list(group))
 
 
-def _figure(value: float) -> str:
-    return "-" if isnan(value) else f"{value:.2g}"
-
-
 def _show_study(study: str, points: list[Point]) -> None:
     """Print what one setting costs, and how far off kappa is."""
     settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
     names = _ERRORS if points[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
     found = {
-        heading: [_figure(getattr(point, name)) for point in points]
+        heading: ["-" if isnan(value := getattr(point, name)) else f"{value:.2g}" for point in points]
         for heading, name in names.items()
         if name == "error" or not all(isnan(getattr(point, name)) for point in points)
     }

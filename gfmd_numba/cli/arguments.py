@@ -59,12 +59,8 @@ exponents_option = click.option(
 )
 
 
-def _exponents_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> tuple[Fixed, ...]:
-    """Return the exponents of the fit as `eps_c=1` or `eps_c=0.5:1` give them."""
-    return tuple(map(_exponent, options))
-
-
 def _exponent(option: str) -> Fixed:
+    """Return an exponent of the fit as `eps_c=1` or `eps_c=0.5:1` give it."""
     from gfmd_numba.scene.document import plain_scalar
 
     name, _, given = option.partition("=")
@@ -80,7 +76,7 @@ LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
 fixed_option = click.option(
     "--fixed",
     multiple=True,
-    callback=_exponents_given,
+    callback=lambda ctx, param, options: tuple(map(_exponent, options)),
     metavar="EPS=X[:Y]",
     help="Fix an exponent, or give the range it lies in",
 )
@@ -110,15 +106,19 @@ conditions_option = click.option(
 
 def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[str, ...]) -> dict[str, float]:
     """Return relative errors by variable, given as `kappa=2%`; an error without a name is of what the campaign fits."""
+    if not options:
+        return {}
+    from gfmd_numba.campaign.goal import share_of
+
     targets: dict[str, float] = {}
     for option in options:
         name, _, number = option.rpartition("=")
         try:
-            target = float(number.rstrip("%")) / (100.0 if number.endswith("%") else 1.0)
+            target = share_of(number)
         except ValueError:
-            target = 0.0
-        if not 0.0 < target < 1.0:
-            raise click.BadParameter(f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02")
+            raise click.BadParameter(
+                f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02"
+            ) from None
         if name in targets or (options[1:] and not name):
             raise click.BadParameter(
                 f"you gave {option!r} and {options[0]!r}; gfmd allows several targets of different variables, each "

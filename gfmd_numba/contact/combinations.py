@@ -101,7 +101,6 @@ def _in_time() -> Iterator[Refusal]:
         "prescribed": "a contact",
         "boundary": "no boundary",
         "layers": "a body of one material",
-        "single": "'double'",
     }
     for feature, allowed in not_yet.items():
         yield Refusal("wear", feature, f"{allowed} with a wear: this is not built yet", "not built yet")
@@ -172,13 +171,6 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     *_in_time(),
-    Refusal(
-        "loaded by tractions alone",
-        "single",
-        "nothing where tractions alone are prescribed on a body without a punch: one transform, in double precision, "
-        "tells what they do",
-        "without effect",
-    ),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -274,7 +266,6 @@ PHRASES = {
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "line_load": "a load `line_load`",
-    "loaded by tractions alone": "a body loaded without a punch by tractions alone",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
@@ -290,7 +281,6 @@ PHRASES = {
     "reduced_pressure": "a `reduced_pressure`",
     "rough bodies": "a rough deformable body, or two of them",
     "rigid mean": "a prescribed displacement of incompressible bodies",
-    "single": "single precision",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",

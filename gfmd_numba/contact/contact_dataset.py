@@ -33,7 +33,7 @@ from gfmd_numba.contact.observables import (
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, Sliding, contact_modulus, elastic_body, reduced_pressure, times_of
+from gfmd_numba.contact.scales import SLIDING, Sliding, elastic_body, reduced_pressure, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
@@ -84,21 +84,19 @@ def path_dataset(
 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    scene, surfaces = given.file.scene, given.surfaces
-    contact = solved if isinstance(solved, Contact) else solved.in_plane
-    step = contact_dataset(scene, problem, surfaces.rms_gradient, contact)
-    if isinstance(solved, Pressed) and surfaces.bodies is not None:
-        _add_bodies(step, scene, surfaces.bodies, surfaces.rms_gradient, problem, solved)
+    step = contact_dataset(given, problem, solved if isinstance(solved, Contact) else solved.in_plane)
+    if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
+        _add_bodies(step, given, given.surfaces.bodies, problem, solved)
     return step
 
 
-def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact: Contact) -> xr.Dataset:
+def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> xr.Dataset:
     """Fields over x, or (y, x), and scalars of the first realisation of a contact.
 
     Displacements count from the unloaded body on a slab or without a period, and from their own mean on a periodic
     half-space, whose mean displacement has no reference.
     """
-    unit = Units.of(scene, rms_gradient)
+    scene, unit = given.file.scene, given.units
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None and not any(problem.ends):
         displacement = displacement - displacement.mean() - _uniform_compression(scene, problem) / contact.change.factor
@@ -117,13 +115,13 @@ def contact_dataset(scene: Scene, problem: Problem, rms_gradient: float, contact
         fields["worn_depth"] = "height", "depth by which the punch has worn", contact.memory["worn"][0]
     fields |= _tangential_fields(contact, problem.interface.friction is not None)
     if problem.tractions is not None:
-        given = *problem.tractions.tangential, problem.tractions.normal
-        for component, values in zip(COMPONENTS[scene.dimension], given, strict=True):
+        prescribed = *problem.tractions.tangential, problem.tractions.normal
+        for component, values in zip(COMPONENTS[scene.dimension], prescribed, strict=True):
             long_name = f"prescribed traction on the body, {component.way}"
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = AXES[-scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
-    coordinates["rms_gradient_target"] = ((), rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
+    coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     variables: dict[str, Any] = {
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
@@ -169,12 +167,7 @@ def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str
 
 
 def _add_bodies(
-    found: xr.Dataset,
-    scene: Scene,
-    bodies: tuple[RoughBody, ...],
-    rms_gradient: float,
-    problem: Problem,
-    pressed: Pressed,
+    found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, pressed: Pressed
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
@@ -183,10 +176,10 @@ def _add_bodies(
         attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
     assert problem.rough is not None  # as its bodies are
-    whole = Units.of(scene, rms_gradient)
+    whole, rms_gradient = given.units, given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        worth = {"height": scene.length or 1.0, "pressure": contact_modulus(scene) / body.share}
+        worth = {"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}
         unit = Units(worth, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
@@ -205,7 +198,7 @@ def _add_bodies(
         for variable, long_name, values in _on_surface(contact):
             found[variable] = whole.variable(dims, "pressure", long_name, values)
     row = ROUGH_BODY_OBSERVABLES["next_order"]
-    found["next_order"] = Units.of(scene, 1.0).variable((), "height", row.long_name, pressed.next_order)
+    found["next_order"] = whole.variable((), "length", row.long_name, pressed.next_order)
     refuse_nonfinite(found)
 
 
@@ -264,26 +257,24 @@ def _add_followed(
     step: xr.Dataset, given: ContactInput, problem: Problem, contact: Contact, followed: Followed
 ) -> None:
     """Add the load at the largest jump of a step of a path, and how stable its end is."""
-    scene = given.file.scene
-    unit = Units.of(scene, given.surfaces.rms_gradient)
     name, kind = ("displacement", "height") if problem.mean_pressure is None else ("pressure", "pressure")
     found = {f"jump_{name}": (kind, f"{name} at the largest jump since the last step", followed.jump_at)}
-    if scene.interface.couples:
+    if problem.interface.couples:
         sliding = "tangential displacement of the punch at the largest jump since the last step"
         found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
     curvature = branch.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
-    step.update({key: unit.variable((), *variable) for key, variable in found.items()})
+    step.update({key: given.units.variable((), *variable) for key, variable in found.items()})
 
 
 def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
     """Add what is recorded along a path to its dataset."""
     scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
-    unit, found = Units.of(scene, given.surfaces.rms_gradient), {}
+    found = {}
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
-        found[name] = unit.variable(dims, row.unit, row.long_name, values[name])
+        found[name] = given.units.variable(dims, row.unit, row.long_name, values[name])
     dataset.update(found)
 
 

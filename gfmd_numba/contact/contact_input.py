@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -21,6 +21,9 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
+
+if TYPE_CHECKING:
+    from gfmd_numba.contact.dataset import Units
 
 Described = TypeVar("Described", Scene, LoadedBody)
 
@@ -41,6 +44,13 @@ class ContactInput:
     def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
         """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
         return tuple(steps_of(self.file.scene, self.file.path))
+
+    @cached_property
+    def units(self) -> "Units":
+        """What each unit of the dimensionless problem is worth, and what it is called in results."""
+        from gfmd_numba.contact.dataset import Units  # which needs xarray, and a worker does not
+
+        return Units.of(self.file.scene, self.surfaces.rms_gradient)
 
     @cached_property
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:

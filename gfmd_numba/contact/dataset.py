@@ -45,7 +45,8 @@ class Units:
     @classmethod
     def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
         """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
-        height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * contact_modulus(scene)
+        modulus = contact_modulus(scene)
+        height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * modulus
         metre, pascal = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
         both = [unit for unit in (pascal, metre) if unit != "1"]
         each = {
@@ -54,6 +55,7 @@ class Units:
             "gradient": (rms_gradient, "1"),
             "length": (scene.length or 1.0, metre),
             "height": (height, metre),
+            "E*": (modulus, pascal),
             "pressure": (pressure, pascal),
             "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
             "s": (1.0, "s"),
@@ -93,11 +95,10 @@ class Units:
 
 def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
-    bodies = (scene.body,) if isinstance(scene, LoadedBody) else scene.deformable
-    if all(body.layers is None for body in bodies) or not scene.has_moduli:
+    if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
         return {}
     modulus = contact_modulus(scene) / stiffness_scale(scene)
-    whose = "the topmost layer" if len(bodies) == 1 else "both bodies together, of layers the topmost"
+    whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
     return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of {whose}"}
 
 

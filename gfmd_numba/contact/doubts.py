@@ -11,7 +11,6 @@ from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import contact_modulus
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import TIME_TOLERANCE
@@ -31,7 +30,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_coarse_times, _beyond_small_strains, _at_the_edge, _past_asperities, _overlap, _rounded_heights)
+    each = (_coarse_times, _beyond_small_strains, _at_the_edge, _past_asperities, _overlap)
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
@@ -70,7 +69,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / contact_modulus(scene)
+    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / given.units.worth["E*"]
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, bool(scene.periodic)).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
@@ -153,22 +152,6 @@ def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
     return (
         f"the surfaces overlap by up to {deepest:.3g} times normal_length, and without a hard_wall no area counts as "
         "contact: add one to the interface unless you mean that"
-    )
-
-
-def _rounded_heights(given: ContactInput, dataset: xr.Dataset) -> str:
-    """Return a warning about heights that single precision rounds too much for a law of a short range, else nothing."""
-    numerics, laws = given.file.numerics, given.file.scene.interface.laws.values()
-    acting = [law for law in laws if law.across_open_gap]
-    lengths = [value for law in acting for name, value in law if name != "work_of_adhesion"]
-    if numerics.precision == "double" or not lengths:
-        return ""
-    rounding = 0.5 * float(np.finfo(np.float32).eps) * float(np.ptp(dataset["height"].values)) / min(lengths)
-    if rounding <= numerics.residual:
-        return ""
-    return (
-        f"single precision rounds the heights, and with them the gaps, by up to {rounding:.2g} of the shortest length "
-        "of the interaction law, and its tractions as much: take numerics.precision double"
     )
 
 

@@ -222,17 +222,15 @@ def _interface_content(interface: Interactions) -> dict[str, Any]:
     return content
 
 
-def random_surface(scene: Scene, discretisation: Discretisation | None, seed: int) -> tuple[RandomSurface, float]:
-    """Ensemble of surfaces that the punch of a scene has at a discretisation, and the rms gradient asked of it.
+def random_surface(
+    record: Random, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int
+) -> tuple[RandomSurface, float]:
+    """Ensemble that a record of a scene describes at a discretisation, and the rms gradient asked of it.
 
-    Raises TypeError for a punch without random roughness.
+    Raises ValueError for lengths that do not go with the period.
     """
-    if not isinstance(scene.roughness, Random):
-        raise TypeError("a random surface needs a random roughness of the punch")
-    period = scene.length or 1.0
-    cut_from = 1 if scene.periodic else WIDER_THAN_A_PATCH
-    surface = generators.random_surface(scene.roughness, discretisation, period, scene.dimension, seed, cut_from)
-    return surface, generators.rms_gradient(scene.roughness, surface, period)
+    period, cut_from = scene.length or 1.0, 1 if scene.periodic else WIDER_THAN_A_PATCH
+    return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
 
 
 def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
@@ -275,8 +273,7 @@ def given_surface(heights: Reals, gradient: float | None = None, periodic: objec
     if not SMALLEST <= own <= LARGEST:
         raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     unit = heights / scale / (slope if gradient is None else gradient / scale)
-    digest = hashlib.sha256(unit.tobytes()).hexdigest()
-    return GivenSurface(unit.shape[-1], digest, unit), own if gradient is None else gradient
+    return GivenSurface.of(unit), own if gradient is None else gradient
 
 
 def scaled_gradient(heights: Reals, periodic: object = True) -> tuple[float, float]:

@@ -125,7 +125,7 @@ def solver_options(numerics: Numerics, automatic: str) -> Options:
     """Options of the solver that the numerics name, or of the `automatic` one, without those that it does not have."""
     solver = automatic if numerics.solver == "auto" else numerics.solver
     own = {name: getattr(numerics, name) for name in SOLVERS[solver].options}
-    return Options(solver, numerics.residual, numerics.max_iterations, numerics.precision, **own)
+    return Options(solver, numerics.residual, numerics.max_iterations, **own)
 
 
 @lru_cache(maxsize=4096)

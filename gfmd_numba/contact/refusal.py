@@ -77,7 +77,7 @@ def _features(
     found: dict[str, list[Location]] = {}
     parts = [_of_numerics(numerics), _of_bodies(scene)]
     if isinstance(scene, LoadedBody):
-        parts.append(_of_loaded_body(scene))
+        parts.append(iter([("prescribed", ("scene", "boundary"))]))
     else:
         parts += [_of_contact(scene, path, grid or {}), _on_inclined_surfaces(scene, grid or {})]
     for feature, location in chain(*parts):
@@ -86,20 +86,12 @@ def _features(
 
 
 def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
-    if numerics.precision == "single":
-        yield "single", ("numerics", "precision")
     if numerics.time_tolerance is not None:
         yield "time_tolerance", ("numerics", "time_tolerance")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:
             yield "higher topography_order", ("numerics", "topography_order")
-
-
-def _of_loaded_body(scene: LoadedBody) -> Iterator[tuple[str, Location]]:
-    yield "prescribed", ("scene", "boundary")
-    if all(getattr(scene.boundary, each.key("displacement")) is None for each in COMPONENTS[2]):
-        yield "loaded by tractions alone", ("scene", "boundary")
 
 
 def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:

@@ -1,6 +1,5 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
-import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, prod
@@ -14,7 +13,6 @@ from gfmd_numba.contact.scales import compliance_share, elastic_body
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import generators
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
@@ -102,10 +100,7 @@ def _of_the_punch(
             return problem.given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
         except ValueError as error:
             raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
-    try:
-        return problem.random_surface(scene, file.discretisation, file.seed)
-    except ValueError as error:
-        raise _unusable(document, ("scene", "roughness"), error) from None
+    return _random(("roughness",), scene, file.discretisation, file.seed, document)
 
 
 def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
@@ -132,9 +127,9 @@ def ensemble_of_rough_bodies(
     for place, record in scene.surfaces.items():
         centred = place != ("roughness",)
         if isinstance(record, Measured):
-            parts[place] = Topography(_as_it_is(measured[place].in_periods), 1.0, centred)
+            parts[place] = Topography(GivenSurface.of(measured[place].in_periods), 1.0, centred)
         else:
-            surface, asked[place] = _random(record, scene, discretisation, seed, document, ("scene", *place))
+            surface, asked[place] = _random(place, scene, discretisation, seed, document)
             parts[place] = Topography(surface, asked[place], centred)
             seed = (seed + 1) % 2**32
     fixed = (part.surface.shape for place, part in parts.items() if ("scene", *place) not in document.elsewhere)
@@ -207,26 +202,16 @@ def _points(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape))
 
 
-def _as_it_is(heights: Reals) -> GivenSurface:
-    """Surface of heights in L_x, in units of L_x."""
-    return GivenSurface(heights.shape[-1], hashlib.sha256(heights.tobytes()).hexdigest(), heights)
-
-
 def _random(
-    record: Random,
-    scene: Scene | LoadedBody,
-    discretisation: Discretisation | None,
-    seed: int,
-    document: Document,
-    place: Place,
+    place: Place, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int, document: Document
 ) -> tuple[RandomSurface, float]:
-    """Ensemble of a record, and the rms gradient asked of it."""
-    period = scene.length or 1.0
+    """Ensemble of the record at a place, and the rms gradient asked of it."""
+    record = scene.surfaces[place]
+    assert isinstance(record, Random)  # any other is measured
     try:
-        surface = generators.random_surface(record, discretisation, period, scene.dimension, seed)
-        return surface, generators.rms_gradient(record, surface, period)
+        return problem.random_surface(record, scene, discretisation, seed)
     except ValueError as error:
-        raise _unusable(document, place, error) from None
+        raise _unusable(document, ("scene", *place), error) from None
 
 
 def _field(record: Measured, document: Document, place: Place, read: Reader) -> Field:
@@ -239,10 +224,10 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 def _measured(
     field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
-    record, repeats = field.record, isinstance(scene, LoadedBody) or bool(scene.periodic)
+    record = field.record
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, repeats)
+        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, bool(scene.periodic))
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)

@@ -384,9 +384,8 @@ def tractions_on(
     None stands for no traction along the surface. Prescribed tractions act on the lower body. On inclined surfaces,
     of which `pairing` tells, the tractions are those along the plane and out of it.
     """
-    found, tangential = contact.equilibrium.pressure[0], contact.equilibrium.tangential
-    pressure = gradient * found.astype(np.float64)  # the response is computed in double precision
-    along = None if tangential is None else gradient * tangential.traction[0].astype(np.float64)
+    pressure, tangential = gradient * contact.equilibrium.pressure[0], contact.equilibrium.tangential
+    along = None if tangential is None else gradient * tangential.traction[0]
     if pairing is None:
         along = None if along is None else body.side * along
     else:

@@ -48,8 +48,6 @@ def solve(problem: Problem, state: State | range) -> Contact:
         punch[abs(punch) <= _ROUNDING * np.ptp(heights)] = 0.0
     if change.out is not None:
         punch -= change.out
-    if problem.numerics.precision == "single":  # whatever the solver works on is of the precision of the punch
-        punch = punch.astype(np.float32)
     drag = np.reshape(step.sliding, (-1, *(1 for _ in heights.shape[1:])))
     is_cohesive = problem.interface.cohesive is not None  # slip then counts from where the punch came
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag

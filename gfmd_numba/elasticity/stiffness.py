@@ -128,15 +128,6 @@ def condensed_elements(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, 
     return terms.det / (8.0 * terms.n33), terms.det / (8.0 * terms.n11)
 
 
-def principal_elements(k: Reals, poissons_ratio: Reals | float) -> tuple[Reals, Reals]:
-    """Smaller and larger eigenvalue of C11 M of a slab, in E*: kappa_3'/q and kappa_1'/q (6.84), section 6.3.6."""
-    terms = _Terms(k, poissons_ratio)
-    a11, a13, a33 = slab_elements(k, poissons_ratio)
-    larger = 0.5 * (a11 + a33) + np.hypot(2.0 * (1.0 - terms.nu) ** 2 * terms.decayed_k / terms.d, a13)
-    # the determinant over the larger eigenvalue: subtracting the root would cancel where the slab is thin
-    return 0.25 * (1.0 - terms.nu) ** 2 * terms.det / terms.d / larger, larger
-
-
 class _Terms:
     """Numerators, denominator and determinant of (6.58), all scaled by exp(-2 k)."""
 

@@ -47,20 +47,20 @@ def library_version() -> str:
     return str(pyfftw._fftw_version_dict["64"]).removeprefix("fftw-")
 
 
-def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> Reals:
+def aligned_rows(rows: int, n: int, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
     """Zeroed array `[rows, n padded]` whose rows all start on a cache line."""
-    line = _LINE // min(np.dtype(dtype).itemsize, 8)
-    array: Reals = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
+    line = _LINE // 8
+    array: npt.NDArray[Any] = pyfftw.zeros_aligned((rows, -(-n // line) * line), dtype=dtype, n=_LINE)
     return array
 
 
-def padded(waves: int, itemsize: int) -> int:
+def padded(waves: int) -> int:
     """Length of rows for so many waves of a map that is an odd number of cache lines.
 
     Transforms along y walk from row to row, and a distance that is a power of two would map all rows onto the same few
     lines of the cache. At 4096 x 4096 nodes that halves the time.
     """
-    line = _LINE // itemsize
+    line = _LINE // 16
     lines = -(-waves // line)
     return (lines + 1 - lines % 2) * line
 
@@ -68,8 +68,8 @@ def padded(waves: int, itemsize: int) -> int:
 class Transform:
     """Planned transforms of profiles or maps, and their products with symbols of q: every row of a buffer is one, flat.
 
-    `shape` is (nx,) or (ny, nx). Each of the `sources` is a buffer of its own; spectrum and result are shared. All are
-    of the precision `dtype`. Rows of the spectrum of a map are `padded`.
+    `shape` is (nx,) or (ny, nx). Each of the `sources` is a buffer of its own; spectrum and result are shared. Rows of
+    the spectrum of a map are `padded`.
 
     With `in_place` all of them are one buffer, the only one of the size of a map: a transform overwrites the `samples`
     `[row, (y,) x]` by their `waves` `[row, (y,) padded]` and back. Both are views of its `memory` of real numbers.
@@ -79,26 +79,19 @@ class Transform:
     """
 
     def __init__(
-        self,
-        rows: int,
-        *shape: int,
-        sources: int = 1,
-        dtype: npt.DTypeLike = np.float64,
-        in_place: bool = False,
-        filled: int | None = None,
+        self, rows: int, *shape: int, sources: int = 1, in_place: bool = False, filled: int | None = None
     ) -> None:
         self.shape, self.n, self.half = shape, math.prod(shape), shape[-1] // 2 + 1
-        waves = np.result_type(dtype, 1j)
-        self._waves = (*shape[:-1], self.half if len(shape) == 1 else padded(self.half, waves.itemsize))
-        self.spectrum = aligned_rows(rows, math.prod(self._waves), waves)
+        self._waves = (*shape[:-1], self.half if len(shape) == 1 else padded(self.half))
+        self.spectrum = aligned_rows(rows, math.prod(self._waves), np.complex128)
         self.waves = self.spectrum[:, : math.prod(self._waves)].reshape(rows, *self._waves)
-        self.memory: Reals = self.waves.view(dtype)
+        self.memory: Reals = self.waves.view(np.float64)
         if in_place:
-            self.result = self.spectrum.view(dtype)
+            self.result = self.spectrum.view(np.float64)
             self.sources, self.samples = [self.result], self.memory[..., : shape[-1]]
             samples = [self.samples]
         else:
-            self.result, *self.sources = (aligned_rows(rows, self.n, dtype) for _ in range(1 + sources))
+            self.result, *self.sources = (aligned_rows(rows, self.n) for _ in range(1 + sources))
             self.samples, *samples = (each[:, : self.n].reshape(rows, *shape) for each in (self.result, *self.sources))
         self.n_transforms = np.zeros(rows, dtype=np.int64)
         kept, axes = self.waves[..., : self.half], tuple(range(len(shape)))
@@ -112,7 +105,7 @@ class Transform:
 
     def symbol(self, values: Reals) -> Reals:
         """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
-        symbol: Reals = np.zeros(self._waves, dtype=self.result.dtype)
+        symbol: Reals = np.zeros(self._waves)
         symbol[..., : self.half] = values.reshape(*self.shape[:-1], self.half) / self.n
         return symbol.ravel()
 

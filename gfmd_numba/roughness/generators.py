@@ -137,11 +137,12 @@ def random_surface(
     dimension: int,
     seed: int,
     periods: int = 1,
-) -> RandomSurface:
-    """Ensemble of a record, whose lengths are in the unit of `period`, or of patches of so many times that period.
+) -> tuple[RandomSurface, float]:
+    """Ensemble of a record, or of patches of so many periods, and the rms gradient asked of it.
 
-    Grid and wavelengths that the record leaves open are those of the discretisation. Raises ValueError for lengths that
-    do not go with the period.
+    Lengths of the record are in the unit of `period`. Grid and wavelengths that the record leaves open are those of the
+    discretisation. Where it asks for an rms height, theory tells the gradient. Raises ValueError for lengths that do
+    not go with the period.
     """
     record, period = in_reduced_units(record, periods * period, 1.0), 1.0
     if discretisation is not None and periods > 1:
@@ -160,15 +161,9 @@ def random_surface(
         by_theory=record.scaling == "ensemble",
         periods=periods,
     )
-    if record.points is not None and not surface.by_height:  # where it is, the rms gradient below asks for the power
-        surface.generator.power(surface.whole)
-    return surface
-
-
-def rms_gradient(record: Random, surface: RandomSurface, period: float) -> float:
-    """Rms gradient asked of a surface, or the one that theory expects of the rms height asked of it."""
-    if record.rms_gradient is not None:
-        return record.rms_gradient
-    height: float | None = in_reduced_units(record, surface.periods * period, 1.0).rms_height
-    assert height is not None  # the record's promise
-    return height * gradient_over_height(surface.generator, surface.whole)
+    if record.rms_gradient is None:
+        assert record.rms_height is not None  # the record's promise
+        return surface, record.rms_height * gradient_over_height(surface.generator, surface.whole)
+    if record.points is not None:
+        surface.generator.power(surface.whole)  # which may refuse the record
+    return surface, record.rms_gradient

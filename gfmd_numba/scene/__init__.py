@@ -7,7 +7,6 @@ from gfmd_numba.scene.loading import Loading
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import (
     COMPONENTS,
-    SINGLE_RESIDUAL,
     Boundary,
     BoundaryFile,
     Discretisation,
@@ -22,7 +21,6 @@ from gfmd_numba.text.input_error import InputError
 
 __all__ = [
     "COMPONENTS",
-    "SINGLE_RESIDUAL",
     "Body",
     "Boundary",
     "BoundaryFile",

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, Literal, NamedTuple, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
@@ -288,7 +288,6 @@ Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), Wit
 
 
 TIME_TOLERANCE = 1e-3
-SINGLE_RESIDUAL = 1e-3  # the least that single precision is asked for
 
 
 class _Rough(Protocol):
@@ -326,7 +325,6 @@ class Numerics(BaseModel):
         description="Largest relative error of pressures and displacements by the divisions of time along a path over "
         f"a viscoelastic body; None: {TIME_TOLERANCE:g}",
     )
-    precision: Literal["double", "single"] = Field("double", description="Precision of the solver's numbers")
     damping: Damping | None = Field(
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
@@ -336,15 +334,6 @@ class Numerics(BaseModel):
         if self.topography_order is None:
             return 0 if scene.knows_lowest_order_only else 2
         return self.topography_order
-
-    @model_validator(mode="after")
-    def _residual_is_within_precision(self) -> Self:
-        if self.precision == "single" and self.residual < SINGLE_RESIDUAL:
-            raise broken_rule(
-                ("residual",),
-                f"at least {SINGLE_RESIDUAL:g} in single precision, whose rounding alone leaves about 1e-8 nx",
-            )
-        return self
 
 
 Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene
@@ -405,6 +394,7 @@ class LoadedBody(BaseModel):
     """A body, what is prescribed on its surface, and the period L_x in m."""
 
     model_config = RECORD
+    periodic: ClassVar[bool] = True
     body: Body = Field(description="Elastic body")
     boundary: Boundary = Field(description="Prescribed tractions and displacements")
     length: Length | None = Field(

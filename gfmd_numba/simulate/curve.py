@@ -15,7 +15,7 @@ from pydantic_core import PydanticCustomError
 
 from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, Units, cf_attributes, load_attributes
+from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
@@ -368,7 +368,7 @@ def _standard_error(values: xr.DataArray) -> xr.DataArray:
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     """Add what the path and the size of the period make of the recorded scalars."""
     scene = curve.given.file.scene
-    one = Units.of(scene, curve.given.surfaces.rms_gradient).worth["pressure"]
+    one = curve.given.units.worth["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
@@ -376,15 +376,15 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     if "contact_stiffness" in found:
-        found["contact_stiffness"].attrs = _stiffness_attributes(scene)
+        found["contact_stiffness"].attrs = _stiffness_attributes(curve.given)
 
 
-def _stiffness_attributes(scene: Scene) -> dict[str, Any]:
-    unit = Units.of(scene).names
+def _stiffness_attributes(given: ContactInput) -> dict[str, Any]:
+    unit = given.units.names
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
-    if any(scene.ends):
+    if any(given.file.scene.ends):
         long_name = "contact stiffness, d(mean_pressure)/d(approach)"
     return cf_attributes(long_name, " ".join(per) or "1") | {"comment": _METHOD}
 

@@ -12,7 +12,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import spectral, statistics
-from gfmd_numba.roughness.generators import gradient_over_height, random_surface, rms_gradient
+from gfmd_numba.roughness.generators import gradient_over_height, random_surface
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.measured_record import AXES, Measured
@@ -47,13 +47,13 @@ def make(file: SurfaceFile) -> Made:
 
 def _random(file: SurfaceFile, record: Random) -> Made:
     period, dimension = file.length or 1.0, file.dimension or 1
-    surface = random_surface(record, None, period, dimension, file.seed)
+    surface, gradient = random_surface(record, None, period, dimension, file.seed)
     drawn = surface.heights(range(file.realisation, file.realisation + 1))[0]
-    heights = rms_gradient(record, surface, period) * period * drawn
+    heights = gradient * period * drawn
     lengths = (period,) * dimension
     power = surface.generator.power(surface.shape)
     if record.scaling == "ensemble":
-        asked = rms_gradient(record, surface, period) * period / gradient_over_height(surface.generator, surface.shape)
+        asked = gradient * period / gradient_over_height(surface.generator, surface.shape)
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)

@@ -164,7 +164,7 @@ class ActiveSetNewton(PressureIterate):
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // self._tuning.coarsening) for nodes in fine_shape)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
-        fewer = replace(batch, punch=smooth.astype(batch.punch.dtype), response=batch.response.coarsened(shape))
+        fewer = replace(batch, punch=smooth, response=batch.response.coarsened(shape))
         coarse = type(self)(fewer, replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):

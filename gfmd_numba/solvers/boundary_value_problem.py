@@ -13,12 +13,11 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.solvers.dynamics import Verlet, position_verlet
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.status import Stagnation, Status
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
 _ROW = np.zeros(1, dtype=np.int64)
-_SMALL = 1e-2  # residual in single precision below which rounding may keep it where it is
 
 
 @dataclass(frozen=True)
@@ -48,16 +47,13 @@ def deform(response: SpectralResponse, traction: Reals, displacement: Reals, opt
     started = time.perf_counter()
     problem = _BoundaryValueProblem(response, traction, displacement, options)
     iterations, residual = 0, problem.residual()
-    is_single, stagnation, stands = options.precision == "single", Stagnation(1, _SMALL), False
-    while residual > options.residual and iterations < options.max_iterations and not stands:
+    while residual > options.residual and iterations < options.max_iterations:
         steps = min(_CHECK_EVERY, options.max_iterations - iterations)
         for _ in range(steps):
             problem.advance()
         iterations += steps
         residual = problem.residual()
-        stands = is_single and bool(stagnation.look(np.array([residual]), np.zeros(1, dtype=np.int64))[0])
-    status = Status.stagnated if stands else Status.steps_used_up
-    status = Status.ok if residual <= options.residual else status
+    status = Status.ok if residual <= options.residual else Status.steps_used_up
     return Deformed(
         displacement=problem.displacement.reshape(displacement.shape).copy(),
         traction=problem.traction.reshape(displacement.shape).copy(),
@@ -83,13 +79,12 @@ class _BoundaryValueProblem:
         elastic = response.with_mean(0.0) if self._rigid else response
         softest, stiffest = elastic.extremes()
         self._least_peak = softest * float(np.nan_to_num(abs(displacement)).max())
-        dtype = np.float32 if options.precision == "single" else np.float64
-        self._products = products = Products(elastic, 1, tuple(shape), dtype)
+        self._products = products = Products(elastic, 1, tuple(shape))
         self.field, n = products.field, products.field.n
         u, ku = products.displacement, products.restoring
         self.displacement, self.traction = u[0, :, :n], ku[0, :, :n]
-        self._prescribed: Reals = prescribed.reshape(components, n).astype(dtype, copy=False)
-        self.displacement[:] = self._held = self._start(elastic, prescribed, displacement).astype(dtype, copy=False)
+        self._prescribed: Reals = prescribed.reshape(components, n)
+        self.displacement[:] = self._held = self._start(elastic, prescribed, displacement)
         self._state = kernels.State(u, ku, np.full_like(u[:, -1], np.inf), np.zeros(1), u[:, :0])
         settings = options.number("time_step"), options.number("damping")
         self._step = Verlet(u, *position_verlet(softest, stiffest, *settings))

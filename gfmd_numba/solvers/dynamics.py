@@ -115,10 +115,10 @@ class Dynamics:
     def __init__(self, batch: Batch, integrator: Callable[[Reals], Integrator]) -> None:
         interface, start, (rows, *shape) = batch.interface, batch.start, batch.punch.shape
         self._law, self._cohesive = interface.normal_law, interface.cohesive
-        self._products = Products(batch.response, rows, tuple(shape), batch.punch.dtype)
+        self._products = Products(batch.response, rows, tuple(shape))
         self.field, n = self._products.field, self._products.field.n
         u, along = self._products.displacement, self._products.components - 1
-        self._punch = aligned_rows(rows, n, batch.punch.dtype)
+        self._punch = aligned_rows(rows, n)
         self._punch[:, :n] = batch.punch.reshape(rows, n)
         wall = self._punch if interface.hard_wall else np.full_like(self._punch, np.inf)
         anchor = np.full_like(u[:, :along], np.nan)
@@ -128,7 +128,7 @@ class Dynamics:
         u[:, -1, :n] = self._without_overlap(batch).reshape(rows, n)
         if self._cohesive is not None:
             sliding = np.broadcast_to(batch.sliding, (along, *shape)).reshape(along, n)
-            self._sliding = np.ascontiguousarray(sliding, dtype=u.dtype)
+            self._sliding = np.ascontiguousarray(sliding)
         self.state = kernels.State(u, self._products.restoring, wall, batch.loads, anchor)
         self.certificate = Certificate(rows, interface.conditions)
         self._integrator = integrator(u)

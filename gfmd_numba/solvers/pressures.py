@@ -22,14 +22,13 @@ class PressureIterate:
         rows, shape = len(batch.punch), batch.punch.shape[1:]
         punch, stiffness = batch.punch.reshape(rows, -1), batch.response.normal.ravel()
         self.free_mean = batch.load is not None
-        self.field = Transform(rows, *shape, sources=3, dtype=punch.dtype)
+        self.field = Transform(rows, *shape, sources=3)
         n = self.field.n
         self.pressure, self.direction, self.displacement = self.field.sources
-        self.wall = aligned_rows(rows, n, punch.dtype)
+        self.wall = aligned_rows(rows, n)
         self.wall[:, :n] = punch
         self.load, start = batch.loads, batch.uniform_pressure
-        hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
-        self.hardness = float(np.asarray(hardness, dtype=punch.dtype))
+        self.hardness = np.inf if batch.interface.hardness is None else batch.interface.hardness
         # between its bounds, where every node is free to move
         if batch.load is None:
             start = np.minimum(start, 0.5 * self.hardness)
@@ -38,13 +37,13 @@ class PressureIterate:
             compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
         self.compliance = self.field.symbol(compliance)
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
-        self.gap = aligned_rows(rows, n, punch.dtype)
+        self.gap = aligned_rows(rows, n)
         self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.field.result)
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
         self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
         self.certificate = batch.certificate()
         self.certificate.conditions = kernels.Conditions(self.hardness)
-        self.rounding = np.finfo(punch.dtype).eps * np.ptp(punch, axis=1)
+        self.rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
@@ -71,7 +70,7 @@ class LastPressure:
     """Pressures between two bounds and their gaps `[realisation, x]`, up to the approach, as they last were."""
 
     def __init__(self, pressure: Reals) -> None:
-        self.pressure, self.gap = np.zeros((2, *pressure.shape), dtype=pressure.dtype)
+        self.pressure, self.gap = np.zeros((2, *pressure.shape))
         self._known = np.zeros(len(pressure), dtype=np.bool_)
 
     def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:

@@ -18,16 +18,9 @@ class Products:
     one. With a second of the `sources`, `deflect` leaves the displacements as they are.
     """
 
-    def __init__(
-        self,
-        response: SpectralResponse,
-        rows: int,
-        shape: tuple[int, ...],
-        dtype: npt.DTypeLike = np.float64,
-        sources: int = 1,
-    ) -> None:
+    def __init__(self, response: SpectralResponse, rows: int, shape: tuple[int, ...], sources: int = 1) -> None:
         self.components = response.components
-        self.field = Transform(self.components * rows, *shape, sources=sources, dtype=dtype)
+        self.field = Transform(self.components * rows, *shape, sources=sources)
         self.displacement, *self._others = (self._by_row(each) for each in self.field.sources)
         self.restoring, self._spectrum = self._by_row(self.field.result), self._by_row(self.field.spectrum)
         self.stiffness = self.symbols(response.elements)
@@ -62,7 +55,7 @@ class Products:
         source[i, :, :n] = traction
         np.negative(traction[-1], out=source[i, -1, :n])
         self.apply(self._compliance, np.array([i]), source=1)
-        return np.array(self.restoring[i, :, :n], dtype=np.float64)
+        return self.restoring[i, :, :n].copy()
 
     def _by_row(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         return values.reshape(-1, self.components, values.shape[-1])

@@ -21,7 +21,6 @@ ABILITIES = {
     "normal law": ", as the others know the hard wall only",
     "hard wall": " with a hard_wall",
     "hardness": " with a hardness, the second bound of the pressure",
-    "single": " in single precision",
 }
 
 
@@ -46,8 +45,8 @@ class Solver:
     successor: str | None = None
 
 
-_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean", "single"})
-_DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "single"})
+_PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean"})
+_DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law"})
 _ACTIVE_SETS = (
     "gfmd_numba.solvers.decays.newton:decay_newton",
     "gfmd_numba.solvers.tiles.newton:tile_newton",
@@ -80,9 +79,7 @@ SOLVERS = {
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton, or as truncated_newton with a law",
-        can=frozenset(
-            {"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean", "single"}
-        ),
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"}),
         condensed=("gfmd_numba.solvers.truncated_newton:under_a_law", *_ACTIVE_SETS),
         coupled=("gfmd_numba.solvers.friction.newton:FrictionalNewton",),
         block_samples=2**18,
@@ -134,7 +131,6 @@ class Options:
     solver: str
     residual: float = RESIDUAL
     max_iterations: int = MAX_ITERATIONS
-    precision: str = "double"
     time_step: float | None = None
     damping: float | None = None
 

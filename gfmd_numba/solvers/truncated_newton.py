@@ -195,18 +195,18 @@ class TruncatedNewton:
     check_every = 1
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        interface, (rows, *shape), dtype = batch.interface, batch.punch.shape, batch.punch.dtype
+        interface, (rows, *shape) = batch.interface, batch.punch.shape
         if batch.response.components > 1 and (interface.cohesive is None or interface.friction is not None):
             raise ValueError("this solver of all displacements knows a cohesive law alone")
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)
         self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
         self._law, self._target = law_energy(interface), options.residual
-        self._products = products = Products(response, rows, tuple(shape), dtype)
+        self._products = products = Products(response, rows, tuple(shape))
         self.field, n = products.field, products.field.n
         self._source, self._result = products.displacement.reshape(rows, -1), products.restoring.reshape(rows, -1)
         self._prepare(response, batch.law_stiffness())
-        self._load, self._elastic, self._restoring, self._wall, self._u = np.zeros((5, *self._source.shape), dtype)
+        self._load, self._elastic, self._restoring, self._wall, self._u = np.zeros((5, *self._source.shape))
         self._wall[:] = np.inf
         load = batch.loads.copy()
         u, wall, restoring = (self._components(each) for each in (self._u, self._wall, self._restoring))
@@ -216,7 +216,6 @@ class TruncatedNewton:
         self._yields = None if interface.hardness is None else np.zeros((rows, n), dtype=np.bool_)
         self._ceiling = self._wall if self._yields is None else self._wall.copy()
         self._bound = self._ceiling.copy() if self._law.reach > 0.0 else self._ceiling
-        self._rounding = _ROUNDING * float(np.finfo(dtype).eps / np.finfo(np.float64).eps)
         # where neither the load nor a wall says where the punch is, a large mean displacement would cost digits
         self._floats, self._level = batch.load is not None and not interface.hard_wall, np.zeros(rows)
         anchor = np.full_like(u[:, :-1], np.nan)
@@ -225,7 +224,7 @@ class TruncatedNewton:
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts = np.zeros(rows, dtype=np.bool_)
         self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
-            (6, self._u.shape[1]), dtype
+            (6, self._u.shape[1])
         )
         for row in np.arange(rows).reshape(-1, 1):
             self._source[row[0]] = self._u[row[0]]
@@ -274,7 +273,7 @@ class TruncatedNewton:
         dragged = batch.start.tangential[:, :along] + batch.start.dragged  # a slip of the step's own would end bonds
         u[:, :-1, :n] = dragged.reshape(rows, along, n)
         sliding = np.broadcast_to(batch.sliding, (along, *shape)) if along else np.empty((0, n))
-        self._sliding = np.ascontiguousarray(sliding.reshape(along, n), dtype=u.dtype)
+        self._sliding = np.ascontiguousarray(sliding.reshape(along, n))
         u[:, -1, :n] = starting_displacement(batch, self._law.normal_traction)
         if batch.interface.hard_wall:
             wall[:] = batch.punch.reshape(rows, n)
@@ -411,7 +410,7 @@ class TruncatedNewton:
         )
         with np.errstate(over="ignore", invalid="ignore"):  # too long a step, which is then cut short
             law = self._change(i)
-        return work + law - self._rounding * scale, min(slope, 0.0)
+        return work + law - _ROUNDING * scale, min(slope, 0.0)
 
     def _accept(self, i: int) -> None:
         """Make the last trial of a row, whose restoring traction was the last result, its displacement."""

@@ -17,16 +17,6 @@ def critical_damping(stiffness: Stiffness, time_step: float) -> Stiffness:
     return 2.0 * root / time_step - stiffness
 
 
-def scalar_damping(stiffness: Reals, time_step: float) -> float:
-    """Largest eta that over-damps none of the modes (6.3), in 1/time^2.
-
-    (6.41) is concave in sqrt(K), so one of the two extreme modes decides; it is the softest as long as
-    dt (sqrt(Kmin) + sqrt(Kmax)) <= 2.
-    """
-    softest, stiffest = float(stiffness.min()), float(stiffness.max())
-    return min(critical_damping(softest, time_step), critical_damping(stiffest, time_step))
-
-
 def stability_limit(softest: float, stiffest: float, damping: float) -> float:
     """Largest stable time step if eta is `damping` times the critical damping of the softest mode, unit mass.
 

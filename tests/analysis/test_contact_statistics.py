@@ -48,7 +48,7 @@ def test_elastic_energy_is_that_of_its_waves(body, load):
     np.testing.assert_allclose(evaluation.elastic_energy(result), 0.5 * waves.sum(axis=1), rtol=1e-6)
 
 
-@pytest.mark.parametrize("friction", [0.2, np.inf])
+@pytest.mark.parametrize("friction", [0.2, pytest.param(np.inf, marks=pytest.mark.long)])
 def test_elastic_energy_with_friction_has_the_tangential_waves(friction):
     """Parseval on both components: (K11 |v|^2 + K33 |u|^2 + 2 K13 Im(v u*)) / 2."""
     numerics = Options("verlet", residual=1e-9)

@@ -53,7 +53,6 @@ def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interacti
         cheapest_design(dataset, seconds, target=target, variable="kappa_r", fixed=ALPHA) for target in (0.04, 0.01)
     )
     assert min(tight.cross) > 3 * min(loose.cross)
-    assert tight.limiting == "cross"
 
 
 def test_the_price_includes_that_of_the_cross_levels():

@@ -156,28 +156,28 @@ def test_the_budget_survives_netcdf(tmp_path):
 @pytest.mark.parametrize(
     ("load", "displacement", "nodes", "solver"),
     [
-        (0.007, None, (4096, 1), "verlet"),
+        (0.007, None, (1024, 1), "verlet"),
         (0.05, None, (1024, 1), "active_set_newton"),
         (0.3, None, (1024, 1), "conjugate_gradients"),
         (None, 0.03, (1024, 1), "verlet"),
         (0.05, None, (64, 2), "conjugate_gradients"),
     ],
 )
-@pytest.mark.parametrize("residual", [1e-2, 1e-3, 1e-5, 1e-8])
-def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, nodes, solver, residual):
+def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, nodes, solver):
     nx, dimension = nodes
     surface = RandomSurface(SelfAffineWaves(0.8, 2, nx // 8), nx, 5, dimension)
     body = ElasticBody(0.33, 0.1)
     tight = Options("active_set_newton", residual=1e-12)
     problem = Problem(surface, body, Interactions(True), load, displacement, tight)
     exact = measure(solve(problem, range(6)))
-    loose = measure(solve(replace(problem, numerics=Options(solver, residual=residual)), range(6)))
     assert not exact["status"].any()
-    assert not loose["status"].any()
-    changed = abs(loose["kappa"] - exact["kappa"])
-    assert (changed <= loose["kappa_residual_error"] + 1e-11).all()
-    if residual <= 1e-5:
-        assert (loose["kappa_residual_error"] < 3e-2 * exact["kappa"]).all()
+    for residual in (1e-2, 1e-3, 1e-5, 1e-8):
+        loose = measure(solve(replace(problem, numerics=Options(solver, residual=residual)), range(6)))
+        assert not loose["status"].any()
+        changed = abs(loose["kappa"] - exact["kappa"])
+        assert (changed <= loose["kappa_residual_error"] + 1e-11).all()
+        if residual <= 1e-5:
+            assert (loose["kappa_residual_error"] < 3e-2 * exact["kappa"]).all()
 
 
 @pytest.mark.parametrize("leaves", [True, False])

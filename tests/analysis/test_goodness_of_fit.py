@@ -31,7 +31,9 @@ def alarms(n, truth, number):
     return sum(excess_of(noisy(truth, rng, spread=0.1), ALPHA)[0] > 1.0 for _ in range(number))
 
 
-@pytest.mark.parametrize("cross", [(), CROSS], ids=["one at a time", "cross"])
+@pytest.mark.parametrize(
+    "cross", [pytest.param((), id="one at a time", marks=pytest.mark.long), pytest.param(CROSS, id="cross")]
+)
 def test_one_campaign_in_twenty_alarms_where_a_law_is_right(cross):
     truth = campaign(realisations=20, cross=cross, **WANING)
     assert binom.ppf(1e-2, 100, 0.05) <= alarms(20, truth, 100) <= binom.ppf(1 - 1e-2, 100, 0.05)

@@ -11,7 +11,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import covariance_of_one
 from support.synthetic_campaigns import REFERENCE, TFC, campaign, noisy
 
-quick = settings(derandomize=True, deadline=None, max_examples=2)
+quick = settings(derandomize=True, deadline=None, max_examples=1)
 FIXED = {"eps_c": 1.0, "eps_f": (0.5, 1.0), "eps_t": 1.0}
 
 

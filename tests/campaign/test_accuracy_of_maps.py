@@ -48,11 +48,6 @@ def test_kappa_of_maps_converges_with_the_residual(measured, solver):
     assert (np.diff(found["transforms"]) >= 0).all()
 
 
-def test_single_precision_of_maps_has_the_kappa_of_double(measured):
-    single, double = (study(measured[0], "precision", f"active set newton, {name}") for name in ("single", "double"))
-    np.testing.assert_allclose(single["error"], double["error"], atol=1e-3)
-
-
 def test_counting_the_nodes_of_a_map_needs_a_finer_grid_than_correcting_for_the_perimeter(measured):
     counted, corrected = (study(measured[0], "eps_c", curve) for curve in ("counted", "corrected on average"))
     assert (np.diff(counted["error"]) < 0).all()

@@ -29,6 +29,7 @@ print(before, faults())
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries know no such thresholds")
 def test_arrays_are_made_of_kept_pages_also_under_a_nanny():
     environment = os.environ | {"MALLOC_TRIM_THRESHOLD_": "65536"}  # as dask sets it for its workers

@@ -133,6 +133,7 @@ print(*(name for name in rooms if "gfmd_numba" in name), sep="\\n")
 """
 
 
+@pytest.mark.long
 def test_every_module_that_works_at_a_block_counts(tmp_path):
     """Those of `storage` keep compiled kernels, and `scene` and `text` describe."""
     worked = python(IN_A_BLOCK, campaign(tmp_path, SMALLEST)).splitlines()

@@ -49,6 +49,7 @@ def test_two_workers_make_the_same_decisions_and_numbers(serial, tmp_path):
     assert digest(tmp_path / "out") == serial
 
 
+@pytest.mark.long
 def test_a_scheduler_of_ones_own_makes_the_same_decisions_and_numbers(serial, tmp_path):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
         options = ["--scheduler", cluster.scheduler_address]

@@ -122,6 +122,7 @@ def test_a_mean_gap_reaches_its_target(tmp_path):
     assert 0.5e-5 < mean < 2e-5  # about the rms height
 
 
+@pytest.mark.long
 def test_a_limit_that_vanishes_is_never_reached(tmp_path, monkeypatch):
     """The mean gap at a fixed rms gradient, were it not refused beforehand."""
     monkeypatch.setattr(goal, "unheld", lambda *given: "")

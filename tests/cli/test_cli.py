@@ -65,6 +65,7 @@ def test_schemas_are_json(kind):
     assert schema["additionalProperties"] is False
 
 
+@pytest.mark.long
 def test_doctor_finds_a_sound_installation():
     said = gfmd("doctor")
     assert said.exit_code == 0, said.output

@@ -83,11 +83,11 @@ def test_an_incompressible_value_of_a_grid_is_refused_to_a_solver_without_a_rigi
 
 def test_what_is_not_refused_has_a_solver():
     laws = (["hard_wall"], ["exponential"], ["hard_wall", "exponential"], ["cohesive"], ["hard_wall", "friction"])
-    others = product(("dimension 1", "dimension 2"), laws, ([], ["rigid mean"]), ([], ["single"]))
-    for dimension, interface, mean, precision in others:
-        found = {dimension, *interface, *mean, *precision}
+    others = product(("dimension 1", "dimension 2"), laws, ([], ["rigid mean"]))
+    for dimension, interface, mean in others:
+        found = {dimension, *interface, *mean}
         refused = any({row.present, row.refused} <= found for row in REFUSALS)
-        needs = {dimension, *mean, *precision, *(LAWS[law].ability for law in interface)}
+        needs = {dimension, *mean, *(LAWS[law].ability for law in interface)}
         assert refused or able(needs), needs
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import textbook
 
 import gfmd_numba
 from gfmd_numba.contact.edges import HALF_SPACE
@@ -55,8 +56,8 @@ def test_a_cylinder_makes_the_line_contact_of_hertz():
     for half_width in (0.015, 0.02, 0.025):
         load = np.pi * half_width**2 / (4 * radius)
         pressure = press(-(x**2) / (2 * radius), load).pressure[0]
-        exact = closed_forms.hertz_line_pressure(x, load, radius)
-        length = 2 * closed_forms.hertz_line_half_width(load, radius)
+        exact = textbook.hertz_line_pressure(x, load, radius)
+        length = 2 * textbook.hertz_line_half_width(load, radius)
         assert np.sqrt(((pressure - exact) ** 2).mean()) < 1e-3 * exact.max()
         assert abs((pressure > 0).sum() - 2 * HALF_SPACE.excess - length * nx) < 1.0
 
@@ -102,7 +103,8 @@ def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
     heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
-    results = [press(heights, load, solver, body, residual=1e-8) for solver in SOLVERS[:3]]
+    solvers = SOLVERS[:3] if np.isinf(aspect_ratio) else SOLVERS[1:3]  # dynamics of thin slabs take seconds
+    results = [press(heights, load, solver, body, residual=1e-8) for solver in solvers]
     for result in results:
         np.testing.assert_allclose(result.pressure.mean(axis=1), load, rtol=2e-8)
         np.testing.assert_array_equal(result.touching, results[0].touching)

@@ -65,7 +65,9 @@ def test_where_no_warning_is_given_pull_off_is_that_of_a_fine_grid(tabor, nodes)
     assert coarse == pytest.approx(fine, rel=0.01)
 
 
-@pytest.mark.parametrize(("tabor", "off"), [(0.5, -0.117), (1, -0.039), (2, -0.008), (4.9, 0.0)])
+@pytest.mark.parametrize(
+    ("tabor", "off"), [(0.5, -0.117), (1, -0.039), (2, -0.008), pytest.param(4.9, 0.0, marks=pytest.mark.long)]
+)
 def test_pull_off_tends_to_that_of_a_short_range(tabor, off):
     """Johnson's closed form is the limit of large Tabor parameters, and is not to be had at small ones."""
     psi = np.linspace(1e-3, 1.2, 100001)

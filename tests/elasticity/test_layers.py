@@ -73,8 +73,13 @@ PAIRS = list(product((0.0, 0.33, 0.5), repeat=2))
 CONTRASTS = [1e-4, 1e-2, 0.5, 30.0, 1e4]
 
 
-@pytest.mark.parametrize(("nu", "nu_below"), PAIRS)
-@pytest.mark.parametrize("contrast", CONTRASTS)
+EVERY = [(*pair, contrast) for contrast in CONTRASTS for pair in PAIRS]
+
+
+@pytest.mark.parametrize(
+    ("nu", "nu_below", "contrast"),
+    [*EVERY[::2], *(pytest.param(*each, marks=pytest.mark.long) for each in EVERY[1::2])],
+)
 def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     """Each contrast on each base, and each pair of ratios on each, but not all of all: the reference takes its time."""
     layers = [(1.0, 70.0, nu), (0.6, 70.0 * contrast, nu_below)]

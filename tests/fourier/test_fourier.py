@@ -87,25 +87,23 @@ def test_convolution_is_multiplication_in_fourier_space(n):
     assert field.n_transforms.tolist() == [2, 0, 2]
 
 
-@pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("shape", [(8, 6), (5, 7), (16, 16), (12, 64)])
-def test_convolution_of_maps_is_multiplication_in_fourier_space(shape, dtype):
+def test_convolution_of_maps_is_multiplication_in_fourier_space(shape):
     rng = np.random.default_rng(0)
-    field, symbol = Transform(3, *shape, dtype=dtype), rng.normal(size=(shape[0], shape[1] // 2 + 1))
-    signal = rng.normal(size=(3, *shape)).astype(dtype)
+    field, symbol = Transform(3, *shape), rng.normal(size=(shape[0], shape[1] // 2 + 1))
+    signal = rng.normal(size=(3, *shape))
     field.sources[0][:, : field.n] = signal.reshape(3, -1)
     field.apply(field.symbol(symbol), np.array([0, 2]))
     expected = grid.signal(symbol * grid.coefficients(signal, 2), *shape).reshape(3, -1)
-    np.testing.assert_allclose(field.result[[0, 2], : field.n], expected[[0, 2]], atol=100 * np.finfo(dtype).eps)
+    np.testing.assert_allclose(field.result[[0, 2], : field.n], expected[[0, 2]], atol=100 * np.finfo(float).eps)
     assert not field.result[1].any()
 
 
 @pytest.mark.parametrize("nx", [16, 64, 510, 512, 1024])
-@pytest.mark.parametrize("itemsize", [8, 16])
-def test_rows_of_maps_are_an_odd_number_of_cache_lines(nx, itemsize):
-    row = padded(nx // 2 + 1, itemsize)
-    assert row * itemsize % 128 == 64
-    assert 0 <= row - (nx // 2 + 1) < 128 // itemsize
+def test_rows_of_maps_are_an_odd_number_of_cache_lines(nx):
+    row = padded(nx // 2 + 1)
+    assert row * 16 % 128 == 64
+    assert 0 <= row - (nx // 2 + 1) < 128 // 16
 
 
 @pytest.mark.parametrize("n", [30, 64, 101])

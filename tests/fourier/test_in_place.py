@@ -8,11 +8,10 @@ from gfmd_numba.fourier.transform import Transform, aligned_rows
 
 
 @pytest.mark.parametrize("shape", [(16, 16), (12, 10), (9, 7), (8, 64)])
-@pytest.mark.parametrize(("dtype", "rounding"), [(np.float64, 1e-14), (np.float32, 1e-5)])
-def test_stiffness_and_compliance_are_those_of_the_waves(shape, dtype, rounding):
+def test_stiffness_and_compliance_are_those_of_the_waves(shape):
     """Of the second of three maps, which leaves the others as they are."""
     rng = np.random.default_rng(0)
-    batch = Transform(3, *shape, dtype=dtype, in_place=True)
+    batch = Transform(3, *shape, in_place=True)
     field = batch.row(1)
     samples, stiffness = rng.normal(size=shape), grid.magnitudes(shape) + 0.5
     stiffness[0, 0] = np.inf
@@ -20,18 +19,16 @@ def test_stiffness_and_compliance_are_those_of_the_waves(shape, dtype, rounding)
     field.stiffen(stiffness)
     stiffness[0, 0] = 0.0
     expected = np.fft.irfft2(np.fft.rfft2(samples) * stiffness, shape)
-    np.testing.assert_allclose(batch.samples[1], expected, rtol=100 * rounding, atol=1e4 * rounding)
+    np.testing.assert_allclose(batch.samples[1], expected, rtol=1e-12, atol=1e-10)
     field.soften(stiffness)
-    np.testing.assert_allclose(batch.samples[1], samples - samples.mean(), atol=30 * rounding)
+    np.testing.assert_allclose(batch.samples[1], samples - samples.mean(), atol=3e-13)
     assert batch.n_transforms.tolist() == [0, 4, 0]
     assert not batch.samples[::2].any()
-    assert field.samples.dtype == dtype
 
 
-@pytest.mark.parametrize("dtype", [np.float64, np.float32])
 @pytest.mark.parametrize("nx", [64, 100, 1024, 4096])
-def test_rows_are_an_odd_number_of_cache_lines(nx, dtype):
-    made = Transform(2, 3, nx, dtype=dtype, in_place=True)
+def test_rows_are_an_odd_number_of_cache_lines(nx):
+    made = Transform(2, 3, nx, in_place=True)
     assert made.waves.strides[1] % 128 == 64
     assert made.samples.shape == (2, 3, nx)
     assert all(each.ctypes.data % 64 == 0 for each in made.samples)

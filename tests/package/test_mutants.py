@@ -12,7 +12,7 @@ import yaml
 from gfmd_numba.scene import InputError
 from support import mutants
 
-MANY, FEW = 50, 60  # of each kind
+MANY, FEW = 25, 30  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 

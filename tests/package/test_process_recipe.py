@@ -51,7 +51,7 @@ LAWS = {
 }
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 @pytest.mark.parametrize("law", LAWS)
 def test_the_worn_volume_is_rate_times_load_times_way(dimension, law):
     """Archard's law, whatever the contact, also while dents and slip are remembered. Adhesion divides steps."""

@@ -63,22 +63,18 @@ def test_one_is_the_isotropic_map_and_problem():
     same = self_affine.maps(**WAVES, realisations=range(1), anisotropy=1.0)
     np.testing.assert_array_equal(same, self_affine.maps(**WAVES, realisations=range(1)))
     eps = Discretisation(eps_c=0.5, eps_f=0.25, eps_t=0.25)
-    surfaces = {
-        a: random_surface(
-            Scene.model_validate(
-                {
-                    "dimension": 2,
-                    "body": {"poissons_ratio": 0.3},
-                    "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1, "anisotropy": a},
-                    "interface": {"hard_wall": {}},
-                    "loading": {"reduced_pressure": 0.01},
-                }
-            ),
-            eps,
-            1,
+    surfaces = {}
+    for a in (None, 1.0, 2.0):
+        scene = Scene.model_validate(
+            {
+                "dimension": 2,
+                "body": {"poissons_ratio": 0.3},
+                "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1, "anisotropy": a},
+                "interface": {"hard_wall": {}},
+                "loading": {"reduced_pressure": 0.01},
+            }
         )
-        for a in (None, 1.0, 2.0)
-    }
+        surfaces[a] = random_surface(scene.roughness, scene, eps, 1)
     assert surfaces[None] == surfaces[1.0] != surfaces[2.0]
 
 

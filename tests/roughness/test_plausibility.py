@@ -30,7 +30,7 @@ def ordinary(hurst, dimension, seed, points, roll_off, cut_on):
 
 @pytest.mark.parametrize("seeds", ["some", pytest.param("more", marks=pytest.mark.long)])
 @pytest.mark.parametrize("waves", ["all", "resolved", "few"])
-@pytest.mark.parametrize("hurst", [0.0, 0.3, 0.5, 0.8, 1.0])
+@pytest.mark.parametrize("hurst", [0.0, 0.5, 1.0])
 @pytest.mark.parametrize(("dimension", "points"), [(1, 512), (2, 48)])
 def test_ordinary_surfaces_are_plausible(dimension, points, hurst, waves, seeds):
     """30 seeds of each, down to Nyquist, on four points a wave, and with a few long waves; mirrored and small, too."""

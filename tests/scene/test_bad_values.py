@@ -91,14 +91,6 @@ VALUES = {
         ("{solver: auto}", "{residual: 1/10}"),
         "bad.yaml:10:22: numerics.residual: you gave 0.1; gfmd allows a number above 0 and at most 0.01",
     ),
-    "residual too small for single precision": (
-        ("{solver: auto}", "{precision: single, residual: 1e-4}"),
-        "bad.yaml:10:41: numerics.residual: you gave 0.0001; gfmd allows at least 0.001 in single precision",
-    ),
-    "residual by default too small for single precision": (
-        ("{solver: auto}", "{precision: single}"),
-        "bad.yaml:10:1: numerics.residual: you gave nothing; gfmd needs at least 0.001 in single precision",
-    ),
     "damping too large": (
         ("{solver: auto}", "{damping: 101}"),
         "bad.yaml:10:21: numerics.damping: you gave 101; gfmd allows a number from 0 to 100",

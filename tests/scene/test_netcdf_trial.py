@@ -44,7 +44,9 @@ def test_a_file_without_end_is_refused(tmp_path, hasty):
         read_results(tmp_path / "p.nc")
 
 
-@pytest.mark.parametrize("script", [ASLEEP, "import os; os.abort()", "raise SystemExit(1)"])
+@pytest.mark.parametrize(
+    "script", [pytest.param(ASLEEP, marks=pytest.mark.long), "import os; os.abort()", "raise SystemExit(1)"]
+)
 def test_a_reading_that_fails_is_a_damaged_file(tmp_path, monkeypatch, hasty, script):
     xr.Dataset({"height": ("x", np.arange(9.0))}).to_netcdf(tmp_path / "p.nc")
     assert regular_file.can_be_read(tmp_path / "p.nc", 10**9)

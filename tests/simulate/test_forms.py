@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+import textbook
 import xarray as xr
 import yaml
 
 import gfmd_numba
 from gfmd_numba.scene import InputError
-from gfmd_numba.theory import closed_forms
 from support.command_line import gfmd
 from support.hertz import ellipse
 
@@ -66,10 +66,10 @@ def test_a_cylinder_is_that_of_hertz():
     half_width, radius = 0.05, 1.5
     load = 0.25 * np.pi * half_width**2 / radius
     pressure, x, found = pressed({"radius": radius}, 1, load, 2048)
-    exact = closed_forms.hertz_line_pressure(x, load, radius)
+    exact = textbook.hertz_line_pressure(x, load, radius)
     assert pressure.max() == pytest.approx(exact.max(), rel=2e-6)
     assert np.sqrt(np.mean((pressure - exact) ** 2)) < 1e-3 * exact.max()
-    half_width = closed_forms.hertz_line_half_width(load, radius)
+    half_width = textbook.hertz_line_half_width(load, radius)
     assert float(found["contact_radius"]) == pytest.approx(half_width, rel=2e-5)
     assert 0.5 * float(found["contact_area_fraction"]) == pytest.approx(half_width, rel=2e-3)
 
@@ -79,14 +79,14 @@ def test_a_ball_on_a_map_of_any_number_of_nodes_is_that_of_hertz(points):
     """Of an odd number of nodes no wave is at Nyquist, also on the coarser grid that an even one begins with."""
     radius, load = 1.5, 4.0 * 0.1**3 / 3.0
     pressure, *_ = pressed({"radius": radius}, 2, load, points)
-    a = closed_forms.hertz_ball_radius(load, radius)
+    a = textbook.hertz_ball_radius(load, radius)
     assert pressure.max() == pytest.approx(1.5 * load / (np.pi * a**2), rel=5e-3)
 
 
 def test_a_ball_is_that_of_hertz():
     radius, load = 1.5, 4.0 * 0.1**3 / 3.0
     pressure, x, y, found = pressed({"radius": radius}, 2, load, 256)
-    a = closed_forms.hertz_ball_radius(load, radius)
+    a = textbook.hertz_ball_radius(load, radius)
     exact = 1.5 * load / (np.pi * a**2) * np.sqrt(np.maximum(1.0 - (x**2 + y[:, np.newaxis] ** 2) / a**2, 0.0))
     assert pressure.max() == pytest.approx(exact.max(), rel=1e-4)
     assert np.sqrt(np.mean((pressure - exact) ** 2)) < 1e-2 * exact.max()
@@ -160,9 +160,8 @@ def test_units_do_not_matter():
 @pytest.mark.parametrize(("dimension", "name"), [*((1, name) for name in ROUGHNESS), *((2, name) for name in OF_MAPS)])
 def test_it_lies_under_every_roughness(dimension, name):
     table = ROUGHNESS if dimension == 1 else OF_MAPS
-    for form in FORMS.values():
-        if dimension == 1 and "radius_y" in form:
-            continue
+    forms = [form for form in FORMS.values() if dimension == 2 or "radius_y" not in form]
+    for form in forms if name == "psd" else [forms[list(table).index(name) % len(forms)]]:
         both, rough = (gfmd_numba.solve(scene(each, dimension, 1e-3, roughness=table[name])) for each in (form, None))
         smooth = gfmd_numba.solve(scene(form | {"points": rough.sizes["x"]}, dimension, 1e-3))
         np.testing.assert_allclose(both["height"], rough["height"] + smooth["height"], atol=1e-12)

@@ -147,7 +147,10 @@ def test_a_nearly_rigid_counter_body_is_a_rigid_punch(interface):
         np.testing.assert_allclose(elastic[name], rigid[name], atol=1e-5 * float(abs(rigid[name]).max()), err_msg=name)
 
 
-@pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
+@pytest.mark.parametrize(
+    "interface",
+    [pytest.param(FRICTION, id="friction"), pytest.param(COHESION, id="cohesion", marks=pytest.mark.long)],
+)
 def test_two_bodies_that_change_places_find_the_same(interface):
     """What one slides to the right, the other does to the left; tractions are per area of one, so strains are left."""
     low, high = SLAB | heights(CREST), OTHER | heights(wave(X) - wave(X).mean())
@@ -196,7 +199,7 @@ def test_ridges_are_profiles(pair, along, interface, nx):
         np.testing.assert_allclose(of_map, profile[name], atol=1e-7 * scale, err_msg=name)
 
 
-@pytest.mark.parametrize("facing", ["punch", "counter body"])
+@pytest.mark.parametrize("facing", [pytest.param("punch", marks=pytest.mark.long), "counter body"])
 def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())

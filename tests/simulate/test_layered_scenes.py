@@ -18,7 +18,7 @@ from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_H
 
 def reduced(body, **changes):
     file = load_scene(scene(body, **changes))[0]
-    surface, gradient = problem.random_surface(file.scene, file.discretisation, 0)
+    surface, gradient = problem.random_surface(file.scene.roughness, file.scene, file.discretisation, 0)
     return reduction.reduce(file.scene, surface, gradient, file.numerics)
 
 

@@ -23,7 +23,7 @@ def hunt(kind, seeds):
 
 @pytest.mark.parametrize("kind", MODERATE)
 def test_random_paths_are_solved(kind):
-    assert hunt(kind, range(2)) == ([], [])
+    assert hunt(kind, range(1)) == ([], [])
 
 
 @pytest.mark.long

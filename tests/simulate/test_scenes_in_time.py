@@ -87,10 +87,6 @@ REFUSED = {
         changed(CREEP, "scene", "interface", exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"}),
         "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a relaxation",
     ),
-    "creep in single precision": (
-        CREEP | {"numerics": {"precision": "single", "residual": 1e-3}},
-        "numerics.precision: you gave 'single'; gfmd allows 'double' with a relaxation of a body",
-    ),
     "a time of nothing": (
         changed(CREEP, path=[{"duration": 0.0}]),
         "path[0].duration: you gave 0.0; gfmd allows a number from 1e-30 to 1e+30",

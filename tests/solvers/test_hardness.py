@@ -220,18 +220,6 @@ def test_contacts_far_too_soft_to_deform_the_body_are_the_load_over_the_hardness
         assert np.sort(wall[plastic])[-2] <= np.sort(wall[~plastic])[1]  # the nodes that the punch has lowest
 
 
-def test_single_precision_has_the_same_nodes():
-    punch = rough((256,), realisations=range(1))
-    wall = Interactions(hard_wall=True, hardness=0.3)
-    double = equilibrate(punch, SpectralResponse.of_normal(body((256,))), 0.1, Options("active_set_newton"), wall)
-    options = Options("active_set_newton", residual=1e-3, precision="single")
-    single = equilibrate(punch.astype(np.float32), SpectralResponse.of_normal(body((256,))), 0.1, options, wall)
-    assert single.status[0] == Status.ok
-    assert single.pressure.max() == np.float32(0.3)
-    assert (single.plastic != double.plastic).sum() <= 2
-    assert (single.touching != double.touching).sum() <= 2
-
-
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_a_load_beyond_the_hardness_is_refused(solver):
     with pytest.raises(ValueError, match=r"at or above the 0\.3 that the hardness bears"):

@@ -55,7 +55,7 @@ def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, shar
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
-@pytest.mark.parametrize("load", [1e-3, 0.02, 0.3, 3.0])
+@pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
 @pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (96, 96)), (0.5, (104, 64)), (0.5, (100, 100))])
 def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
     punch, stiff = oblong(shape, hurst), body(shape, slab)

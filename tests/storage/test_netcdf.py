@@ -48,11 +48,3 @@ def test_a_file_with_texts_can_be_opened_again_before_it_is_closed(tmp_path):
         xr.testing.assert_identical(read, text)
     open_often = "import netCDF4, sys; all(netCDF4.Dataset(sys.argv[1]) for _ in range(300))"
     python(open_often, file)
-
-
-def test_writing_starts_no_cluster(tmp_path):
-    script = (
-        "import sys, xarray; from gfmd_numba.storage.atomic_file import netcdf\n"
-        "netcdf(xarray.Dataset({'kappa': ('case', [1.0])})); print('distributed' in sys.modules)"
-    )
-    assert python(script) == "False\n"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import regimes
 import slowest_mode
+import textbook
 from equilibrium_time import steps_to_equilibrium, time_constant
 
 from gfmd_numba.elasticity import moduli, stiffness
@@ -16,7 +17,7 @@ def stiffnesses(k, a, s):
     """kappa_1, kappa_3 of one direction, the smaller and larger of the coupled slab, kappa_1(0) and kappa_3(0)."""
     nu, q = 1 - 0.5 / (1 - s), 2 * PI * k
     k = np.array(q * a)
-    waves = q * np.array([*stiffness.condensed_elements(k, nu), *stiffness.principal_elements(k, nu)])
+    waves = q * np.array([*stiffness.condensed_elements(k, nu), *textbook.principal_elements(k, nu)])
     return *waves, *stiffness.uniform_stiffness(nu, a), moduli.c44(nu)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import regimes
+import textbook
 from regimes import gronbech_jensen, position_verlet
 
 from gfmd_numba.elasticity import stiffness
@@ -136,7 +137,7 @@ def test_every_critically_damped_mode_has_a_double_root():
 @pytest.mark.parametrize("dt", [0.1, 0.5, 0.63])
 def test_scalar_damping_is_the_largest_that_over_damps_nothing(dt):
     stiffness = np.geomspace(0.05, 9.0, 60)
-    eta = damping.scalar_damping(stiffness, dt)
+    eta = textbook.scalar_damping(stiffness, dt)
 
     def names(factor):
         x, y = stiffness * dt**2, np.full(60, factor * eta * dt**2)
@@ -176,7 +177,7 @@ def test_one_damping_for_both_components_separates_the_principal_stiffnesses():
     nu, a, dt, eta = 0.3, 0.2, 0.1, 3.0
     matrix = regimes.update_matrix(coupled_waves(nu, a, [1, 2]), np.full((2, 2), eta), dt)
     q = 2 * np.pi * np.array([1, 2])
-    parts = np.array(stiffness.principal_elements(q * a, nu)) * q
+    parts = np.array(textbook.principal_elements(q * a, nu)) * q
     expected = np.array(regimes.roots(position_verlet.polynomial(parts * dt**2, eta * dt**2 + 0 * parts)))
     for i in range(2):
         assert distance(np.linalg.eigvals(matrix[i]), expected[:, :, i]) < 1e-12

@@ -16,7 +16,6 @@ from gfmd_numba.arrays import Reals
 
 TITLES = {
     "solver residual": "Solver and residual",
-    "precision": "Double and single precision",
     "damping of Verlet": "Damping and time step of Verlet",
     "eps_c": r"Continuum: $1/\varepsilon_c$",
     "eps_f": r"Fractal: $1/\varepsilon_f$",
@@ -26,7 +25,7 @@ TITLES = {
     "topography order": "Order in the slope of rough bodies",
     "effects": "Half-space in place of a slab",
 }
-_EQUAL = {"solver residual": 1e-10, "precision": 1e-10, "topography order": 1e-16}  # errors below are drawn there
+_EQUAL = {"solver residual": 1e-10, "topography order": 1e-16}  # errors below are drawn there
 _SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
 _AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings next to the points, and those of one over eps:
 _WRITTEN = {"eps_c", "eps_f", "eps_t"} | _AS_THEY_ARE

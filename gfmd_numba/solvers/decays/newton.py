@@ -182,8 +182,8 @@ _SURE = 0.5  # share of the residual within which an expected error is taken for
 
 
 def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
-    """Begin in double precision, without a hardness, where a sum of decays is close to the compliance."""
-    if batch.punch.dtype != np.float64 or batch.interface.hardness is not None:
+    """Begin without a hardness, where a sum of decays is close to the compliance."""
+    if batch.interface.hardness is not None:
         return None
     response, shape = batch.response, batch.punch.shape[1:]
     model = decay_model(response.normal, shape, batch.load is not None, response.window)

@@ -98,7 +98,7 @@ class FrictionalNewton:
             raise ValueError("this solver knows friction on a hard wall only")
         self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
         held = response.with_mean(0.0) if response.is_rigid else response
-        self._products = products = Products(held, rows, shape, punch.dtype, sources=2)
+        self._products = products = Products(held, rows, shape, sources=2)
         self._near = NearTractions(response, shape)
         self.field, self._components = products.field, response.components - 1
         n = self.field.n
@@ -111,7 +111,7 @@ class FrictionalNewton:
         self._condensed = response.condensed()
         self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
         self._drifts = response.drifts
-        self._rounding = np.finfo(punch.dtype).eps * np.ptp(wall[:, :n], axis=1)
+        self._rounding = np.finfo(np.float64).eps * np.ptp(wall[:, :n], axis=1)
         self._asked = options.residual
         self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners

@@ -1,6 +1,7 @@
 """The compliance between tiles of a map, nearly, and a preconditioner of it on the nodes in contact."""
 
 import math
+from functools import lru_cache
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class SplitCompliance:
         self._field = Transform(1, *self._coarse_shape, in_place=True)
         nodes = np.arange(TILE) / _COARSENING - np.arange(-1, _SHARES - 1)[:, np.newaxis]
         self._weights = np.ascontiguousarray(_cubic_spline(nodes).T)
-        self.stencil = _fitted(stiffness, shape)
+        self.stencil = _fitted(shape, _soft(stiffness[grid.some_waves(shape, _few(shape))]).tobytes())
         waves = grid.wave_indices(self._coarse_shape)
         left = _soft(stiffness[waves]) - _transform(self.stencil, *_angles(waves, shape))
         spline = np.arange(-2 * _COARSENING, 2 * _COARSENING + 1)
@@ -93,15 +94,18 @@ def _transform(stencil: Reals, along_y: Reals, along_x: Reals) -> Reals:
     return np.asarray(rows @ stencil @ columns.T)
 
 
-def _fitted(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
-    """Even stencil whose relative error is least where the coarser grid cannot make up for it.
+def _few(shape: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(min(n, _SAMPLES) for n in shape)
+
+
+@lru_cache(maxsize=64)  # maps of one size on one body, one block after another
+def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
+    """Even stencil whose relative error is least where the coarser grid cannot make up for it, of some waves.
 
     A wave on the coarser grid is taken for another one, the more so the shorter it is: its error counts as much.
     """
-    few = tuple(min(n, _SAMPLES) for n in shape)
-    waves = grid.some_waves(shape, few)
-    along_y, along_x = _angles(waves, shape)
-    soft = _soft(stiffness[waves])
+    along_y, along_x = _angles(grid.some_waves(shape, _few(shape)), shape)
+    soft = np.frombuffer(compliance).reshape(along_y.size, along_x.size)
     kept = np.abs(along_y) / (2.0 * np.pi) * _COARSENING, along_x / (2.0 * np.pi) * _COARSENING
     with np.errstate(divide="ignore"):
         mistaken = [np.where(x < 0.5, (x / (1.0 - x)) ** 4, 1.0) for x in kept]

@@ -76,7 +76,7 @@ class MapContact:
         self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
         self.rows = transform.memory[0]
         self.free_mean = load is not None
-        self._rounding = float(np.finfo(wall.dtype).eps * np.ptp(wall))
+        self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._filled, self._pruned = level.held[0], level.filled is not None
         down, across = (n // TILE for n in wall.shape)
         self._marks = np.zeros(down * across, dtype=np.bool_)
@@ -249,7 +249,8 @@ def _without_short_waves(wall: Reals, transform: Transform, coarse: Transform) -
     held = np.abs(ky) < coarse.shape[0] / 2, kx < coarse.shape[1] / 2
     coarse.waves[0, :, : kx.size] = np.where(held[0] & held[1], transform.waves[0, ky, kx], 0.0) / wall.size
     coarse.inverse(_FIRST)
-    return np.asarray(coarse.samples[0].copy(), dtype=coarse.samples.dtype)
+    found: Reals = coarse.samples[0].copy()
+    return found
 
 
 _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked for
@@ -280,9 +281,9 @@ class TileNewton:
         punch, stiffness = batch.punch, batch.response.normal
         rows, shape = len(punch), punch.shape[1:]
         grids = levels(stiffness, shape, batch.response.window)
-        self.field = Transform(rows, *shape, dtype=punch.dtype, in_place=True, filled=grids[0].filled)
+        self.field = Transform(rows, *shape, in_place=True, filled=grids[0].filled)
         self.wall = punch.reshape(rows, self.field.n)
-        self.displacement = np.empty((rows, self.field.n), dtype=punch.dtype)
+        self.displacement = np.empty((rows, self.field.n))
         self.load = batch.loads
         self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
         self.certificate = batch.certificate()

@@ -117,7 +117,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
     described = all(doubt.size < inf for doubt in doubts)
-    if may_refine and not described and (why := _indescribable(state.rounds, fitted)):
+    if may_refine and not described and (why := _indescribable(state.rounds, fitted, doubts)):
         return state.ending(f"not {REACHED}: {why}")
     if len(state.rounds) > _SOME and _UNKNOWN < furthest.found.error < inf:
         said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
@@ -136,10 +136,15 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
-def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset) -> str:
+def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
     """Return why even finer levels are not worth their price when no law describes the means; empty if they are."""
     latest = rounds[-1 - _FUTILE :]
-    if len(latest) <= _FUTILE or any(one.levels == following.levels for one, following in pairwise(latest)):
+    refined = (
+        all(one.levels[group] != following.levels[group] for one, following in pairwise(latest))
+        for group, doubt in enumerate(doubts)
+        if doubt.size == inf
+    )
+    if len(latest) <= _FUTILE or not any(refined):
         return ""
     misfit = float(fitted["misfit"].max())
     missed = f" (misfit {misfit:.2g})" if misfit > _MISFIT else ""

@@ -34,6 +34,7 @@ COMMANDS = {
         "file": things.file("scene.yaml", SCENE),
         "loads": "0.1:0.2:2",
         "realisations": "1",
+        "times": None,
         "output": things.new("l.nc"),
     },
     "doctor": lambda things: {},

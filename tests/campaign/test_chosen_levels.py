@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 
 import gfmd_numba
@@ -12,6 +13,7 @@ from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.levels import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
+from gfmd_numba.campaign.rounds import Round
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError
@@ -178,6 +180,27 @@ def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_pat
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(
+    ("sizes", "finer", "futile"),
+    [
+        ((np.inf, 0.01), ((0, 1), (0, 1)), True),
+        ((np.inf, 0.01), ((1,), (1,)), False),
+        ((np.inf, 0.01), ((0,), (1,)), False),
+        ((0.01, 0.01), ((0, 1), (0, 1)), False),
+        ((np.inf, 0.01), ((0, 1),), False),
+    ],
+)
+def test_levels_of_a_group_that_became_finer_twice_in_vain_end_a_run(sizes, finer, futile):
+    """Each of `finer` names the groups whose levels a round has made finer."""
+    level, levels = (1 / 4, 1 / 8, 1 / 2), [((), ())]
+    for groups in finer:
+        levels.append(tuple(of_group + (level,) * (group in groups) for group, of_group in enumerate(levels[-1])))
+    rounds = [Round(realisations=(1,), is_last=False, levels=each) for each in levels]
+    doubts = [next_round._Doubt(size, "eps_f", 0.0, size) for size in sizes]
+    why = next_round._indescribable(rounds, xr.Dataset({"misfit": ("group", [2.0, 1.0])}), doubts)
+    assert bool(why) == futile
+
+
 def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):
     twice = run_until(COARSE | {"grid": {"poissons_ratio": [0.3, 0.33]}}, GOAL, tmp_path / "out", HERE)
     once, both = ([each.price for each in outcome.rounds.rounds] for outcome in (refined, twice))

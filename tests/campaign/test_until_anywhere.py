@@ -20,7 +20,7 @@ ONE = {
     "reference: {": "fit: {exponents: free, fixed: {eps_c: 2}}\nreference: {",
     "grid: {hurst: [0.3, 0.8]}": "",
 }
-UNTIL = "--until=kappa=3%"
+UNTIL = "--until=kappa=1.5%"
 SECONDS = 300.0  # by when a run has ended on any machine
 
 

@@ -12,9 +12,16 @@ from gfmd_numba.scene import InputError
 from support.hostile import calls, deadline
 from support.things import EXPONENTS, FEW, MANY, SCENE, SECONDS, SURFACE, TINY, Things, fuzzed
 
+CREEP = SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 70e9, "time": 1.0}]}}
 FUNCTIONS = {
     "gfmd_numba.solve": lambda things: {"scene": SCENE, "heights": None},
     "gfmd_numba.load_curve": lambda things: {"scene": SCENE, "loads": [0.1, 0.2], "realisations": 1, "heights": None},
+    "gfmd_numba.creep_curve": lambda things: {
+        "scene": CREEP,
+        "times": [0.1, 1.0],
+        "realisations": 1,
+        "heights": None,
+    },
     "gfmd_numba.body_fields": lambda things: {
         "contact": things.contact(),
         "z": [-1e-5, 0.0],
@@ -69,6 +76,7 @@ FUNCTIONS = {
     },
     "gfmd_numba.analysis.plot_contact": lambda things: {"dataset": things.contact()},
     "gfmd_numba.analysis.plot_curve": lambda things: {"dataset": things.curve()},
+    "gfmd_numba.analysis.plot_creep": lambda things: {"dataset": gfmd_numba.creep_curve(CREEP, [0.1, 1.0])},
     "gfmd_numba.analysis.plot_fit": lambda things: {"fit": things.fit()},
     "gfmd_numba.analysis.plot_leakage": lambda things: {"dataset": analysis.leakage(things.map())},
     "gfmd_numba.analysis.plot_conductance": lambda things: {"dataset": gfmd_numba.contact_conductance(things.map())},

@@ -1,4 +1,4 @@
-"""How exact contacts without a period are, where their punch ends, and what they cost beside periodic ones.
+"""How exact contacts without a period are, where their punch ends, and what they cost next to periodic ones.
 
 python benchmarks/free_contacts.py [hertz | punch | stamp | adhesion | rubbing | kernel | inside | times]
 """
@@ -150,7 +150,7 @@ def adhesion() -> None:
 
 
 def rubbing() -> None:
-    """Force along the drag over that of full slip, of a ball in partial slip, beside cells of Love and Cerruti."""
+    """Force along the drag over that of full slip, of a ball in partial slip, next to cells of Love and Cerruti."""
     sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
     from support.cells import rubbed
 

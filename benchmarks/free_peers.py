@@ -1,4 +1,4 @@
-"""Contacts without a period beside Tamaas, ContactMechanics and ASPHER: the same heights, one residual, one run.
+"""Contacts without a period compared with Tamaas, ContactMechanics and ASPHER: the same heights, one residual, one run.
 
 python benchmarks/free_peers.py [compare | aspher] [nodes a side ...]; pip install tamaas ContactMechanics aspher; what
 is missing is skipped. Processor time of one thread, from heights to pressure with the kernel, one surface at a time.

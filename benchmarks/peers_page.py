@@ -67,7 +67,7 @@ materials. The [README](../README.md#how-it-compares) has a table of both sides.
 ## Contacts without a period
 
 Contacts that end are compared by another command, `python benchmarks/free_peers.py`. It presses a rough ball on
-512 x 512 nodes under [three loads](free_contacts.md#beside-other-codes), from heights to pressure, with the kernel.
+512 x 512 nodes under [three loads](free_contacts.md#other-codes), from heights to pressure, with the kernel.
 gfmd-numba takes 0.24, 0.26 and 0.37 s, Tamaas takes 21, 23 and 24 times as long, and ContactMechanics takes 22, 24 and
 25 times as long. On 128 and 256 nodes a side they take 4 to 14 times as long. ASPHER is compared on that page, too.
 

@@ -103,9 +103,9 @@ def _in_time() -> Iterator[Refusal]:
         "layers": "a body of one material",
     }
     for feature, allowed in not_yet.items():
-        yield Refusal("wear", feature, f"{allowed} with a wear: this is not built yet", "not built yet")
+        yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
     for feature, allowed in (not_yet | of_bodies).items():
-        told = f"{allowed} with a relaxation of a body: this is not built yet"
+        told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
     for feature in ("duration", "time_tolerance"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"

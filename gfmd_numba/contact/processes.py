@@ -62,10 +62,10 @@ class Deflection:
 
 @dataclass(frozen=True)
 class Wear:
-    """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times the way of the punch.
+    """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times the sliding distance.
 
     It remembers the depth `[realisation, (y,) x]` in g L_x. What a step wears off depends on the pressure at its end,
-    so that no step is too long: the load finds its way to nodes that have not worn.
+    so that no step is too long: the load moves on to nodes that have not worn.
     """
 
     rate: float

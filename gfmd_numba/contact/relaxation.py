@@ -37,7 +37,7 @@ class Springs:
 
 @dataclass(frozen=True)
 class Relaxation:
-    """Branches of a Prony series beside the relaxed bodies, exact in time for displacements linear in a step."""
+    """Branches of a Prony series in parallel with the relaxed bodies, exact for displacements linear in time."""
 
     problem: Problem
     name: ClassVar[str] = "springs"

@@ -37,7 +37,7 @@ class Layer(Material):
 
 
 class Branch(BaseModel):
-    """Branch of a generalised Maxwell body: a spring and a dashpot in series, beside all other branches."""
+    """Branch of a generalised Maxwell body: a spring and a dashpot in series, in parallel with all other branches."""
 
     model_config = RECORD
     modulus: Pressure = Field(description="Young's modulus of the spring in Pa (in that of the body without moduli)")

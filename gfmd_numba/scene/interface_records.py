@@ -100,10 +100,10 @@ class Friction(LawRecord):
 
 
 class Wear(BaseModel):
-    """Archard's law: the punch wears by a depth of rate times pressure times the way that it has slid."""
+    """Archard's law: the depth that wears off the punch is rate times pressure times sliding distance."""
 
     model_config = RECORD
-    rate: WearRate = Field(description="Depth over pressure and way in m^2/N (1/E* without moduli)")
+    rate: WearRate = Field(description="Depth over pressure and sliding distance in m^2/N (1/E* without moduli)")
 
 
 Law = HardWall | Exponential | Cohesive | Friction

@@ -73,19 +73,19 @@ REFUSED = {
     "wear without a way": (changed(WEAR, path=[{"pressure": "10 kPa"}]), "scene.interface.wear: you gave"),
     "wear with friction": (
         changed(WEAR, "scene", "interface", friction={"coefficient": 0.3}),
-        "scene.interface.friction: you gave ... gfmd allows no friction with a wear: this is not built yet",
+        "scene.interface.friction: you gave ... gfmd allows no friction with wear: this is not built yet",
     ),
     "creep with friction": (
         changed(CREEP, "scene", "interface", friction={"coefficient": 0.3}),
-        "scene.interface.friction: you gave ... gfmd allows no friction with a relaxation of a body",
+        "scene.interface.friction: you gave ... gfmd allows no friction with a viscoelastic body",
     ),
     "creep of a rough body": (
         changed(CREEP, "scene", "body", roughness=CREEP["scene"]["roughness"]),
-        "scene.body.roughness: you gave ... gfmd allows a rigid punch on one smooth body with a relaxation",
+        "scene.body.roughness: you gave ... gfmd allows a rigid punch on one smooth body with a viscoelastic body",
     ),
     "creep with adhesion": (
         changed(CREEP, "scene", "interface", exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"}),
-        "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a relaxation",
+        "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a viscoelastic body",
     ),
     "a time of nothing": (
         changed(CREEP, path=[{"duration": 0.0}]),
@@ -114,7 +114,7 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
     for name in ("contact_area_fraction", "mean_gap", "energy_lost", "time_error"):
         np.testing.assert_array_equal(results[name][0, 0], alone[name])
     np.testing.assert_array_equal(results["step_time"][0], alone["time"])
-    with pytest.raises(InputError, match=r"limits: .* with a relaxation of a body: this is not built yet"):
+    with pytest.raises(InputError, match=r"limits: .* with a viscoelastic body: this is not built yet"):
         load_campaign(campaign | {"limits": {"eps_c": [1 / 8]}})
 
 

@@ -29,9 +29,7 @@ def plot_curve(dataset: Annotated[xr.Dataset, CURVE]) -> Figure:
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
-    dataset = dataset.isel(prescribed_load=dataset["n_realisations"].values > 0)
-    if not dataset.sizes["prescribed_load"]:
-        raise UnusableDataError("you gave no load with a result; gfmd allows a load curve with runs that are ok")
+    dataset = _with_results(dataset, "prescribed_load")
     by_pressure = dataset.attrs.get("prescribed") != "displacement"
     over, label, natural = (
         (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")
@@ -48,10 +46,17 @@ def plot_creep(dataset: Annotated[xr.Dataset, CREEP]) -> Figure:
     Times that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no creep curve, or has no time with a result.
     """
-    dataset = dataset.isel(time=dataset["n_realisations"].values > 0)
-    if not dataset.sizes["time"]:
-        raise UnusableDataError("you gave no time with a result; gfmd allows a creep curve with runs that are ok")
+    dataset = _with_results(dataset, "time")
     return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME)
+
+
+def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:
+    """Return a curve over a dim where it has results; raises UnusableDataError if it has none."""
+    found = dataset.isel({over: dataset["n_realisations"].values > 0})
+    if not found.sizes[over]:
+        what = over.removeprefix("prescribed_")
+        raise UnusableDataError(f"you gave no {what} with a result; gfmd allows a curve with runs that are ok")
+    return found
 
 
 def _drawn(

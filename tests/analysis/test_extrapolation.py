@@ -73,11 +73,15 @@ def test_the_law_of_the_unseen_slope_is_off_by_less_for_contacts_like_those_meas
     size = dataset.sizes["case"]
     dataset = dataset.assign_coords(reduced_pressure=("case", np.full(size, load), {"axis": "physics"}))
     like = dataset.assign_coords(has_measured_slope_law=("case", np.full(size, True)))
-    ratios = [
-        part(each, "extrapolation") / abs(each["extrapolated"].sel(limit="eps_f").item())
-        for each in map(fit_tfc, (like, dataset))
-    ]
-    assert (0.0 < ratios[0] < 0.6 * ratios[1]) if less else ratios[0] == ratios[1] > 0.0
+    by_law, by_power = (
+        [
+            part(each, "extrapolation") / abs(each["extrapolated"].sel(limit="eps_f").item())
+            for each in (fit_tfc(one, fixed=fixed) for one in (like, dataset))
+        ]
+        for fixed in ({}, {"eps_f": 0.6})
+    )
+    assert (0.0 < by_law[0] < 0.6 * by_law[1]) if less else by_law[0] == by_law[1] > 0.0
+    assert by_power[0] == pytest.approx(by_power[1])
 
 
 def test_an_asserted_exponent_does_not_make_the_error_smaller_than_theory_does():

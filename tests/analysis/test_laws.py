@@ -67,9 +67,13 @@ def test_a_power_is_that_of_thesis_4_3():
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
 
-def group(hurst, load, variable="kappa"):
+def group(hurst, load, variable="kappa", has_measured_slope_law=False):
     return SimpleNamespace(
-        variable=variable, dimension=1, parameters={"hurst": hurst}, load=load, has_measured_slope_law=False
+        variable=variable,
+        dimension=1,
+        parameters={"hurst": hurst},
+        load=load,
+        has_measured_slope_law=has_measured_slope_law,
     )
 
 
@@ -133,6 +137,9 @@ def test_more_is_known_of_contacts_like_those_measured():
     like, other = (unseen_slope(0.8, 0.007, is_measured=each).parameters for each in (True, False))
     assert [each.middle for each in like] == [each.middle for each in other]
     assert all(one.variance < 0.3 * each.variance for one, each in zip(like, other, strict=True))
+    for measured, expected in (([True, True], like), ([True, False], other)):
+        groups = [group(0.8, 0.007, has_measured_slope_law=each) for each in measured]
+        assert choices(LIMITS, groups, {})[0]["eps_f"].parameters == expected
 
 
 @pytest.mark.parametrize(

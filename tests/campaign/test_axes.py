@@ -157,6 +157,7 @@ PLAIN = {
         ({"dimension": 2}, False),
         ({"periodic": False}, False),
         ({"form": {"radius": 1.0}}, False),
+        ({"boundary": {"normal_traction": 0.1}}, False),
         ({"roughness": PLAIN["roughness"] | {"plateau": False}}, False),
         ({"roughness": PLAIN["roughness"] | {"method": "midpoint_displacement"}}, False),
         ({"roughness": None, "body": PLAIN["body"] | {"roughness": PLAIN["roughness"]}}, False),

@@ -21,7 +21,7 @@ _SMALL = 1e-2  # duration over relaxation time below which differences of expone
 
 @dataclass(frozen=True)
 class PronySeries:
-    """Moduli of the branches over the relaxed modulus, and their relaxation times in a unit of time of the user's."""
+    """Moduli of the branches over the relaxed modulus, and their relaxation times, in any one unit."""
 
     moduli: tuple[float, ...]
     times: tuple[float, ...]

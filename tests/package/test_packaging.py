@@ -92,7 +92,7 @@ def test_an_index_page_has_no_relative_links():
     targets = re.findall(r"\]\(([^)]+)\)", _described())
     assert len(targets) > 10
     assert not [target for target in targets if not target.startswith(("https://", "#"))]
-    assert "/raw/v$HFPR_VERSION/campaigns/quickstart.png)" in _described()
+    assert "/raw/v$HFPR_VERSION/docs/gallery/map.png)" in _described()
 
 
 def test_one_address_stands_in_all_metadata():

@@ -33,10 +33,8 @@ def test_no_line_of_prose_is_longer_than_120_characters(page):
     assert [line for line in text.splitlines() if len(line) > 120 and not line.startswith("    ")] == []
 
 
-def test_the_readme_comes_to_more_after_two_screens():
-    before, found, _ = (ROOT / "README.md").read_text(encoding="utf-8").partition("\n## More\n")
-    assert found
-    assert before.count("\n") <= 100
+def test_the_readme_is_read_in_a_few_minutes():
+    assert (ROOT / "README.md").read_text(encoding="utf-8").count("\n") <= 120
 
 
 # what a test cannot type, by its beginning, and what answers for it

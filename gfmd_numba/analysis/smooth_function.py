@@ -22,14 +22,16 @@ _MOST_POINTS = 40_000  # of the table
 _FINEST = 65  # values of each parameter in the table
 _LOGARITHMIC = 10.0  # ratio of the ends of a positive parameter from which its logarithm is taken
 _SEARCHES = 5  # for the lengths over which the function changes
+# Lengths over which the errors of limits may be alike, where a parameter goes from 0 to 1: from none to all of them
+_ALIKE = (1e-6, 0.1, 0.2, 0.5, 1.0, 1e6)
 
 
 @checked
 def smooth_function(fit: Annotated[xr.Dataset, FIT]) -> xr.Dataset:
     """Return the limits of a fit as a smooth function of the parameters that vary, with its standard error, as a table.
 
-    The dims are the parameters. Groups may share surfaces, so the error takes that of all limits as common: it is at
-    least the sum of their errors by their weights in the function. Over `point`, the limits themselves: `limit`,
+    The dims are the parameters. Groups may share surfaces and laws, so that errors of limits may be alike, and nobody
+    knows over which distance: the error of the function takes the worst. Over `point`, the limits themselves: `limit`,
     `limit_error`, the parameters under their names with `point_` before, and `held_out`, what each limit differs by
     from the function without it, with its error. UnusableDataError for fewer than three values of a parameter, or
     none that varies; ModuleNotFoundError without scikit-learn.
@@ -138,9 +140,17 @@ class _Process:
         """Return the function and its error at places (place, parameter)."""
         between = self.kernel(places, self.points)
         weights = cho_solve(self.factor, between.T).T
-        variance = self.kernel.diag(places) - (weights * between).sum(axis=1)
-        own = np.sqrt(variance.clip(0.0)) * self.size
-        return self.middle + self.size * (weights @ self.values), np.maximum(own, abs(weights) @ self.errors)
+        by_limits = weights * self.errors
+        of_limits = [((by_limits @ alike) * by_limits).sum(axis=1) for alike in self._alike()]
+        variance = (self.kernel.diag(places) - (weights * between).sum(axis=1)) * self.size**2  # errors independent
+        between_limits = (variance - (by_limits**2).sum(axis=1)).clip(0.0)
+        error = np.sqrt(between_limits + np.max(of_limits, axis=0))
+        return self.middle + self.size * (weights @ self.values), error
+
+    def _alike(self) -> list[Reals]:
+        """Return how far errors of limits may be alike (point, point): correlations that fall over several lengths."""
+        apart = ((self.points[:, None] - self.points) ** 2).sum(axis=-1)
+        return [np.exp(-apart / (2.0 * length**2)) for length in _ALIKE]
 
     def held_out(self) -> tuple[Reals, Reals]:
         """Return what each value differs by from the function without it, and the error of that (5.10-5.12)."""

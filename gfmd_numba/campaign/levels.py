@@ -62,9 +62,11 @@ def finer_levels(levels: Sequence[Level], limit: str, step: float) -> list[Level
         new = [_at(reference, axis, finest / 2), _at(_at(reference, _F, coarse), axis, finest / 2)]
         return list(dict.fromkeys([*levels, *new]))
     fine = _at(reference, _F, reference[_F] / step)
-    of_eps_t = [_at(fine, _T, 2 * fine[_T]), _at(reference, _T, reference[_T] / 2)]
-    varied = len({level[_T] for level in levels}) > 1
-    return list(dict.fromkeys([fine, *levels, *(of_eps_t if varied else ())]))
+    periods = {level[_T] for level in levels}
+    longer = reference[_T] / 2
+    other = 2 * reference[_T] if 2 * reference[_T] <= max(periods) else longer  # no period is shorter than before
+    of_eps_t = [_at(fine, _T, other), _at(reference, _T, longer)]
+    return list(dict.fromkeys([fine, *levels, *(of_eps_t if len(periods) > 1 else ())]))
 
 
 def limits_around(reference: Level, levels: Iterable[Level]) -> Limits:

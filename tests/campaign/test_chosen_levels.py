@@ -126,6 +126,19 @@ def test_what_is_no_target_is_refused(given):
         load_campaign(SHORT | {"target": given})
 
 
+@pytest.mark.parametrize("period", [1.0, 1 / 2, 1 / 4, 1 / 16])
+@pytest.mark.parametrize("others", [{2.0, 1 / 2}, {1 / 2}, {2.0}, {4.0, 2.0}])
+def test_no_finer_level_has_a_period_below_its_longest_wave(period, others):
+    """Whatever levels a user gives: their longest waves may fit the period just once."""
+    reference = (1 / 2, 1 / 64, period)
+    given = [(*reference[:2], factor * period) for factor in others if factor * period <= 1.0]
+    levels = [reference, (1 / 2, 1 / 16, period), (1 / 4, *reference[1:]), *given]
+    for limit in ("eps_f", "eps_t", "eps_f", "eps_c", "eps_f"):
+        levels = finer_levels(levels, limit, 4.0)
+        assert max(level[2] for level in levels) == max([period, *(level[2] for level in given)])
+        limits_around(levels[0], levels[1:])
+
+
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("limit", ["eps_c", "eps_f", "eps_t"])
 def test_finer_levels_keep_the_old_ones(limit, dimension):

@@ -32,6 +32,25 @@ def test_stretches_of_a_profile_are_counted_along_it(known):
     assert "nodes on average" not in message(41, 20, **known)
 
 
+def test_the_note_names_what_the_grid_of_a_campaign_follows_from(tmp_path):
+    assert "take a finer eps_c or a higher pressure" in message(30, 20)
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {
+            "method": "psd",
+            "hurst": 0.8,
+            "roll_off": 0.5,
+            "cut_on": 0.125,
+            "rms_gradient": 0.02,
+            "points": 64,
+        },
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 1e-6},
+    }
+    dataset = gfmd_numba.run({"name": "c", "seed": 1, "realisations": 3, "scene": scene}, tmp_path / "out")
+    assert "take more points or a higher pressure" in " ".join(fit_tfc(dataset)["message"].item().split())
+
+
 def test_patches_of_a_map_are_counted_over_its_square():
     assert "patches of contact have 3.5 nodes on average where they have most, fewer than 4:" in message(
         70, 20, dimension=2

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, C, assert_refused, campaign, noisy, notes
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
@@ -111,3 +111,11 @@ def test_a_dataset_that_is_no_campaign_is_named(lacking):
 def test_wrong_options_are_named(options, match):
     with pytest.raises(ValueError, match=match):
         fit_tfc(campaign(), **options)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_number_whose_square_overflows_is_refused(sign):
+    dataset = campaign(realisations=5)
+    dataset["eps_c"] = dataset["eps_c"] * 0.0 + sign * 1e200
+    with pytest.raises(UnusableDataError, match="has a number beyond"):
+        fit_tfc(dataset)

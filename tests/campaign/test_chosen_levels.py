@@ -181,6 +181,19 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
 
 
 @pytest.mark.long
+@pytest.mark.parametrize(("halved", "step"), [(0.01, 2.0), (0.2, 4.0)])
+def test_levels_become_as_fine_as_their_laws_ask(refined, halved, step):
+    """Twice as fine where that leaves less open than allowed, else by the usual step."""
+    results = gfmd_numba.open_campaign(refined.results)
+    state = refined.rounds.model_copy(update={"goal": GOAL.model_copy(update={"budget": None})})
+    doubts = [next_round._Doubt(0.2, "eps_f", halved, 0.2)]
+    fit = next_round.Fit("kappa", {})
+    standing = next_round._Standing(results, xr.Dataset(), fit, 0.1, None, doubts, None)
+    finer = next_round._refined(state, standing, 0.1)
+    assert finer.now.levels[0][0][1] == state.now.levels[0][0][1] / step
+
+
+@pytest.mark.long
 def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_path, monkeypatch):
     monkeypatch.setattr(next_round, "_MOST", 2)
     goal = GOAL.model_copy(update={"targets": {"kappa": 0.02}})

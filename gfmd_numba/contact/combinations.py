@@ -107,7 +107,13 @@ def _in_time() -> Iterator[Refusal]:
     for feature, allowed in (not_yet | of_bodies).items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
+    for feature, allowed in (("no period", "true"), ("period along y", "true"), ("wear", "no wear")):
+        told = f"{allowed} with a sliding speed: this is not built yet"
+        yield Refusal("speed", feature, told, "not built yet")
+    steady = "nothing with a sliding speed, at which the punch has slid for ever"
     for feature in ("duration", "time_tolerance"):
+        yield Refusal("speed", feature, steady, "without effect")
+    for feature in ("duration", "speed", "time_tolerance"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
         yield Refusal("elastic bodies", feature, nothing, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
@@ -252,6 +258,7 @@ PHRASES = {
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",
     "no sliding": "a path without `sliding`",
+    "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",

@@ -112,6 +112,7 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
         "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
         "time": cf_attributes("time since the first load began to act", "s"),
+        "speed": cf_attributes("sliding speed of the punch along x", f"{height} s-1" if scene.length else "s-1"),
         "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
         "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
     }

@@ -13,6 +13,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
 
@@ -360,6 +361,24 @@ def time_error(contact: Contact) -> Reals:
     return np.full(len(contact.heights), contact.time_error)
 
 
+def hysteretic_friction(contact: Contact) -> Reals:
+    """Energy <p du/dx> that the body dissipates per sliding distance along x, over the load, in g `[realisation]`."""
+    return _traction_along(contact, contact.equilibrium.displacement) / mean_pressure(contact)
+
+
+def hysteretic_friction_error(contact: Contact) -> Reals:
+    """Difference of that to <p d(punch)/dx> over the load, in g `[realisation]`: slopes differ next to the contact."""
+    return abs(_traction_along(contact, contact.punch - contact.equilibrium.displacement)) / mean_pressure(contact)
+
+
+def _traction_along(contact: Contact, surface: Reals) -> Reals:
+    """Mean traction along x of the pressure on a surface `[realisation, (y,) x]`, in g^2 E* `[realisation]`."""
+    pressure, dimension = contact.equilibrium.pressure, surface.ndim - 1
+    waves = [grid.coefficients(field, dimension) for field in (pressure, surface)]
+    work = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
+    return np.asarray(work.sum(axis=tuple(range(1, work.ndim))))
+
+
 def full_contact_pressure(contact: Contact) -> Reals:
     """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
     if contact.ends:
@@ -412,8 +431,11 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 def recorded_of(contact: Contact) -> dict[str, Observable]:
     """Rows of all observables that a contact has."""
     remembered = () if contact.before is None else contact.before.memory
-    has_hardness = contact.equilibrium.plastic is not None
-    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
+    has_hardness, slides = (
+        contact.equilibrium.plastic is not None,
+        contact.step is not None and contact.step.speed > 0.0,
+    )
+    return recorded(has_hardness, contact.ends, contact.form is not None, remembered, slides)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

@@ -157,7 +157,8 @@ def measured(problem: Problem, realisations: range) -> Measures:
 def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
     remembered = [process.name for process in processes_of(problem)]
-    rows = recorded(problem.interface.hardness is not None, problem.ends, problem.has_form, remembered)
+    hardness, slides = problem.interface.hardness is not None, problem.speed > 0.0
+    rows = recorded(hardness, problem.ends, problem.has_form, remembered, slides)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 

@@ -155,6 +155,8 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location
     if scene.loading.duration is not None:
         yield "duration", ("scene", "loading", "duration")
     yield from (("duration", ("path", i, "duration")) for i, step in enumerate(path) if step.duration is not None)
+    if scene.loading.speed is not None:
+        yield "speed", ("scene", "loading", "speed")
     if scene.interface.wear is not None:
         yield "wear", ("scene", "interface", "wear")
         if all(step.sliding is None and step.sliding_y is None for step in path):

@@ -84,6 +84,11 @@ def reduced_duration(scene: Scene) -> float:
     return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
 
 
+def reduced_speed(scene: Scene) -> float:
+    """Sliding speed of the loading of a scene in L_x over its longest relaxation time, to 12 digits; 0 without one."""
+    return rounded(rounded((scene.loading.speed or 0.0) / (scene.length or 1.0)) * longest_time(scene))
+
+
 def times_of(steps: Iterable[Scene]) -> list[float]:
     """Times in s at the end of steps, whose scenes have the durations of their loadings."""
     return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
@@ -154,7 +159,7 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
     Raises ValueError as `reduced_pressure` does.
     """
     ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene))
+    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

@@ -119,8 +119,10 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
 
 
 def felt(response: SpectralResponse, change: Change) -> SpectralResponse:
-    """Response of bodies that are stiffer by a factor, with a punch that yields."""
+    """Response of bodies that are stiffer by a factor, or lag behind, with a punch that yields."""
     response = response.scaled(change.factor)
+    if change.modulus is not None:
+        response = response.lagging(change.modulus)
     return response if change.yields == 0.0 else response.with_yielding(change.yields)
 
 

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
@@ -23,18 +23,20 @@ class LoadStep(NamedTuple):
     """What a step of the loading ends with: a mean pressure or a displacement, and the sliding of the punch.
 
     `sliding` is along x, on maps also along y, since the first touch. `duration` is the time that the step takes, in
-    the unit of the processes that know one.
+    the unit of the processes that know one. With a `speed` (L_x over that unit) the punch slides along x, and has done
+    so for ever.
     """
 
     load: float
     sliding: tuple[float, ...]
     duration: float = 0.0
+    speed: float = 0.0
 
     def towards(self, end: "LoadStep", share: float) -> "LoadStep":
         """First share of the step from here to an end."""
         rest = 1.0 - share
         sliding = tuple(rest * here + share * there for here, there in zip(self.sliding, end.sliding, strict=True))
-        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration)
+        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration, end.speed)
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ class Change:
     The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material, and
     moves by another `yields` (L_x/E*) times the pressure of a node that touches, as a punch does that wears in the
     step. The surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
-    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`.
+    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`,
+    and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
     The nodes have been carried along what they meet by `carried`, of the shape of `along`, and tangential tractions
     bear `lifted` of the mean pressure.
     """
@@ -53,6 +56,7 @@ class Change:
     out: Reals | None = None
     along: Reals | None = None
     factor: float = 1.0
+    modulus: Complexes | None = None
     yields: float = 0.0
     carried: Reals | None = None
     lifted: float = 0.0
@@ -67,7 +71,8 @@ class Change:
             _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
         )
         factor, yields = prod(each.factor for each in every), sum(each.yields for each in every)
-        return cls(wall, out, along, factor, yields, carried, sum(each.lifted for each in every))
+        modulus = next((each.modulus for each in every if each.modulus is not None), None)
+        return cls(wall, out, along, factor, modulus, yields, carried, sum(each.lifted for each in every))
 
 
 NO_CHANGE = Change()

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity.stiffness import in_series
 from gfmd_numba.fourier import grid
 
@@ -99,6 +99,11 @@ class SpectralResponse:
     def normal(self) -> Reals:
         """Stiffness of the normal displacement alone `[(ny,) nx // 2 + 1]`."""
         return np.asarray(self.elements[-1])
+
+    @property
+    def lags(self) -> bool:
+        """Whether displacements lag behind tractions, as those of viscoelastic bodies do under a punch that slides."""
+        return bool(np.iscomplexobj(self.elements))
 
     @property
     def is_rigid(self) -> bool:
@@ -184,6 +189,11 @@ class SpectralResponse:
             of_waves = window.stiffness
             window = Window(window.shape, lambda index: factor * of_waves(index))
         return SpectralResponse(factor * self.elements, window)
+
+    def lagging(self, modulus: Complexes) -> "SpectralResponse":
+        """Response of the normal displacement alone of bodies whose stiffness has a complex factor for each wave."""
+        stiffness: Any = modulus * self.normal
+        return self.of_normal(stiffness)
 
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response of the normal displacement alone, with a wall that yields to the pressure at each node.

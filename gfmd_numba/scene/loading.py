@@ -18,6 +18,7 @@ from gfmd_numba.scene.quantities import (
     Pressure,
     ReducedPressure,
     SignedLength,
+    Speed,
     broken_rule,
 )
 from gfmd_numba.scene.units import Quantity, quantities, respelt
@@ -40,6 +41,11 @@ class Controls(BaseModel):
     )
     duration: Duration | None = Field(
         None, description="Time in s over which the load changes evenly, from no load at first; None: at once"
+    )
+    speed: Speed | None = Field(
+        None,
+        description="Speed of the punch along x in m/s (L_x/s without a length), at which it has slid over a "
+        "viscoelastic body for ever; None: it does not slide",
     )
 
 
@@ -102,6 +108,8 @@ class Step(Controls):
         for name in CONTROLS:
             if name != loading.control and getattr(self, name) is not None:
                 raise broken_rule(("path", i, name), f"what the loading prescribes, which is {loading.control}")
+        if self.speed is not None and loading.speed is None:
+            raise broken_rule(("path", i, "speed"), "a speed where the loading has one")
 
 
 def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> None:

@@ -12,6 +12,7 @@ from gfmd_numba.scene.units import (
     FORCE_PER_LENGTH,
     LENGTH,
     PRESSURE,
+    SPEED,
     TIME,
     WEAR_RATE,
     given_with_units,
@@ -30,6 +31,7 @@ SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
 Duration = Annotated[Size, TIME]
+Speed = Annotated[Size, SPEED]
 WearRate = Annotated[Size, WEAR_RATE]
 
 

@@ -188,5 +188,5 @@ def test_times_that_make_no_sense_are_refused(file, times, said):
 
 def test_loads_one_after_another_need_an_elastic_body():
     alone = {key: value for key, value in CREEP.items() if key != "path"}
-    with pytest.raises(InputError, match=r"loads: you gave .*; gfmd allows times for a viscoelastic body"):
+    with pytest.raises(InputError, match=r"loads: you gave .*; gfmd allows times, or speeds, for a viscoelastic body"):
         gfmd_numba.load_curve(alone, [0.01, 0.02])

@@ -111,7 +111,10 @@ def _in_time() -> Iterator[Refusal]:
         told = f"{allowed} with a sliding speed: this is not built yet"
         yield Refusal("speed", feature, told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
-    for feature in ("duration", "time_tolerance"):
+    for feature in ("no period", "period along y"):
+        told = "nothing without a period over a viscoelastic body: this is not built yet"
+        yield Refusal(feature, "sliding over creep", told, "not built yet")
+    for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
     for feature in ("duration", "speed", "time_tolerance"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
@@ -258,6 +261,7 @@ PHRASES = {
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",
     "no sliding": "a path without `sliding`",
+    "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "time_tolerance": "`time_tolerance`",

@@ -1,6 +1,6 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import wraps
 from pkgutil import resolve_name
 from typing import Any
@@ -11,7 +11,7 @@ from scipy.ndimage import label
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
-from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded, traces
 from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
@@ -362,13 +362,17 @@ def time_error(contact: Contact) -> Reals:
 
 
 def hysteretic_friction(contact: Contact) -> Reals:
-    """Energy <p du/dx> that the body dissipates per sliding distance along x, over the load, in g `[realisation]`."""
-    return _traction_along(contact, contact.equilibrium.displacement) / mean_pressure(contact)
+    """Force against the sliding of the punch along x, <p du/dx>, over the load, in g `[realisation]`.
+
+    Where a punch slides steadily it is the energy that the body dissipates per distance.
+    """
+    u, out = contact.equilibrium.displacement, contact.change.out
+    return _traction_along(contact, u if out is None else u + out) / mean_pressure(contact)
 
 
 def hysteretic_friction_error(contact: Contact) -> Reals:
     """Difference of that to <p d(punch)/dx> over the load, in g `[realisation]`: slopes differ next to the contact."""
-    return abs(_traction_along(contact, contact.punch - contact.equilibrium.displacement)) / mean_pressure(contact)
+    return abs(_traction_along(contact, gap(contact))) / mean_pressure(contact)
 
 
 def _traction_along(contact: Contact, surface: Reals) -> Reals:
@@ -430,12 +434,11 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 
 def recorded_of(contact: Contact) -> dict[str, Observable]:
     """Rows of all observables that a contact has."""
-    remembered = () if contact.before is None else contact.before.memory
-    has_hardness, slides = (
-        contact.equilibrium.plastic is not None,
-        contact.step is not None and contact.step.speed > 0.0,
-    )
-    return recorded(has_hardness, contact.ends, contact.form is not None, remembered, slides)
+    remembered: Collection[str] = () if contact.before is None else contact.before.memory
+    if contact.before is not None and contact.step is not None:
+        remembered = traces(remembered, contact.step.speed > 0.0, contact.before.passing is not None)
+    has_hardness = contact.equilibrium.plastic is not None
+    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

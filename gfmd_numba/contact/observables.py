@@ -3,7 +3,7 @@
 Pure data, and what it says of a scene.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -36,7 +36,7 @@ class Observable:
         "hardness",
         "springs",
         "worn",
-        "speed",
+        "sliding",
         "form",
         "period",
         "window",
@@ -112,15 +112,15 @@ OBSERVABLES = {
     "hysteretic_friction": Observable(
         "contact",
         "gradient",
-        "friction by hysteresis: energy that the body dissipates per sliding distance, over the load",
-        needs="speed",
+        "friction by hysteresis: force against the sliding of the punch along x, over the load",
+        needs="sliding",
         held="gradient",
     ),
     "hysteretic_friction_error": Observable(
         "contact",
         "gradient",
         "difference from the force on the slopes of the punch over the load, an error of the grid",
-        needs="speed",
+        needs="sliding",
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_edges": Observable(
@@ -239,16 +239,21 @@ def recorded(
     ends: tuple[bool, ...] = (),
     form: bool = False,
     remembered: Collection[str] = (),
-    speed: bool = False,
 ) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
-    Processes have the names of what is `remembered` of them. With a `speed` the punch slides steadily.
+    Processes have the names of what is `remembered` of them, `traces` among them.
     """
     period, window = not ends or not all(ends), any(ends)
-    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form, "speed": speed}
-    has |= {"springs": "springs" in remembered and not speed, "worn": "worn" in remembered}
+    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
+    has |= {name: name in remembered for name in ("springs", "worn", "sliding")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
+
+
+def traces(processes: Iterable[str], steadily: bool, passes: bool) -> set[str]:
+    """What is left of processes of these names: a step that slides `steadily` takes no time, one that `passes` does."""
+    names = {name for name in processes if not (steadily and name == "springs")}
+    return names | {"sliding"} if steadily or passes else names
 
 
 def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:

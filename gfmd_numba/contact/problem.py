@@ -82,8 +82,9 @@ class Problem:
     has the bodies, and the surface is the sum of theirs. A viscoelastic body has a `relaxation`, the modulus of the
     relaxed body being that of E*, and an error of `time_tolerance` along the path. A punch wears by `wear_rate` (in
     1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0), `duration`
-    and `speed` are those of the load, as in a `LoadStep`. A surface that is not `periodic` is a window, around which
-    the body is free; "y": on both sides along x alone.
+    and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it
+    by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not
+    `periodic` is a window, around which the body is free; "y": on both sides along x alone.
     """
 
     surface: Surface
@@ -104,6 +105,7 @@ class Problem:
     relaxation: PronySeries | None = None
     time_tolerance: float | None = None
     wear_rate: float | None = None
+    passing: float | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -168,7 +170,7 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.periodic is not True:
             content["periodic"] = self.periodic
-        for name in ("relaxation", "time_tolerance", "wear_rate"):
+        for name in ("relaxation", "time_tolerance", "wear_rate", "passing"):
             if getattr(self, name) is not None:
                 content[name] = repr(getattr(self, name))
         if self.processes:

@@ -136,6 +136,6 @@ def sliding_modulus(series: PronySeries, speed: float, nx: int) -> Complexes:
     return found
 
 
-def _over_branches(shares: Reals, stretch: Reals) -> Reals:
+def _over_branches(shares: Reals, stretch: Reals | Complexes) -> Reals:
     """Shares `[branch]`, ready to broadcast with the branches of a stretch `[spring, realisation, (y,) x]`."""
     return shares.reshape(-1, *(1 for _ in stretch.shape[1:]))

@@ -162,6 +162,12 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
     return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
 
 
+def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
+    """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
+    passes = scene.body.relaxation is not None and scene.interface.wear is None
+    return rounded(rms_gradient) if passes and any(any(step.sliding) for step in steps) else None
+
+
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:
     """The scene and the sliding displacement (m or L_x) at its own loading, then after each change of the path."""
     sliding: Sliding = (0.0,) * scene.dimension

@@ -14,6 +14,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 Found = TypeVar("Found")
@@ -109,8 +110,8 @@ class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
     `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
-    `form` under its roughness are a part of them. A step that `repeats` the load of the last one, on a surface that has
-    hardly moved since, holds nodes where that held them.
+    `form` under its roughness are a part of them. `passing` is that of a problem. A step that
+    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -119,11 +120,25 @@ class State:
     last: "Contact | None" = None
     repeats: bool = False
     form: Reals | None = None
+    passing: float | None = None
 
     @classmethod
-    def untouched(cls, heights: Reals, processes: tuple[Process, ...], form: Reals | None = None) -> "State":
+    def untouched(
+        cls,
+        heights: Reals,
+        processes: tuple[Process, ...],
+        form: Reals | None = None,
+        passing: float | None = None,
+    ) -> "State":
         """State of surfaces before the first step."""
-        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes}, form=form)
+        memory = {each.name: each.begin(heights.shape) for each in processes}
+        return cls(heights, processes, memory, form=form, passing=passing)
+
+    def facing(self, heights: Reals, step: LoadStep) -> Reals:
+        """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""
+        if self.passing is None or not any(step.sliding):
+            return heights
+        return grid.moved(heights, tuple(self.passing * way for way in step.sliding))
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
@@ -211,7 +226,9 @@ class Contact:
     @property
     def form(self) -> Reals | None:
         """Heights `[(y,) x]` of the smooth form of the punch, None without."""
-        return None if self.before is None else self.before.form
+        if self.before is None or self.before.form is None or self.step is None:
+            return None
+        return self.before.facing(self.before.form, self.step)
 
     @property
     def flattened(self) -> Reals | float:

@@ -1,5 +1,7 @@
 """A punch that slides steadily over a body that creeps: closed forms, limits, the energy, and hard cases."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -8,8 +10,10 @@ from scipy.special import ive, kve
 import gfmd_numba
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.table import Options
@@ -213,3 +217,58 @@ def test_a_path_of_speeds_is_that_of_each_alone():
         np.testing.assert_array_equal(path["gap"][i] == 0.0, alone["gap"] == 0.0)
         for name in ("hysteretic_friction", "mean_gap", "peak_pressure"):
             assert float(path[name][i]) == pytest.approx(float(alone[name]), rel=1e-6)
+
+
+def marched(points, tolerance, ways, speed=0.05, load=0.3):
+    """A wave that slides over a standard solid from rest, and how it slides steadily."""
+    heights = 1e-3 * np.cos(2.0 * np.pi * np.arange(points) / points)
+    scene = {
+        "body": {"poissons_ratio": 0.5, "relaxation": relaxation(STANDARD)},
+        "roughness": {"method": "measured"},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": load},
+    }
+    begun = (0.0, *ways)
+    path = [{"sliding": way, "duration": (way - last) / speed} for last, way in zip(begun, ways, strict=False)]
+    marching = {"scene": scene, "path": path, "numerics": {"time_tolerance": tolerance}}
+    steady = scene | {"loading": scene["loading"] | {"speed": speed}}
+    return gfmd_numba.solve(marching, heights=heights), gfmd_numba.solve({"scene": steady}, heights=heights)
+
+
+def test_a_punch_that_sets_off_comes_to_slide_steadily():
+    found, steady = marched(64, 1e-2, (2.0,))
+    assert not found["status"].any()
+    last = found.isel(step=-1)
+    np.testing.assert_allclose(last["height"], found["height"][0], atol=1e-13)  # after whole periods
+    assert float(last["hysteretic_friction"]) == pytest.approx(float(steady["hysteretic_friction"]), rel=1e-2)
+    assert float(found["hysteretic_friction"][0]) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.long
+def test_marching_and_the_steady_state_are_one_and_its_friction_is_what_is_lost():
+    found, steady = marched(128, 1e-3, (2.0, 2.3, 3.3))
+    for step in (1, 2, 3):
+        here = found.isel(step=step)
+        assert float(here["hysteretic_friction"]) == pytest.approx(float(steady["hysteretic_friction"]), rel=1e-3)
+        assert float(here["contact_area_fraction"]) == pytest.approx(float(steady["contact_area_fraction"]), rel=1e-3)
+    work = float(steady["hysteretic_friction"] * steady["mean_pressure"]) * np.array([0.3, 1.0])
+    np.testing.assert_allclose(found["energy_lost"][2:], work, rtol=1e-3)
+
+
+@pytest.mark.parametrize("shape", [(16,), (12, 16)])
+def test_waves_are_moved_between_nodes_without_smearing(shape):
+    y, x = np.meshgrid(np.arange(shape[0]) / shape[0], np.arange(shape[-1]) / shape[-1], indexing="ij")
+    waves = lambda y, x: np.cos(2 * np.pi * (3 * x + 2 * y)) + np.sin(10 * np.pi * x)  # noqa: E731
+    way = (0.3, 0.17)[: len(shape)]
+    y, x = (y, x) if len(shape) == 2 else (0.0, x[0])
+    moved = waves(y - (*way, 0.0)[1], x - way[0])
+    np.testing.assert_allclose(grid.moved(waves(y, x), way), moved, atol=1e-12)
+
+
+def test_a_punch_that_jumps_finds_a_glassy_body_that_remembers_nothing_else():
+    """Displaced by whole nodes at once, on a body that was pressed at once: the same contact, moved."""
+    problem = rough_problem(STANDARD, 0.0, n=64, path=(LoadStep(0.05, (0.25,)),), passing=1.0)
+    problem = replace(problem, numerics=Options("active_set_newton", residual=1e-10))
+    first, second = solve_path(problem, 0)
+    np.testing.assert_allclose(second.heights, np.roll(first.heights, 16, axis=1), atol=1e-12)
+    np.testing.assert_array_equal(second.equilibrium.touching, np.roll(first.equilibrium.touching, 16, axis=1))

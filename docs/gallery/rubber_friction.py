@@ -1,10 +1,10 @@
 """Rubber friction against speed: a rough punch slides over rubber, and the rubber's losses brake it.
 
 Friction is largest where asperities pass a place of the rubber about as fast as it relaxes. At higher speeds the rubber
-is stiff, and only the tips of the asperities touch. Persson's theory of rubber friction (J. Chem. Phys. 115:3840, 2001),
-here for profiles, adds up the losses of all waves in full contact, each times the share P of the surface that touches
-when only longer waves are looked at. Its factor (1 + P^2) / 2 is a correction of 2008 (J. Phys.: Condens. Matter
-20:215214): a surface in partial contact is deformed by less than one in full contact.
+is stiff, and only the tips of the asperities touch. Persson's theory of rubber friction (J. Chem. Phys. 115:3840,
+2001), here for profiles, adds up the losses of all waves in full contact, each times the share P of the surface that
+touches when only longer waves are looked at. The factor (1 + P^2) / 2 is a correction of 2008 (J. Phys.: Condens.
+Matter 20:215214): a surface in partial contact is deformed by less than one in full contact.
 """
 
 import numpy as np

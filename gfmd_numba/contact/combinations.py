@@ -257,7 +257,7 @@ PHRASES = {
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no exponential and no cohesive law",
-    "duration": "the `duration` of a load or a step",
+    "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",
     "no sliding": "a path without `sliding`",

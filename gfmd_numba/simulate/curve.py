@@ -135,7 +135,7 @@ def read_times(file: SceneFile | BoundaryFile, document: Document, times: object
         raise asked.refused(("times",), "nothing without a relaxation of the body: give loads")
     checked = validate(asked, _Times)
     _check_order(asked, checked.loads, "times")
-    begun = file.scene.loading.duration or 0.0
+    begun = file.scene.loading.takes or 0.0
     if len(checked.loads) > 1 and checked.loads[1] < checked.loads[0]:
         raise asked.error(("times", 1), checked.loads[1], "times that rise")
     if checked.loads[0] <= begun:
@@ -271,7 +271,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
 
 def _solve_in_time(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
     """Scalars after each time, or at each speed, in SI units."""
-    begun = curve.given.file.scene.loading.duration or 0.0
+    begun = curve.given.file.scene.loading.takes or 0.0
     dwells = tuple(Step(duration=end - start) for start, end in pairwise((begun, *curve.loads)))
     for i in range(curve.realisations):
         given = _realisation(curve, i)

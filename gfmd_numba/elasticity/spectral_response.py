@@ -257,12 +257,12 @@ def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:
     """Elements, which are overwritten at Nyquist, on a grid of a shape.
 
     There the grid does not tell the waves q_x and -q_x (or q_y and -q_y): what both give way is averaged, as if all
-    that vanishes on every node were free.
+    that vanishes on every node were free. One of the waves q_x and -q_x lags as far as the other leads.
     """
     for axis, odd in zip((-1, -2), _ODD[len(elements)], strict=False):
         if shape[axis] % 2 == 0:
             at_nyquist = np.moveaxis(elements, axis, 1)[:, shape[axis] // 2]
             compliance = _inverse(at_nyquist)
             compliance[odd] = 0.0
-            at_nyquist[:] = _inverse(compliance)
+            at_nyquist[:] = _inverse(compliance.real if axis == -1 else compliance)
     return elements

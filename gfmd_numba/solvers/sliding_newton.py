@@ -11,12 +11,15 @@ with the last pressure p' and a weight w. Whatever the weights, such pressures a
 term (Rockafellar, SIAM J. Control Optim. 14:877, 1976). The last weight is 0.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from gfmd_numba.arrays import Complexes, Flags, Indices, Reals
+from gfmd_numba.fourier.grid import relative_cost, resample
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.pressures import PressureIterate
+from gfmd_numba.solvers.pressures import PressureIterate, refine
 from gfmd_numba.solvers.table import Options
 
 _PATIENCE = 6  # guesses that change no fewer nodes than earlier ones before they are taken to go round in circles
@@ -26,6 +29,8 @@ _FIRST = 0.3  # weight that is of any help
 _LAG = 2.0  # imaginary over real part of a compliance up to which guesses mostly come to an end without a weight
 _AHEAD = 0.1  # error of the pressure on a guessed contact, over the share of its nodes that the last guess changed
 _ROUGH = 1e-3  # error of the pressure of a solution under a weight, and share of its nodes that may still change
+_COARSEST, _COARSER = 256, 2  # nodes up to which the first guess is full contact, and nodes over those of its grid
+_COARSE_STEPS = 10  # solutions on the coarser grid, at most
 _KEPT, _RESTARTS = 60, 3  # directions that the inner solver keeps, and how often it begins
 
 
@@ -33,7 +38,7 @@ class SlidingNewton(PressureIterate):
     """Pressure of a batch that slides steadily; an iteration is one solution under a weight.
 
     The pressure on a guessed contact is found by GMRES, preconditioned by the stiffness on its nodes. Nodes under
-    tension leave, overlapping ones join.
+    tension leave, overlapping ones join. The first guess is the contact on a grid half as fine.
     """
 
     check_every = 1
@@ -44,9 +49,18 @@ class SlidingNewton(PressureIterate):
         self._lag = float(np.max(abs(self.compliance.imag[along]) / self.compliance.real[along]))
         self._weights = np.full(len(batch.punch), 0.0 if self._lag <= _LAG else self._lag)
         self._targets = np.full(len(batch.punch), options.residual)
+        self._solved = np.zeros(len(batch.punch), dtype=np.bool_)
+        self._coarse_transforms = np.zeros(len(batch.punch), dtype=np.int64)
         start = batch.start.displacement
         if not np.array_equal(start, Start.at_rest(batch.punch).displacement):
             self._begin_at(start.reshape(len(start), -1))
+        elif self.field.n > _COARSEST:
+            self._guess(batch, options)
+
+    @property
+    def n_transforms(self) -> Indices:
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        return self.field.n_transforms + self._coarse_transforms
 
     def advance(self, active: Indices) -> None:
         """Solve the problem of each active row under its weight, and choose the next weight."""
@@ -55,7 +69,9 @@ class SlidingNewton(PressureIterate):
             weight, last = float(self._weights[i]), self.pressure[i].copy()
             if not weight:
                 self._targets[i] *= _AHEAD
-            if self._solve(row, weight):
+            solved = self._solve(row, weight)
+            self._solved[i] = solved and not weight
+            if solved:
                 self._weights[i] = _LESS * weight if _LESS * weight > _LEAST else 0.0
             else:
                 self.pressure[i] = last
@@ -64,6 +80,22 @@ class SlidingNewton(PressureIterate):
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions; costs two transforms a row."""
         return self.violation(active)
+
+    def _guess(self, batch: Batch, options: Options) -> None:
+        """Begin with the pressure on a coarser grid."""
+        n, fine = self.field.n, self.field.shape
+        shape = tuple(-(-nodes // _COARSER) for nodes in fine)
+        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
+        response, start = batch.response.coarsened(shape), Start.at_rest(smooth)
+        fewer = replace(batch, punch=smooth, response=response, start=start)
+        coarse = type(self)(fewer, replace(options, residual=_ROUGH))
+        for _ in range(_COARSE_STEPS):
+            coarse.advance(np.flatnonzero(~coarse._solved))
+        self._weights[:] = coarse._weights
+        for p, found in zip(self.pressure, coarse.pressure, strict=True):
+            refine(found[: coarse.field.n].reshape(-1, shape[-1]), p[:n].reshape(-1, fine[-1]))
+        cost = relative_cost(coarse.field.n, n)
+        self._coarse_transforms += np.ceil(coarse.n_transforms * cost).astype(np.int64)
 
     def _begin_at(self, displacement: Reals) -> None:
         """Begin with the pressure that displacements `[realisation, node]` take where they touch the wall."""

@@ -150,6 +150,18 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
         load_campaign(campaign | {"limits": {"eps_c": [1 / 8]}})
 
 
+def test_a_campaign_slides_at_one_speed_after_another(tmp_path):
+    scene = changed(CREEP["scene"], "loading", speed="1 mm/s")
+    campaign = {"name": "friction", "seed": 1, "realisations": 2, "scene": scene, "reference": CREEP["discretisation"]}
+    results = gfmd_numba.run(campaign | {"grid": {"speed": ["1 um/s", 1e-3]}}, tmp_path / "friction")
+    assert results["speed"].units == "m s-1"
+    np.testing.assert_array_equal(results["speed"], [1e-6, 1e-3])
+    alone = {key: CREEP[key] for key in ("discretisation", "seed")} | {"scene": scene}
+    for name in ("hysteretic_friction", "hysteretic_friction_error", "contact_area_fraction"):
+        np.testing.assert_array_equal(results[name][1, 0], gfmd_numba.solve(alone)[name])
+    assert "time_error" not in results
+
+
 def test_one_load_may_take_time_without_a_path():
     alone = {key: value for key, value in changed(CREEP, "scene", "loading", duration="2 s").items() if key != "path"}
     found = gfmd_numba.solve(alone)

@@ -1,7 +1,10 @@
-"""Creep of a ball against Lee and Radok, and what its steps in time cost.
+"""Creep of a ball against Lee and Radok, and what its steps in time cost; relaxation beside Tamaas.
 
 It presses a ball on a standard linear solid by a sudden load, which then stays (relaxed modulus 1, a branch of
 modulus 3 and relaxation time 1). Its radius and approach are those of Hertz with E* = 1 / J(t).
+
+With --tamaas (pip install tamaas) it presses a wave into full contact, in which displacements stay as they are, and
+prints the modulus that the pressure tells.
 """
 
 import argparse
@@ -47,7 +50,49 @@ def ball(nodes: list[int]) -> None:
             print(f"| {count} | {elapsed:g} | {errors[0]:+.1e} | {errors[1]:+.1e} | {error:.1e} | {spent:.0f} |")
 
 
+def wave_beside_tamaas(nodes: int = 32, amplitude: float = 1e-3) -> None:
+    """Moduli at times, of E* = 1 when it is relaxed, after a sudden contact that is full and stays so."""
+    import tamaas as tm
+
+    tm.set_log_level(tm.LogLevel.error)
+    heights = amplitude * np.cos(2.0 * np.pi * np.arange(nodes) / nodes) * np.ones((nodes, 1))
+    print("| branch | step | time | exact | gfmd-numba | Tamaas |\n|---|---|---|---|---|---|")
+    for branch, step in ((1.0, 0.01), (3.0, 0.01), (3.0, 0.1), (9.0, 0.01)):
+        times = (round(0.1 / step) * step, round(1.0 / step) * step, 20.0)
+        body = {"poissons_ratio": 0.0, "relaxation": [{"modulus": branch, "time": 1.0}]}
+        found = gfmd_numba.solve(
+            {
+                "scene": {
+                    "dimension": 2,
+                    "body": body,
+                    "roughness": {"method": "measured"},
+                    "interface": {"hard_wall": {}},
+                    "loading": {"reduced_pressure": 100.0},
+                },
+                "path": [{"duration": end - start} for start, end in pairwise((0.0, *times))],
+            },
+            heights=heights,
+        )
+        model = tm.ModelFactory.createModel(tm.model_type.basic_2d, [1.0, 1.0], list(heights.shape))
+        model.E, model.nu = 1.0, 0.0
+        solver = tm.MaxwellViscoelastic(model, heights.copy(), 1e-14, step, [branch * model.mu], [1.0])
+        theirs = {}
+        for i in range(round(times[-1] / step) + 1):  # the first contact is at time 0
+            solver.solve(0.1)
+            theirs[i] = np.ptp(np.asarray(model.traction)) / (2.0 * np.pi * amplitude)
+        for i, elapsed in enumerate(times):
+            ours = float(np.ptp(found["pressure"][i + 1].values)) / (2.0 * np.pi * amplitude)
+            exact = 1.0 + branch * np.exp(-elapsed)
+            last = theirs[round(elapsed / step)]
+            print(f"| {branch:g} | {step:g} | {elapsed:g} | {exact:.4f} | {ours:.4f} | {last:.4f} |")
+
+
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--tamaas", action="store_true", help="relaxation of a wave beside Tamaas")
     parser.add_argument("nodes", type=int, nargs="*", default=[16, 32, 64, 128])
-    ball(parser.parse_args().nodes)
+    given = parser.parse_args()
+    if given.tamaas:
+        wave_beside_tamaas()
+    else:
+        ball(given.nodes)

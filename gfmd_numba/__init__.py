@@ -30,6 +30,7 @@ __all__ = [
     "contact_statistics",
     "creep_curve",
     "fit_tfc",
+    "friction_curve",
     "gap_percolation",
     "leakage",
     "load_curve",
@@ -78,6 +79,27 @@ def creep_curve(
 
     return _warned(
         curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), times, realisations)
+    )
+
+
+def friction_curve(
+    scene: str | Path | Mapping[str, Any] | SceneFile,
+    speeds: Sequence[float | str],
+    realisations: int = 1,
+    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
+) -> xr.Dataset:
+    """Slide the punch of a scene over its viscoelastic body and return its observables over `speed` in SI units.
+
+    `speeds` are in m/s (L_x/s without a length) or text with units, like `1 mm/s`; they all rise or all fall. At each
+    speed the punch has slid for ever. `hysteretic_friction` is the coefficient of friction by the losses in the body.
+    All else is as in `load_curve`. Raises InputError for what makes no sense.
+    """
+    from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.scene_file import with_heights
+    from gfmd_numba.simulate.curve import friction_curve as curve_of
+
+    return _warned(
+        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), speeds, realisations)
     )
 
 

@@ -9,7 +9,7 @@ from gfmd_numba.analysis.leakage import leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign
 from gfmd_numba.analysis.plots.contact import plot_contact
-from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve
+from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.rounds import plot_rounds
@@ -39,6 +39,7 @@ __all__ = [
     "plot_creep",
     "plot_curve",
     "plot_fit",
+    "plot_friction",
     "plot_leakage",
     "plot_rounds",
     "plot_statistics",

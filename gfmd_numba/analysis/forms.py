@@ -248,6 +248,13 @@ CREEP = Form(
     | _all("time numbers", "contact_area_fraction", "mean_gap", "n_segments", "peak_pressure"),
     {"mean_pressure": "time numbers", "*_standard_error": "time numbers"},
 )
+FRICTION = Form(
+    "friction curve",
+    "what `gfmd curve --speeds` leaves",
+    {"speed": "speed finite", "n_realisations": "speed whole"}
+    | _all("speed numbers", "contact_area_fraction", "mean_gap", "hysteretic_friction", "peak_pressure"),
+    {"mean_pressure": "speed numbers", "*_standard_error": "speed numbers"},
+)
 FIT = Form(
     "fit",
     "what `gfmd fit -o` leaves",

@@ -38,6 +38,7 @@ from gfmd_numba.scene.quantities import (
     RmsGradient,
     SignedLength,
     SignedWorkOfAdhesion,
+    Speed,
 )
 from gfmd_numba.scene.surfaces import PositiveHurst
 
@@ -149,6 +150,7 @@ AXES = (
     Axis("slope", FormSlope, "form", "slope", r"$\tan\beta$", "slope of the flanks of the form, a wedge or a cone"),
     Axis("width", Length, "form", "W", "$W$", "width of the form, a flat punch, between its edges", "height"),
     Axis("edge_radius", Length, "form", "R_e", "$R_e$", "radius of the edges of the form", "height"),
+    Axis("speed", Speed, "loading", "v", "$v$", "sliding speed of the punch along x", "speed"),
     Axis("displacement", SignedLength, "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
     Axis(
         "friction_coefficient",

@@ -16,7 +16,7 @@ from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
 from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
-from gfmd_numba.contact.scales import reduced_step, steps_of
+from gfmd_numba.contact.scales import passing, reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
@@ -208,7 +208,8 @@ def _reduced(
         raise _irreducible("scene.loading", scene, error) from None
     if not campaign.path:
         return problem, effects
-    return replace(problem, path=tuple(_path(scene, rms_gradient, campaign))), effects
+    path = tuple(_path(scene, rms_gradient, campaign))
+    return replace(problem, path=path, passing=passing(scene, path, rms_gradient)), effects
 
 
 def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:

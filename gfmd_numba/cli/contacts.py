@@ -30,6 +30,8 @@ from gfmd_numba.cli.tables import unit
 if TYPE_CHECKING:
     import xarray as xr
 
+    from gfmd_numba.scene.units import Quantity
+
 
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_pressure",
@@ -48,11 +50,13 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_tangential_traction_y",
     "stick_fraction",
     "energy_lost",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
     "time_error",
 )
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y", "time"),
+    *("sliding", "sliding_y", "speed", "time"),
 )
 
 
@@ -180,6 +184,11 @@ def _times_given(ctx: click.Context, param: click.Parameter, option: str | None)
     return None if option is None else _values(option, _time, "times")
 
 
+def _speeds_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
+    """Return the speeds of a list or a range, as those of loads."""
+    return None if option is None else _values(option, _speed, "speeds")
+
+
 def _values(option: str, read: Callable[[str], tuple[float, str]], name: str) -> list[float | str]:
     ends = option.split(":")
     if len(ends) == 1:
@@ -218,19 +227,32 @@ def _load(text: str) -> tuple[float, str]:
 
 def _time(text: str) -> tuple[float, str]:
     """Return one time in s and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.document import plain_scalar
     from gfmd_numba.scene.units import TIME
+
+    return _above_0(text, TIME, "a number of s above 0 or a time, like 10 or 5 min")
+
+
+def _speed(text: str) -> tuple[float, str]:
+    """Return one speed and its SI unit; nothing without a unit."""
+    from gfmd_numba.scene.units import SPEED
+
+    return _above_0(text, SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s")
+
+
+def _above_0(text: str, quantity: Quantity, allowed: str) -> tuple[float, str]:
+    """Return a number above 0 and the SI unit of its quantity; nothing without a unit."""
+    from gfmd_numba.scene.document import plain_scalar
 
     number = plain_scalar(text.strip())
     if type(number) in (int, float) and 0.0 < float(number) < inf:  # type: ignore[arg-type]
         return float(number), ""  # type: ignore[arg-type]
     try:
-        value = TIME.si_value(text)
+        value = quantity.si_value(text)
     except ValueError:
         value = None
     if value is None or not 0.0 < value < inf:
-        raise click.BadParameter(f"you gave {text!r}; gfmd allows a number of s above 0 or a time, like 10 or 5 min")
-    return value, TIME.si
+        raise click.BadParameter(f"you gave {text!r}; gfmd allows {allowed}")
+    return value, quantity.si
 
 
 def _text(load: float, si: str) -> float | str:
@@ -251,12 +273,23 @@ def _text(load: float, si: str) -> float | str:
     metavar="A:B:N",
     help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
+@click.option(
+    "--speeds",
+    callback=_speeds_given,
+    metavar="A:B:N",
+    help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
+)
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
 @output_option
 def curve(
-    file: Path, loads: list[float | str] | None, times: list[float | str] | None, realisations: int, output: Path
+    file: Path,
+    loads: list[float | str] | None,
+    times: list[float | str] | None,
+    speeds: list[float | str] | None,
+    realisations: int,
+    output: Path,
 ) -> None:
-    """Solve the scene in FILE at one load, or one time, after another.
+    """Solve the scene in FILE at one load, time or speed after another.
 
     The command prints and draws contact area, mean gap, stiffness and peak pressure over the load. A load without a
     unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
@@ -264,24 +297,24 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import curve_dataset, read_curve, read_times, solve_curve
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, read_speeds, read_times, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
-    if (loads is None) == (times is None):
-        given = "neither" if loads is None else "both"
-        raise click.UsageError(f"you gave {given} of --loads and --times; gfmd allows one of them")
+    asked_for = {name: each for name, each in (("loads", loads), ("times", times), ("speeds", speeds)) if each}
+    if len(asked_for) != 1:
+        given = " and ".join(f"--{name}" for name in asked_for) or "none"
+        raise click.UsageError(f"you gave {given} of --loads, --times and --speeds; gfmd allows one of them")
+    ((what, values),) = asked_for.items()
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    if times is None:
-        asked = read_curve(described, document, loads, realisations)
-    else:
-        asked = read_times(described, document, times, realisations)
+    read = {"loads": read_curve, "times": read_times, "speeds": read_speeds}[what]
+    asked = read(described, document, values, realisations)
     solved: list[xr.Dataset] = []
     try:
-        with waiting(f"solving {'loads' if times is None else 'times'}", len(asked.loads) * realisations) as advance:
+        with waiting(f"solving {what}", len(asked.loads) * realisations) as advance:
             for step in solve_curve(asked):
                 solved.append(step)
                 advance()
@@ -300,7 +333,7 @@ def curve(
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
-    from gfmd_numba.analysis import plot_creep, plot_curve
+    from gfmd_numba.analysis import plot_creep, plot_curve, plot_friction
     from gfmd_numba.storage.atomic_file import remove
     from gfmd_numba.storage.mark import is_product
 
@@ -308,7 +341,7 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
         remove(picture, is_product)  # that of an earlier curve
         warn("no load has a result that could be drawn")
         return
-    draw = plot_creep if _over(dataset) == "time" else plot_curve
+    draw = {"time": plot_creep, "speed": plot_friction}.get(_over(dataset), plot_curve)
     write_picture(picture, lambda: draw(dataset))
 
 
@@ -318,7 +351,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
     if failed.any():
         loads = ", ".join(f"{load:.4g}" for load in dataset[_over(dataset)].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
-        warn(f"not ok at {'time' if _over(dataset) == 'time' else 'load'} {loads}: {left}")
+        warn(f"not ok at {_over(dataset).removeprefix('prescribed_')} {loads}: {left}")
         for _, sentence in endings(dataset["status"]):
             warn(sentence)
     if "interrupted" in dataset.attrs:
@@ -330,7 +363,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 
 def show(dataset: xr.Dataset) -> None:
-    """Print the curve, one line a load or time."""
+    """Print the curve, one line a load, time or speed."""
     from gfmd_numba.simulate.curve import SHOWN
 
     view, load = _named(dataset), _prescribed(dataset)
@@ -373,4 +406,4 @@ def _named(dataset: xr.Dataset) -> xr.Dataset:
 
 def _over(dataset: xr.Dataset) -> str:
     """Return the dim of a curve."""
-    return "time" if "time" in dataset.dims else "prescribed_load"
+    return next((name for name in ("time", "speed") if name in dataset.dims), "prescribed_load")

@@ -50,6 +50,26 @@ def check(file: Path) -> None:
         warn(sentence)
 
 
+@main.command()
+@file_argument
+@click.option("--unit", default="Pa", show_default=True, help="Unit of the moduli, like MPa")
+def relaxation(file: Path, unit: str) -> None:
+    """Fit the relaxation of a body to a table of dynamic mechanical analysis (DMA).
+
+    FILE is a text file of three columns: frequency in Hz, storage modulus and loss modulus. The command prints the keys
+    `youngs_modulus` and `relaxation` of a body, and how far the fit is from the table.
+    """
+    from gfmd_numba.simulate.relaxation_table import fit_relaxation, read_table
+
+    frequency, storage, loss = read_table(file, unit)
+    found = fit_relaxation(frequency, storage, loss)
+    span = f"{frequency[0]:g} to {frequency[-1]:g} Hz"
+    click.echo(f"# of {printable(file)}: {frequency.size} frequencies from {span}, rms misfit {found.misfit:.2%}")
+    click.echo(f"youngs_modulus: {found.youngs_modulus:.6g} Pa\nrelaxation:")
+    for modulus, decay in zip(found.series.moduli, found.series.times, strict=True):
+        click.echo(f"  - {{modulus: {modulus * found.youngs_modulus:.6g} Pa, time: {decay:.6g} s}}")
+
+
 def _describes_jobs(keys: Set[object]) -> bool:
     """Return whether the keys of a file are those of a cluster. A key `interface` may also be that of a scene."""
     from gfmd_numba.campaign.cluster_file import Cluster

@@ -51,6 +51,9 @@ WORDS = {
     "energy_lost": "energy lost",
     "time": "time",
     "time_error": "error of time",
+    "speed": "speed",
+    "hysteretic_friction": "friction",
+    "hysteretic_friction_error": "error of friction",
     "hysteresis": "hysteresis",
     "pull_off_pressure": "pull-off pressure",
     "residual": "residual",
@@ -74,6 +77,8 @@ def unit(dataset: xr.Dataset, name: str) -> str:
         return "Pa m-1" if (pressure, length) == ("Pa", "m") else f"{pressure}/{length}"
     if name in _ENERGIES:
         return "J m-2" if (pressure, length) == ("Pa", "m") else f"{pressure} {length}"
+    if name == "speed":
+        return "m s-1" if length == "m" else f"{length}/s"
     if name in _PRESSURES | _LENGTHS:
         return pressure if name in _PRESSURES else length
     return _units(dataset, name, "")

@@ -107,7 +107,16 @@ def _in_time() -> Iterator[Refusal]:
     for feature, allowed in (not_yet | of_bodies).items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    for feature in ("duration", "time_tolerance"):
+    for feature, allowed in (("no period", "true"), ("period along y", "true"), ("wear", "no wear")):
+        told = f"{allowed} with a sliding speed: this is not built yet"
+        yield Refusal("speed", feature, told, "not built yet")
+    steady = "nothing with a sliding speed, at which the punch has slid for ever"
+    for feature in ("no period", "period along y"):
+        told = "nothing without a period over a viscoelastic body: this is not built yet"
+        yield Refusal(feature, "sliding over creep", told, "not built yet")
+    for feature in ("duration", "sliding over creep", "time_tolerance"):
+        yield Refusal("speed", feature, steady, "without effect")
+    for feature in ("duration", "speed", "time_tolerance"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
         yield Refusal("elastic bodies", feature, nothing, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
@@ -248,10 +257,12 @@ PHRASES = {
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no exponential and no cohesive law",
-    "duration": "the `duration` of a load or a step",
+    "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",
     "no sliding": "a path without `sliding`",
+    "sliding over creep": "`sliding` over a viscoelastic body",
+    "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",

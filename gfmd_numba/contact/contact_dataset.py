@@ -293,7 +293,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
     for scene, sliding in given.steps:
         for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if given.file.scene.body.relaxation is not None:
+    if given.file.scene.body.relaxation is not None and given.file.scene.loading.speed is None:
         found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
@@ -306,4 +306,5 @@ def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str
     load = reduced_pressure(scene, rms_gradient)
     reduced = {} if load is None else {"reduced_pressure": load}
     own = {scene.loading.control: float(getattr(scene.loading, scene.loading.control))}
+    own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
     return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

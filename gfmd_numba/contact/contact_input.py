@@ -12,7 +12,7 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
-from gfmd_numba.contact.scales import Sliding, reduced_pressure, reduced_step, steps_of
+from gfmd_numba.contact.scales import Sliding, passing, reduced_pressure, reduced_step, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
@@ -57,7 +57,8 @@ class ContactInput:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
         problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
-        return replace(problem, path=tuple(reduced_step(*step, gradient) for step in self.steps[1:])), effects
+        path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
+        return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
 
 def read_contact(file: SceneFile, document: Document) -> ContactInput:

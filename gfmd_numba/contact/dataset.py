@@ -60,7 +60,7 @@ class Units:
             "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
             "s": (1.0, "s"),
         }
-        named_alone = {"force per length": "N m-1", "force": "N"}
+        named_alone = {"force per length": "N m-1", "force": "N", "speed": "m s-1" if scene.length else "s-1"}
         return cls(
             {kind: worth for kind, (worth, _) in each.items()},
             {kind: name for kind, (_, name) in each.items()} | named_alone,
@@ -112,6 +112,7 @@ def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
         "force": cf_attributes(FORCE_ON_A_MAP, "N"),
         "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
         "time": cf_attributes("time since the first load began to act", "s"),
+        "speed": cf_attributes("sliding speed of the punch along x", "m s-1" if scene.length else "s-1"),
         "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
         "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
     }

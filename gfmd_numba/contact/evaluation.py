@@ -1,6 +1,6 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from functools import wraps
 from pkgutil import resolve_name
 from typing import Any
@@ -11,8 +11,9 @@ from scipy.ndimage import label
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
-from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded, traces
 from gfmd_numba.contact.state import Contact, once
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.status import Status
 
@@ -360,6 +361,28 @@ def time_error(contact: Contact) -> Reals:
     return np.full(len(contact.heights), contact.time_error)
 
 
+def hysteretic_friction(contact: Contact) -> Reals:
+    """Force against the sliding of the punch along x, <p du/dx>, over the load, in g `[realisation]`.
+
+    Where a punch slides steadily it is the energy that the body dissipates per distance.
+    """
+    u, out = contact.equilibrium.displacement, contact.change.out
+    return _traction_along(contact, u if out is None else u + out) / mean_pressure(contact)
+
+
+def hysteretic_friction_error(contact: Contact) -> Reals:
+    """Difference of that to <p d(punch)/dx> over the load, in g `[realisation]`: slopes differ next to the contact."""
+    return abs(_traction_along(contact, gap(contact))) / mean_pressure(contact)
+
+
+def _traction_along(contact: Contact, surface: Reals) -> Reals:
+    """Mean traction along x of the pressure on a surface `[realisation, (y,) x]`, in g^2 E* `[realisation]`."""
+    pressure, dimension = contact.equilibrium.pressure, surface.ndim - 1
+    waves = [grid.coefficients(field, dimension) for field in (pressure, surface)]
+    work = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
+    return np.asarray(work.sum(axis=tuple(range(1, work.ndim))))
+
+
 def full_contact_pressure(contact: Contact) -> Reals:
     """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
     if contact.ends:
@@ -411,7 +434,9 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 
 def recorded_of(contact: Contact) -> dict[str, Observable]:
     """Rows of all observables that a contact has."""
-    remembered = () if contact.before is None else contact.before.memory
+    remembered: Collection[str] = () if contact.before is None else contact.before.memory
+    if contact.before is not None and contact.step is not None:
+        remembered = traces(remembered, contact.step.speed > 0.0, contact.before.passing is not None)
     has_hardness = contact.equilibrium.plastic is not None
     return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
 

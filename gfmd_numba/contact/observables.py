@@ -3,7 +3,7 @@
 Pure data, and what it says of a scene.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -36,6 +36,7 @@ class Observable:
         "hardness",
         "springs",
         "worn",
+        "sliding",
         "form",
         "period",
         "window",
@@ -106,6 +107,20 @@ OBSERVABLES = {
         "1",
         "relative error of pressures and displacements by the divisions of time, of all steps so far",
         needs="springs",
+        no_limit=_OF_AN_ERROR,
+    ),
+    "hysteretic_friction": Observable(
+        "contact",
+        "gradient",
+        "friction by hysteresis: force against the sliding of the punch along x, over the load",
+        needs="sliding",
+        held="gradient",
+    ),
+    "hysteretic_friction_error": Observable(
+        "contact",
+        "gradient",
+        "difference from the force on the slopes of the punch over the load, an error of the grid",
+        needs="sliding",
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_edges": Observable(
@@ -220,16 +235,25 @@ LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() i
 
 
 def recorded(
-    hardness: bool, ends: tuple[bool, ...] = (), form: bool = False, remembered: Collection[str] = ()
+    hardness: bool,
+    ends: tuple[bool, ...] = (),
+    form: bool = False,
+    remembered: Collection[str] = (),
 ) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
-    Processes have the names of what is `remembered` of them.
+    Processes have the names of what is `remembered` of them, `traces` among them.
     """
     period, window = not ends or not all(ends), any(ends)
     has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
-    has |= {name: name in remembered for name in ("springs", "worn")}
+    has |= {name: name in remembered for name in ("springs", "worn", "sliding")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
+
+
+def traces(processes: Iterable[str], steadily: bool, passes: bool) -> set[str]:
+    """What is left of processes of these names: a step that slides `steadily` takes no time, one that `passes` does."""
+    names = {name for name in processes if not (steadily and name == "springs")}
+    return names | {"sliding"} if steadily or passes else names
 
 
 def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:
@@ -251,7 +275,7 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": any(body.relaxation is not None for body in scene.deformable)
+        "loss": (scene.loading.speed is None and any(body.relaxation is not None for body in scene.deformable))
         or ((interface.couples or attracts) and not higher_orders)
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,

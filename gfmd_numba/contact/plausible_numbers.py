@@ -47,6 +47,8 @@ COMMON = {
     "youngs_modulus": _OF_BODIES,
     "modulus": _OF_BODIES._replace(low=1.0, below="softer than any gel"),
     **dict.fromkeys(("time", "duration"), _OF_TIMES),
+    "pressure_rate": Common(1e-6, 1e15, "slower than rock creeps", "faster than an explosion", ("kPa/s", "MPa/s")),
+    "speed": Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),
     "rate": Common(1e-20, 1e-9, "less than any material wears", "more than chalk wears", ("mm^2/N", "mm^3/N/m")),
     "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
     "work_of_adhesion": Common(1e-4, 10.0, "weaker than van der Waals forces", "stronger than a glue", ("mJ/m^2",)),

@@ -81,9 +81,10 @@ class Problem:
     `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
     has the bodies, and the surface is the sum of theirs. A viscoelastic body has a `relaxation`, the modulus of the
     relaxed body being that of E*, and an error of `time_tolerance` along the path. A punch wears by `wear_rate` (in
-    1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0) and `duration`
-    are those of the load, as in a `LoadStep`. A surface that is not `periodic` is a window, around which the body is
-    free; "y": on both sides along x alone.
+    1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0), `duration`
+    and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it
+    by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not
+    `periodic` is a window, around which the body is free; "y": on both sides along x alone.
     """
 
     surface: Surface
@@ -99,10 +100,12 @@ class Problem:
     processes: tuple[Process, ...] = ()
     sliding: tuple[float, ...] = ()
     duration: float = 0.0
+    speed: float = 0.0
     periodic: bool | Literal["y"] = True
     relaxation: PronySeries | None = None
     time_tolerance: float | None = None
     wear_rate: float | None = None
+    passing: float | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -138,7 +141,7 @@ class Problem:
     @property
     def step(self) -> LoadStep:
         """The load before the path, with the sliding of the punch."""
-        return LoadStep(self.load, self.sliding or (0.0,) * len(self.surface.shape), self.duration)
+        return LoadStep(self.load, self.sliding or (0.0,) * len(self.surface.shape), self.duration, self.speed)
 
     @property
     def at_each_load(self) -> tuple["Problem", ...]:
@@ -148,7 +151,7 @@ class Problem:
     def under(self, step: LoadStep) -> "Problem":
         """The same problem at another load of the same kind, without a path."""
         pressure, displacement = (step.load, None) if self.displacement is None else (None, step.load)
-        moved = replace(self, sliding=step.sliding, duration=step.duration, path=())
+        moved = replace(self, sliding=step.sliding, duration=step.duration, speed=step.speed, path=())
         return replace(moved, mean_pressure=pressure, displacement=displacement)
 
     def _hash(self) -> str:
@@ -167,12 +170,12 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.periodic is not True:
             content["periodic"] = self.periodic
-        for name in ("relaxation", "time_tolerance", "wear_rate"):
+        for name in ("relaxation", "time_tolerance", "wear_rate", "passing"):
             if getattr(self, name) is not None:
                 content[name] = repr(getattr(self, name))
         if self.processes:
             content["processes"] = [repr(each) for each in self.processes]
-        if any(self.sliding) or self.duration:
+        if any(self.sliding) or self.duration or self.speed:
             content["step"] = self.step
         if self.path:
             content["path"] = self.path, rows_without_prose(PATH_OBSERVABLES)

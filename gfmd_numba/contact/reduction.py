@@ -17,6 +17,7 @@ from gfmd_numba.contact.scales import (
     elastic_body,
     reduced_duration,
     reduced_load,
+    reduced_speed,
     relaxation,
     stiffness_scale,
     wear_rate,
@@ -67,7 +68,8 @@ def reduce(
     memory = relaxation(scene)
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
-    options = _options(numerics, scene.dimension, interface.abilities)
+    needs = *interface.abilities, *(() if loading.speed is None else ("speed",))
+    options = _options(numerics, scene.dimension, needs)
     counter = None
     if facing is not None:
         other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
@@ -91,6 +93,7 @@ def reduce(
         rough=rough,
         periodic=scene.periodic,
         duration=reduced_duration(scene),
+        speed=reduced_speed(scene),
         relaxation=memory,
         time_tolerance=None if memory is None else numerics.time_tolerance or TIME_TOLERANCE,
         wear_rate=wear_rate(scene, rms_gradient),
@@ -116,8 +119,8 @@ def _all_effects(
 
 
 @lru_cache
-def _options(numerics: Numerics, dimension: int, abilities: tuple[str, ...]) -> Options:
-    return solver_options(numerics, automatic(dimension, abilities))
+def _options(numerics: Numerics, dimension: int, needs: tuple[str, ...]) -> Options:
+    return solver_options(numerics, automatic(dimension, needs))
 
 
 @lru_cache

@@ -8,7 +8,7 @@ from typing import Literal
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location, nearest
-from gfmd_numba.scene.loading import Step
+from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
 from gfmd_numba.text.input_error import brief
@@ -152,9 +152,15 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
 
 def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
     """What takes time, or depends on how far the punch has slid."""
-    if scene.loading.duration is not None:
-        yield "duration", ("scene", "loading", "duration")
-    yield from (("duration", ("path", i, "duration")) for i, step in enumerate(path) if step.duration is not None)
+    loads: list[tuple[Location, Controls]] = [
+        (("scene", "loading"), scene.loading),
+        *((("path", i), step) for i, step in enumerate(path)),
+    ]
+    for place, load in loads:
+        given = (name for name in ("duration", "pressure_rate") if getattr(load, name) is not None)
+        yield from (("duration", (*place, name)) for name in given)
+    if scene.loading.speed is not None:
+        yield "speed", ("scene", "loading", "speed")
     if scene.interface.wear is not None:
         yield "wear", ("scene", "interface", "wear")
         if all(step.sliding is None and step.sliding_y is None for step in path):
@@ -204,6 +210,8 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
         drags = ("sliding",) if scene.interface.wear is None else ()
+        if scene.body.relaxation is not None:  # over which the punch passes
+            drags = ("sliding over creep",)
         if step.sliding is not None:
             yield from ((feature, ("path", i, "sliding")) for feature in drags)
         if step.sliding_y is not None:

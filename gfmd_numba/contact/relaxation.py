@@ -10,9 +10,11 @@ from typing import ClassVar
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Change, Contact, LoadStep, State
+from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.fourier import grid
 
 
 @dataclass(frozen=True)
@@ -49,9 +51,14 @@ class Relaxation:
         return Springs(nothing, nothing, np.zeros(shape[0]))
 
     def split(self, state: State, step: LoadStep) -> Change:
-        """The bodies are stiffer, and their surface has moved to where nothing would press on it."""
+        """The bodies are stiffer, and their surface has moved to where nothing would press on it.
+
+        Under a punch that slides steadily each wave has a stiffness of its own, and nothing else is remembered.
+        """
         series, stretch = self.problem.relaxation, state.memory[self.name].stretch
         assert series is not None
+        if step.speed:
+            return Change(modulus=sliding_modulus(series, step.speed, state.heights.shape[-1]))
         kept, joined = series.shares(step.duration)
         moduli, factor = np.array(series.moduli), series.factor(step.duration)
         out = np.tensordot(np.append((moduli * joined).sum(), -moduli * kept) / factor, stretch, 1)
@@ -61,6 +68,8 @@ class Relaxation:
         """Springs are stretched by what the step adds, less what the dashpots yield."""
         series, before = self.problem.relaxation, state.memory[self.name]
         assert series is not None
+        if step.speed:
+            return self._sliding(before, solved, step.speed)
         kept, joined = (_over_branches(each, before.stretch) for each in series.shares(step.duration))
         moduli, factor = _over_branches(np.array(series.moduli), before.stretch), series.factor(step.duration)
         moved = self._moved(solved) - before.stretch[0]
@@ -79,6 +88,23 @@ class Relaxation:
             lost -= products.mean(axis=along)
         return Springs(stretch, pressure, before.dissipated + lost)
 
+    def _sliding(self, before: Springs, solved: Contact, speed: float) -> Springs:
+        """Springs under a punch that slides steadily; what the dashpots take then never ends, and is not added up."""
+        series, pressure, moved = self.problem.relaxation, solved.equilibrium.pressure, self._moved(solved)
+        assert series is not None
+        assert solved.change.modulus is not None
+        shape = moved.shape[1:]
+        lags = series.lags(_frequencies(speed, shape[-1]))
+        lags = lags.reshape(len(lags), *(1 for _ in shape), -1)
+        borne = lags * _over_branches(np.array(series.moduli), lags) / solved.change.modulus
+        of_branches = [
+            grid.signal(share * grid.coefficients(field, len(shape)), *shape)
+            for share, field in ((lags, moved), (borne, pressure))
+        ]
+        first = moved[np.newaxis], (pressure - of_branches[1].sum(axis=0))[np.newaxis]
+        stretch, pressure = (np.concatenate(each) for each in zip(first, of_branches, strict=True))
+        return Springs(stretch, pressure, before.dissipated)
+
     def _moved(self, solved: Contact) -> Reals:
         """Displacement since the unloaded body; that of a half-space with a period has no mean.
 
@@ -94,6 +120,22 @@ class Relaxation:
         return u if out is None else u + out
 
 
-def _over_branches(shares: Reals, stretch: Reals) -> Reals:
+def _frequencies(speed: float, nx: int) -> Reals:
+    """Angular frequency `[nx // 2 + 1]` at a node of the body of each wave that a punch takes with it along x."""
+    return -speed * grid.wavenumbers(nx)
+
+
+def sliding_modulus(series: PronySeries, speed: float, nx: int) -> Complexes:
+    """Complex modulus `[nx // 2 + 1]` of each wave under a punch that slides along x, over the relaxed modulus.
+
+    At Nyquist, where a grid does not tell waves of opposite directions, their compliances are averaged.
+    """
+    found = series.complex_modulus(_frequencies(speed, nx))
+    if nx % 2 == 0:
+        found[-1] = 1.0 / (1.0 / found[-1]).real
+    return found
+
+
+def _over_branches(shares: Reals, stretch: Reals | Complexes) -> Reals:
     """Shares `[branch]`, ready to broadcast with the branches of a stretch `[spring, realisation, (y,) x]`."""
     return shares.reshape(-1, *(1 for _ in stretch.shape[1:]))

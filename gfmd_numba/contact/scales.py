@@ -81,12 +81,17 @@ def longest_time(scene: Scene) -> float:
 
 def reduced_duration(scene: Scene) -> float:
     """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
-    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
+    return 0.0 if scene.loading.takes is None else rounded(scene.loading.takes / longest_time(scene))
+
+
+def reduced_speed(scene: Scene) -> float:
+    """Sliding speed of the loading of a scene in L_x over its longest relaxation time, to 12 digits; 0 without one."""
+    return rounded(rounded((scene.loading.speed or 0.0) / (scene.length or 1.0)) * longest_time(scene))
 
 
 def times_of(steps: Iterable[Scene]) -> list[float]:
     """Times in s at the end of steps, whose scenes have the durations of their loadings."""
-    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
+    return list(accumulate(float(scene.loading.takes or 0.0) for scene in steps))
 
 
 def relaxation(scene: Scene) -> PronySeries | None:
@@ -154,7 +159,13 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
     Raises ValueError as `reduced_pressure` does.
     """
     ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene))
+    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
+
+
+def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
+    """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
+    passes = scene.body.relaxation is not None and scene.interface.wear is None
+    return rounded(rms_gradient) if passes and any(any(step.sliding) for step in steps) else None
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:
@@ -165,7 +176,10 @@ def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Slidin
         changes = step.model_dump(exclude_none=True)
         asked = changes.pop("sliding", sliding[0]), changes.pop("sliding_y", sliding[-1])
         sliding = asked[: scene.dimension]
-        loading = scene.loading.model_copy(update={"duration": None} | changes)
+        rate = changes.pop("pressure_rate", None)
+        if rate is not None:
+            changes["duration"] = abs(changes["pressure"] - (scene.loading.pressure or 0.0)) / rate
+        loading = scene.loading.model_copy(update={"duration": None, "pressure_rate": None} | changes)
         scene = scene.model_copy(update={"loading": loading})
         yield scene, sliding
 

@@ -26,9 +26,9 @@ def begin(problem: Problem, realisations: range) -> State:
     surface, processes = problem.surface, processes_of(problem)
     if isinstance(surface, SummedSurface):
         heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
-        return State.untouched(heights, processes, surface.form)
+        return State.untouched(heights, processes, surface.form, problem.passing)
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
-    return State.untouched(heights, processes)
+    return State.untouched(heights, processes, passing=problem.passing)
 
 
 def solve(problem: Problem, state: State | range) -> Contact:
@@ -37,9 +37,9 @@ def solve(problem: Problem, state: State | range) -> Contact:
     A range stands for the realisations of that number, before the first step.
     """
     state = begin(problem, state) if isinstance(state, range) else state
-    heights, step = state.heights, problem.step
-    change = state.change(step)
-    punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
+    step = problem.step
+    change, heights = state.change(step), state.facing(state.heights, step)
+    punch = state.heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     if problem.displacement is not None:
         punch -= problem.displacement
     if change.wall is not None:
@@ -119,8 +119,10 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
 
 
 def felt(response: SpectralResponse, change: Change) -> SpectralResponse:
-    """Response of bodies that are stiffer by a factor, with a punch that yields."""
+    """Response of bodies that are stiffer by a factor, or lag behind, with a punch that yields."""
     response = response.scaled(change.factor)
+    if change.modulus is not None:
+        response = response.lagging(change.modulus)
     return response if change.yields == 0.0 else response.with_yielding(change.yields)
 
 

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 Found = TypeVar("Found")
@@ -23,18 +24,20 @@ class LoadStep(NamedTuple):
     """What a step of the loading ends with: a mean pressure or a displacement, and the sliding of the punch.
 
     `sliding` is along x, on maps also along y, since the first touch. `duration` is the time that the step takes, in
-    the unit of the processes that know one.
+    the unit of the processes that know one. With a `speed` (L_x over that unit) the punch slides along x, and has done
+    so for ever.
     """
 
     load: float
     sliding: tuple[float, ...]
     duration: float = 0.0
+    speed: float = 0.0
 
     def towards(self, end: "LoadStep", share: float) -> "LoadStep":
         """First share of the step from here to an end."""
         rest = 1.0 - share
         sliding = tuple(rest * here + share * there for here, there in zip(self.sliding, end.sliding, strict=True))
-        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration)
+        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration, end.speed)
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,8 @@ class Change:
     The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material, and
     moves by another `yields` (L_x/E*) times the pressure of a node that touches, as a punch does that wears in the
     step. The surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
-    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`.
+    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`,
+    and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
     The nodes have been carried along what they meet by `carried`, of the shape of `along`, and tangential tractions
     bear `lifted` of the mean pressure.
     """
@@ -53,6 +57,7 @@ class Change:
     out: Reals | None = None
     along: Reals | None = None
     factor: float = 1.0
+    modulus: Complexes | None = None
     yields: float = 0.0
     carried: Reals | None = None
     lifted: float = 0.0
@@ -67,7 +72,8 @@ class Change:
             _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
         )
         factor, yields = prod(each.factor for each in every), sum(each.yields for each in every)
-        return cls(wall, out, along, factor, yields, carried, sum(each.lifted for each in every))
+        modulus = next((each.modulus for each in every if each.modulus is not None), None)
+        return cls(wall, out, along, factor, modulus, yields, carried, sum(each.lifted for each in every))
 
 
 NO_CHANGE = Change()
@@ -104,8 +110,8 @@ class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
     `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
-    `form` under its roughness are a part of them. A step that `repeats` the load of the last one, on a surface that has
-    hardly moved since, holds nodes where that held them.
+    `form` under its roughness are a part of them. `passing` is that of a problem. A step that
+    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -114,11 +120,25 @@ class State:
     last: "Contact | None" = None
     repeats: bool = False
     form: Reals | None = None
+    passing: float | None = None
 
     @classmethod
-    def untouched(cls, heights: Reals, processes: tuple[Process, ...], form: Reals | None = None) -> "State":
+    def untouched(
+        cls,
+        heights: Reals,
+        processes: tuple[Process, ...],
+        form: Reals | None = None,
+        passing: float | None = None,
+    ) -> "State":
         """State of surfaces before the first step."""
-        return cls(heights, processes, {each.name: each.begin(heights.shape) for each in processes}, form=form)
+        memory = {each.name: each.begin(heights.shape) for each in processes}
+        return cls(heights, processes, memory, form=form, passing=passing)
+
+    def facing(self, heights: Reals, step: LoadStep) -> Reals:
+        """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""
+        if self.passing is None or not any(step.sliding):
+            return heights
+        return grid.moved(heights, tuple(self.passing * way for way in step.sliding))
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
@@ -206,7 +226,9 @@ class Contact:
     @property
     def form(self) -> Reals | None:
         """Heights `[(y,) x]` of the smooth form of the punch, None without."""
-        return None if self.before is None else self.before.form
+        if self.before is None or self.before.form is None or self.step is None:
+            return None
+        return self.before.facing(self.before.form, self.step)
 
     @property
     def flattened(self) -> Reals | float:

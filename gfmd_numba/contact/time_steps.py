@@ -1,7 +1,8 @@
 """Steps of a path that take time, divided until halving all divisions changes next to nothing.
 
 The load and the sliding are linear in time over a step of the path. Divisions grow with the time since its beginning,
-as what a body remembers decays: they are equal in the logarithm of that time and the shortest relaxation time.
+as what a body remembers decays: they are equal in the logarithm of that time and the shortest relaxation time. Where
+the punch passes over the body, all are alike.
 """
 
 from dataclasses import replace
@@ -15,6 +16,7 @@ from gfmd_numba.contact.state import Contact, LoadStep, State
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
+_EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
 _COUNTED = ("n_iterations", "n_transforms", "wall_time")
 
 
@@ -50,7 +52,8 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
         start = state.last.step
     series, gone, spent = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0)
     assert series is not None
-    growth = log1p(problem.duration / min(series.times))
+    slides = problem.passing is not None and start.sliding != problem.step.sliding
+    growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 
 _SMALL = 1e-2  # duration over relaxation time below which differences of exponentials are a series
 
@@ -29,6 +29,15 @@ class PronySeries:
     def modulus(self, time: float) -> float:
         """Modulus at a time after a sudden displacement, over the relaxed one."""
         return 1.0 + float(np.array(self.moduli) @ np.exp(-time / np.array(self.times)))
+
+    def lags(self, frequency: Reals) -> Complexes:
+        """Stretch of the spring of each branch over the displacement `[branch, ...]`, at angular frequencies."""
+        phase = 1j * np.multiply.outer(np.array(self.times), frequency)
+        return np.asarray(phase / (1.0 + phase))
+
+    def complex_modulus(self, frequency: Reals) -> Complexes:
+        """Complex modulus E' + i E'' at angular frequencies, over the relaxed modulus."""
+        return np.asarray(1.0 + np.tensordot(self.moduli, self.lags(frequency), 1))
 
     def factor(self, duration: float) -> float:
         """Factor on the stiffness against what a step of a duration adds to the displacement."""

@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity.stiffness import in_series
 from gfmd_numba.fourier import grid
 
@@ -99,6 +99,11 @@ class SpectralResponse:
     def normal(self) -> Reals:
         """Stiffness of the normal displacement alone `[(ny,) nx // 2 + 1]`."""
         return np.asarray(self.elements[-1])
+
+    @property
+    def lags(self) -> bool:
+        """Whether displacements lag behind tractions, as those of viscoelastic bodies do under a punch that slides."""
+        return bool(np.iscomplexobj(self.elements))
 
     @property
     def is_rigid(self) -> bool:
@@ -185,6 +190,11 @@ class SpectralResponse:
             window = Window(window.shape, lambda index: factor * of_waves(index))
         return SpectralResponse(factor * self.elements, window)
 
+    def lagging(self, modulus: Complexes) -> "SpectralResponse":
+        """Response of the normal displacement alone of bodies whose stiffness has a complex factor for each wave."""
+        stiffness: Any = modulus * self.normal
+        return self.of_normal(stiffness)
+
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response of the normal displacement alone, with a wall that yields to the pressure at each node.
 
@@ -247,12 +257,12 @@ def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:
     """Elements, which are overwritten at Nyquist, on a grid of a shape.
 
     There the grid does not tell the waves q_x and -q_x (or q_y and -q_y): what both give way is averaged, as if all
-    that vanishes on every node were free.
+    that vanishes on every node were free. One of the waves q_x and -q_x lags as far as the other leads.
     """
     for axis, odd in zip((-1, -2), _ODD[len(elements)], strict=False):
         if shape[axis] % 2 == 0:
             at_nyquist = np.moveaxis(elements, axis, 1)[:, shape[axis] // 2]
             compliance = _inverse(at_nyquist)
             compliance[odd] = 0.0
-            at_nyquist[:] = _inverse(compliance)
+            at_nyquist[:] = _inverse(compliance.real if axis == -1 else compliance)
     return elements

@@ -148,6 +148,13 @@ def resample(heights: Reals, shape: tuple[int, ...]) -> Reals:
     return heights
 
 
+def moved(samples: Reals, way: tuple[float, ...]) -> Reals:
+    """Periodic samples `[..., (y,) x]` moved by a way (x,) or (x, y), in periods, as the sums of waves they are."""
+    shape = samples.shape[samples.ndim - len(way) :]
+    phase = sum(q * step for q, step in zip(wavevectors(shape, (1.0,) * len(shape)), way[::-1], strict=True))
+    return signal(np.exp(-1j * phase) * coefficients(samples, len(shape)), *shape)
+
+
 def coefficients_of_window(samples: Reals, shape: tuple[int, ...], period: float) -> Complexes:
     """Coefficients `[..., (k_y,) k_x]`, rows as those of a grid of a shape, of samples in a window of length 1.
 

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Complexes, Indices, Numbers, Reals
 
 
 def _compiled_pyfftw() -> Any:
@@ -103,13 +103,13 @@ class Transform:
         self._inverse = [pyfftw.FFTW(*pair, axes=axes, **back) for pair in zip(kept, self.samples, strict=True)]
         self._pruned = None if filled is None else _Pruned(self.samples[:, :filled], kept[:, :filled], shape[0])
 
-    def symbol(self, values: Reals) -> Reals:
+    def symbol(self, values: Numbers) -> Numbers:
         """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
-        symbol: Reals = np.zeros(self._waves)
+        symbol: Numbers = np.zeros(self._waves, dtype=values.dtype)
         symbol[..., : self.half] = values.reshape(*self.shape[:-1], self.half) / self.n
         return symbol.ravel()
 
-    def apply(self, symbol: Reals, active: Indices, source: int = 0) -> None:
+    def apply(self, symbol: Reals | Complexes, active: Indices, source: int = 0) -> None:
         """Fill the active rows of `result` from one of the sources; two transforms a row."""
         for i in active:
             self._forward[source][i].execute()

@@ -7,8 +7,8 @@ from gfmd_numba.kernels.compilation import jit
 
 
 @jit
-def multiply(spectrum: Complexes, symbol: Reals, active: Indices) -> None:
-    """Multiply each active spectrum by a real symbol of the wave number."""
+def multiply(spectrum: Complexes, symbol: Reals | Complexes, active: Indices) -> None:
+    """Multiply each active spectrum by a symbol of the wave number."""
     for i in active:
         for k in range(symbol.size):
             spectrum[i, k] *= symbol[k]

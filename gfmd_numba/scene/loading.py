@@ -16,8 +16,10 @@ from gfmd_numba.scene.quantities import (
     Force,
     LineLoad,
     Pressure,
+    PressureRate,
     ReducedPressure,
     SignedLength,
+    Speed,
     broken_rule,
 )
 from gfmd_numba.scene.units import Quantity, quantities, respelt
@@ -41,6 +43,24 @@ class Controls(BaseModel):
     duration: Duration | None = Field(
         None, description="Time in s over which the load changes evenly, from no load at first; None: at once"
     )
+    pressure_rate: PressureRate | None = Field(
+        None, description="In place of a duration, how fast a pressure changes, in Pa/s"
+    )
+    speed: Speed | None = Field(
+        None,
+        description="Speed of the punch along x in m/s (L_x/s without a length), at which it has slid over a "
+        "viscoelastic body for ever; None: it does not slide",
+    )
+
+    @model_validator(mode="after")
+    def _one_way_to_take_time(self) -> Self:
+        if self.pressure_rate is None:
+            return self
+        if self.duration is not None:
+            raise broken_rule(("pressure_rate",), "one of duration and pressure_rate")
+        if self.pressure is None:
+            raise broken_rule(("pressure_rate",), "nothing without a pressure that changes at this rate")
+        return self
 
 
 class Loading(Controls):
@@ -50,6 +70,13 @@ class Loading(Controls):
     def control(self) -> str:
         """Name of what is prescribed."""
         return next(name for name in CONTROLS if getattr(self, name) is not None)
+
+    @property
+    def takes(self) -> float | None:
+        """Time in s over which the load changes from no load, None where it is there at once."""
+        if self.pressure_rate is None or self.pressure is None:
+            return self.duration
+        return self.pressure / self.pressure_rate
 
     @model_validator(mode="after")
     def _one_control(self) -> Self:
@@ -102,6 +129,8 @@ class Step(Controls):
         for name in CONTROLS:
             if name != loading.control and getattr(self, name) is not None:
                 raise broken_rule(("path", i, name), f"what the loading prescribes, which is {loading.control}")
+        if self.speed is not None and loading.speed is None:
+            raise broken_rule(("path", i, "speed"), "a speed where the loading has one")
 
 
 def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> None:

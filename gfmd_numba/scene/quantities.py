@@ -12,6 +12,8 @@ from gfmd_numba.scene.units import (
     FORCE_PER_LENGTH,
     LENGTH,
     PRESSURE,
+    PRESSURE_RATE,
+    SPEED,
     TIME,
     WEAR_RATE,
     given_with_units,
@@ -30,6 +32,8 @@ SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
 Duration = Annotated[Size, TIME]
+PressureRate = Annotated[Size, PRESSURE_RATE]
+Speed = Annotated[Size, SPEED]
 WearRate = Annotated[Size, WEAR_RATE]
 
 

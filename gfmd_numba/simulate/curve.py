@@ -1,6 +1,7 @@
-"""The curve of a scene over loads, or over times: one warm-started path for each realisation, and the mean of all.
+"""The curve of a scene over loads, times or speeds: one warm-started path for each realisation, and the mean of all.
 
-A viscoelastic body creeps under the load of its scene, which is looked at after one time after another.
+A viscoelastic body creeps under the load of its scene, which is looked at after one time after another. Or the punch
+slides over it, at one speed after another.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -32,6 +33,7 @@ from gfmd_numba.scene.quantities import (
     Pressure,
     ReducedPressure,
     SignedLength,
+    Speed,
     check_scales,
 )
 from gfmd_numba.scene.units import has_unit
@@ -46,6 +48,8 @@ RECORDED = (
     "peak_pressure",
     "n_segments",
     "elastic_energy",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
     "time_error",
     "status",
     "residual",
@@ -65,8 +69,11 @@ SHOWN = (
     "peak_pressure",
     "n_segments",
     "elastic_energy",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
     "time_error",
 )
+_TITLES = {"time": "creep curve", "speed": "friction curve"}  # of curves that are not over loads
 _PRESSURES = {"reduced_pressure", "mean_pressure"}  # without an error where the scene prescribes them
 _METHOD = (
     "difference of two solutions: each load is approached from a load 0.1 % before it (displacements: 0.1 % of their "
@@ -95,18 +102,22 @@ _LOADS = {  # by what a loading prescribes
     "force": _record(Force),
     "displacement": _record(SignedLength),
 }
-_TIME = "time"  # what is prescribed of a curve over times
+_TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
 
 
 class _Times(_Curve):
     loads: tuple[Duration, ...] = Field(min_length=1, max_length=10_000, strict=False, alias="times")
 
 
+class _Speeds(_Curve):
+    loads: tuple[Speed, ...] = Field(min_length=1, max_length=10_000, strict=False, alias="speeds")
+
+
 @dataclass(frozen=True)
 class LoadCurve:
     """The loads of a scene, as its loading prescribes them, and what each realisation is read from.
 
-    A curve over `time` has times in s as its loads.
+    A curve over `time` has times in s as its loads, one over `speed` speeds in m/s, or in L_x/s without a length.
     """
 
     given: ContactInput  # of the first realisation, at the loading of the file
@@ -124,13 +135,28 @@ def read_times(file: SceneFile | BoundaryFile, document: Document, times: object
         raise asked.refused(("times",), "nothing without a relaxation of the body: give loads")
     checked = validate(asked, _Times)
     _check_order(asked, checked.loads, "times")
-    begun = file.scene.loading.duration or 0.0
+    begun = file.scene.loading.takes or 0.0
     if len(checked.loads) > 1 and checked.loads[1] < checked.loads[0]:
         raise asked.error(("times", 1), checked.loads[1], "times that rise")
     if checked.loads[0] <= begun:
         raise asked.error(("times", 0), checked.loads[0], f"times after the duration of the loading, {begun:g} s")
     _check_realisations(file, asked, checked.realisations)
     return LoadCurve(read_contact(file, document), document, _TIME, checked.loads, checked.realisations)
+
+
+def read_speeds(file: SceneFile | BoundaryFile, document: Document, speeds: object, realisations: object) -> LoadCurve:
+    """Check a scene and sliding speeds of its punch; raises InputError as `read_curve` does."""
+    file = _without_path(file, document)
+    asked = Document(None, "", {"speeds": _listed(speeds), "realisations": realisations})
+    if file.scene.body.relaxation is None:
+        raise asked.refused(("speeds",), "nothing without a relaxation of the body: give loads")
+    checked = validate(asked, _Speeds)
+    with located(asked):
+        check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("speeds",))
+    _check_order(asked, checked.loads, "speeds")
+    _check_realisations(file, asked, checked.realisations)
+    given = read_contact(_with_path(file, _SPEED, checked.loads), document)
+    return LoadCurve(given, document, _SPEED, checked.loads, checked.realisations)
 
 
 def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
@@ -158,8 +184,8 @@ def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object
     """Check a scene and its loads; raises InputError, by the names of these arguments, for what makes no sense."""
     file, loads = _without_path(file, document), _listed(loads)
     if file.scene.body.relaxation is not None:
-        allowed = "times for a viscoelastic body, under the load of its scene, or a path whose steps have a duration"
-        raise InputError(f"loads: you gave {brief(loads)}; gfmd allows {allowed}")
+        allowed = "times, or speeds, for a viscoelastic body, under the load of its scene"
+        raise InputError(f"loads: you gave {brief(loads)}; gfmd allows {allowed}, or a path that takes time")
     prescribed = _control(file.scene, loads)
     asked = Document(None, "", {"loads": loads, "realisations": realisations})
     checked = validate(asked, _LOADS[prescribed])
@@ -226,8 +252,8 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
     numbers = implausible(curve.given.file.scene)
-    if curve.prescribed == _TIME:
-        yield from _solve_times(curve, numbers)
+    if curve.prescribed in (_TIME, _SPEED):
+        yield from _solve_in_time(curve, numbers)
         return
     for i in range(curve.realisations):
         given = _given(curve, i)
@@ -243,16 +269,17 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
             yield scalars.assign_attrs(solver=problem.numerics.solver, validity="\n".join(filter(None, sentences)))
 
 
-def _solve_times(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
-    """Scalars after each time, in SI units."""
-    begun = curve.given.file.scene.loading.duration or 0.0
-    path = tuple(Step(duration=end - start) for start, end in pairwise((begun, *curve.loads)))
+def _solve_in_time(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
+    """Scalars after each time, or at each speed, in SI units."""
+    begun = curve.given.file.scene.loading.takes or 0.0
+    dwells = tuple(Step(duration=end - start) for start, end in pairwise((begun, *curve.loads)))
     for i in range(curve.realisations):
         given = _realisation(curve, i)
-        given = replace(given, file=given.file.model_copy(update={"path": path}))
+        if curve.prescribed == _TIME:
+            given = replace(given, file=given.file.model_copy(update={"path": dwells}))
         whole, _ = given.reduced
         steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
-        for problem, solved in islice(steps, 1, None):
+        for problem, solved in islice(steps, 1 if curve.prescribed == _TIME else 0, None):
             step = step_dataset(given, problem, solved)
             sentences = (*numbers, doubts(given, whole, step))
             attributes = {"solver": problem.numerics.solver, "validity": "\n".join(filter(None, sentences))}
@@ -317,6 +344,14 @@ def creep_curve(file: SceneFile | BoundaryFile, document: Document, times: objec
     return curve_dataset(curve, list(solve_curve(curve)))
 
 
+def friction_curve(
+    file: SceneFile | BoundaryFile, document: Document, speeds: object, realisations: object
+) -> xr.Dataset:
+    """Observables over `speed` in SI units; raises InputError. The `status` says which runs failed."""
+    curve = read_speeds(file, document, speeds, realisations)
+    return curve_dataset(curve, list(solve_curve(curve)))
+
+
 def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     """One row a load of what was solved, all or the beginning of it: columns `[prescribed_load]` in SI units.
 
@@ -347,13 +382,13 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     dataset.attrs = {
         **found.attrs,
         "Conventions": CONVENTIONS,
-        "title": "load curve" if curve.prescribed != _TIME else "creep curve",
+        "title": _TITLES.get(curve.prescribed, "load curve"),
         "scene": curve.given.file.model_dump_json(),
         "prescribed": curve.prescribed,
     }
     if len(solved) < len(curve.loads) * curve.realisations:
         dataset.attrs["interrupted"] = _finished(curve, found)
-    return dataset if curve.prescribed != _TIME else dataset.rename(prescribed_load=_TIME)
+    return dataset if curve.prescribed not in _TITLES else dataset.rename(prescribed_load=curve.prescribed)
 
 
 def _standard_error(values: xr.DataArray) -> xr.DataArray:

@@ -92,6 +92,6 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
         wider = punch.shape[-1] / window.shape[-1]
         punch = punch[window.corner]
         stiffness = window.stiffness(grid.magnitudes(window.shape) * (wider / (2.0 * np.pi)))
-    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
+    weight = (grid.multiplicity(punch.shape[-1]) * abs(stiffness) ** 2).ravel()[1:]
     waves = grid.coefficients(punch, len(punch.shape) - 1).reshape(len(punch), -1)[:, 1:]
     return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))

@@ -75,7 +75,7 @@ class Batch:
         """Pressure `[realisation]` of the load, or one under which the softest wave gives way to the whole punch."""
         if self.load is not None:
             return self.load
-        softest = self.response.normal.flat[int(self.response.is_rigid)]
+        softest = abs(self.response.normal.flat[int(self.response.is_rigid)])
         return np.asarray(softest * np.maximum(-self.punch.reshape(len(self.punch), -1).min(axis=1), 0.0))
 
     def certificate(self) -> Certificate:
@@ -125,7 +125,8 @@ class Iteration(Protocol):
 def begin(batch: Batch, options: Options) -> Iteration:
     """Begin a solver on a batch; raises ValueError for one that cannot do what its displacements and laws ask for."""
     solver = SOLVERS[options.solver]
-    lacks = [ability for ability in batch.interface.abilities if ability not in solver.can]
+    asked = *batch.interface.abilities, *(("speed",) if batch.response.lags else ())
+    lacks = [ability for ability in asked if ability not in solver.can]
     if lacks:
         raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
     for path in solver.condensed if batch.response.components == 1 else solver.coupled:

@@ -33,8 +33,7 @@ class PressureIterate:
         if batch.load is None:
             start = np.minimum(start, 0.5 * self.hardness)
         self.pressure[:, :n] = start[:, np.newaxis]
-        with np.errstate(divide="ignore"):
-            compliance = np.where(stiffness > 0.0, 1.0 / stiffness, 0.0)
+        compliance = np.divide(1.0, stiffness, out=np.zeros_like(stiffness), where=stiffness != 0.0)
         self.compliance = self.field.symbol(compliance)
         self._stiffness = self.field.symbol(np.where(np.isfinite(stiffness), stiffness, 0.0))
         self.gap = aligned_rows(rows, n)

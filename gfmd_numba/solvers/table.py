@@ -21,6 +21,7 @@ ABILITIES = {
     "normal law": ", as the others know the hard wall only",
     "hard wall": " with a hard_wall",
     "hardness": " with a hardness, the second bound of the pressure",
+    "speed": " with a sliding speed over a viscoelastic body, whose response is not symmetric",
 }
 
 
@@ -104,6 +105,13 @@ SOLVERS = {
         can=_DISPLACEMENT,
         condensed=("gfmd_numba.solvers.dynamics:fire",),
         options=_TIME_STEP,
+    ),
+    "sliding_newton": Solver(
+        "guesses which nodes touch of a punch that slides steadily over a viscoelastic body",
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "speed"}),
+        condensed=("gfmd_numba.solvers.sliding_newton:SlidingNewton",),
+        block_samples=2**18,
+        gives_up_after=200,  # usually below 12
     ),
 }
 

@@ -70,6 +70,9 @@ WRITTEN = {
     "creep curve": lambda: gfmd_numba.creep_curve(
         FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}, [0.1, 1.0]
     ),
+    "friction curve": lambda: gfmd_numba.friction_curve(
+        FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}, [0.1, 1.0]
+    ),
     "statistics of a contact": lambda: gfmd_numba.contact_statistics(_contact()),
     "leakage": lambda: leakage(_map()),
     "conductance": lambda: gfmd_numba.contact_conductance(_map()),

@@ -174,6 +174,29 @@ def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
 
 
-@pytest.mark.parametrize("options", [[], ["--loads", "1e-2,1e-1", "--times", "1,2"], ["--times", "1 m,2 m"]])
-def test_a_curve_is_over_loads_or_times(scene, tmp_path, options):
+def test_speeds_over_a_creeping_body_are_written_printed_and_drawn(tmp_path):
+    soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
+    (tmp_path / "tyre.yaml").write_text(soft)
+    done = gfmd("curve", tmp_path / "tyre.yaml", "--speeds", "1um/s:1mm/s:3", "-o", tmp_path / "c.nc")
+    assert done.exit_code == 0, done.output
+    columns, units = table(tmp_path / "c.csv")
+    np.testing.assert_allclose(columns["speed"], [1e-6, 1e-3**1.5, 1e-3])
+    assert units["speed"] == "m s-1"
+    assert min(columns["hysteretic_friction"]) > 0.0
+    assert done.stdout.count("friction curve") == 1
+    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        [],
+        ["--loads", "1e-2,1e-1", "--times", "1,2"],
+        ["--times", "1 m,2 m"],
+        ["--speeds", "1 m,2 m"],
+        ["--speeds", "1,2", "--times", "1,2"],
+    ],
+)
+def test_a_curve_is_over_loads_times_or_speeds(scene, tmp_path, options):
     assert "gfmd allows" in unfolded(refused("curve", scene, *options, "-o", tmp_path / "c.nc"))

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 import gfmd_numba
@@ -119,14 +120,6 @@ def ball(dimension, points, loading, path=(), **numerics):
     return solved(pressed, path, **numerics)
 
 
-def half_width(found):
-    """Where the pressure of a cylinder ends, by a parabola through its square next to the edge."""
-    x, pressure = (np.asarray(found[name]) for name in ("x", "pressure"))
-    right = (x > 0.5) & (pressure > 0.0)
-    a, b = np.polyfit(x[right][-8:-2] - 0.5, pressure[right][-8:-2] ** 2, 1)
-    return -b / a
-
-
 def test_a_cylinder_creeps_as_lee_and_radok_say():
     """The half-width of b^2 = 4 R F J / pi, E* = 1, in a step and a ramp."""
     load = 0.25 * np.pi * 0.25**2 / 4.0
@@ -138,7 +131,7 @@ def test_a_cylinder_creeps_as_lee_and_radok_say():
     ):
         for i, equivalent in enumerate(expected):
             width = np.sqrt(16.0 * equivalent / np.pi)
-            assert float(found["contact_radius"][i]) == pytest.approx(width, rel=5e-3)
+            assert float(found["contact_radius"][i]) == pytest.approx(width, rel=3e-4)
 
 
 def test_a_ball_creeps_as_lee_and_radok_say():
@@ -147,6 +140,14 @@ def test_a_ball_creeps_as_lee_and_radok_say():
     found = ball(2, 32, {"force": load}, dwells((1.0, 4.0)))
     for i, time in enumerate((0.0, 1.0, 4.0)):
         radius = np.cbrt(3.0 * load * compliance(STANDARD, time))
+        assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
+
+
+def test_a_ball_under_a_load_that_grows_creeps_as_lee_and_radok_say():
+    load = 4.0 * 0.25**3 / (3.0 * 4.0)
+    found = ball(2, 32, {"force": 0.5 * load, "duration": 1.0}, [{"force": load, "duration": 1.0}])
+    for i, time in enumerate((1.0, 2.0)):
+        radius = np.cbrt(3.0 * equivalent_load(STANDARD, 0.0, 0.5 * load, time))
         assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
 
 
@@ -248,20 +249,27 @@ def test_automatic_steps_hold_the_usual_tolerance(monkeypatch):
 
 
 def test_what_the_punch_does_is_stored_or_dissipated():
-    """A slab in a window is pressed and let go, in so many steps that the force is linear in each."""
+    """A slab in a window is pressed and let go; the work is that of a smooth force through those at the steps' ends.
+
+    A force that is linear between these would be wrong by 0.8e-3, whatever the divisions of time.
+    """
     rises, falls = np.linspace(0.05, 1.0, 20), np.linspace(0.95, 0.05, 19)
     depth = 2e-3 * np.concatenate([rises, falls])
     whole = scene(periodic=False, series=STANDARD)
     whole["body"] |= {"poissons_ratio": 0.3, "aspect_ratio": 0.5}
     whole["loading"] = {"displacement": depth[0], "duration": 0.05}
     found = solved(whole, [{"displacement": each, "duration": 0.05} for each in depth[1:]])
-    force, ways = np.array(found["mean_pressure"]), np.diff(depth, prepend=0.0)
-    before = np.concatenate([[0.0], force[:-1]])
-    work = np.cumsum(0.5 * (force + before) * ways)
+    force, deepest = np.concatenate([[0.0], found["mean_pressure"]]), len(rises)
+    loading, unloading = CubicSpline([0.0, *depth[:deepest]], force[: deepest + 1]), depth[deepest - 1 :][::-1]
+    spent = CubicSpline(unloading, force[deepest:][::-1])
+    work = np.array(
+        [loading.integrate(0.0, d) for d in depth[:deepest]]
+        + [loading.integrate(0.0, depth[deepest - 1]) - spent.integrate(d, depth[deepest - 1]) for d in depth[deepest:]]
+    )
     stored = np.array(found["elastic_energy"])
     lost = np.cumsum(found["energy_lost"])
     assert (np.diff(lost) > 0.0).all()
-    np.testing.assert_allclose(stored + lost, work, atol=2e-3 * work.max())
+    np.testing.assert_allclose(stored + lost, work, atol=2e-4 * work.max())
     assert float(found["hysteresis"]) == pytest.approx(lost[-1])
 
 

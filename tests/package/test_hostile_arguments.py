@@ -22,6 +22,12 @@ FUNCTIONS = {
         "realisations": 1,
         "heights": None,
     },
+    "gfmd_numba.friction_curve": lambda things: {
+        "scene": CREEP,
+        "speeds": [1e-6, 1e-3],
+        "realisations": 1,
+        "heights": None,
+    },
     "gfmd_numba.body_fields": lambda things: {
         "contact": things.contact(),
         "z": [-1e-5, 0.0],
@@ -77,6 +83,7 @@ FUNCTIONS = {
     "gfmd_numba.analysis.plot_contact": lambda things: {"dataset": things.contact()},
     "gfmd_numba.analysis.plot_curve": lambda things: {"dataset": things.curve()},
     "gfmd_numba.analysis.plot_creep": lambda things: {"dataset": gfmd_numba.creep_curve(CREEP, [0.1, 1.0])},
+    "gfmd_numba.analysis.plot_friction": lambda things: {"dataset": gfmd_numba.friction_curve(CREEP, [1e-6, 1e-3])},
     "gfmd_numba.analysis.plot_fit": lambda things: {"fit": things.fit()},
     "gfmd_numba.analysis.plot_leakage": lambda things: {"dataset": analysis.leakage(things.map())},
     "gfmd_numba.analysis.plot_conductance": lambda things: {"dataset": gfmd_numba.contact_conductance(things.map())},

@@ -35,6 +35,7 @@ COMMANDS = {
         "loads": "0.1:0.2:2",
         "realisations": "1",
         "times": None,
+        "speeds": None,
         "output": things.new("l.nc"),
     },
     "doctor": lambda things: {},
@@ -73,6 +74,10 @@ COMMANDS = {
         "exponents": "shared",
         "fixed": ["eps_c=1", "eps_f=0.5:1"],
         "output": things.new("p.png"),
+    },
+    "relaxation": lambda things: {
+        "file": things.file("dma.csv", "1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n"),
+        "unit": "Pa",
     },
     "run": lambda things: {
         "file": things.file("tiny.yaml", TINY),

@@ -155,6 +155,9 @@ def files(tmp_path_factory):
     for name, unit in {"profile.npy": 1e-6, "punch.npy": 1e-3, "surface.npy": 1e-3}.items():
         np.save(folder / name, heights / unit)  # in um, and in L_x
     free = np.arange(heights.size) % 64 > 20
+    waves = 1j * np.geomspace(1e-2, 1e4, 31)
+    rubber = 3.0 + 5.0 * waves / (1.0 + waves) + 50.0 * waves / (300.0 + waves)
+    np.savetxt(folder / "rubber.csv", np.column_stack([waves.imag, rubber.real, rubber.imag]), delimiter=",")
     np.savetxt(folder / "punch.csv", np.where(free, np.nan, -heights))
     np.savetxt(folder / "wave.csv", 1e4 * np.sin(np.linspace(0.0, 2.0 * np.pi, heights.size, endpoint=False)))
     np.save(folder / "shear.npy", np.full(heights.size, 1e-4))

@@ -17,7 +17,8 @@ FORMS = {
     "key of another level": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),
         "bad.yaml:10:5: scene.loading.length: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
-        "'pressure', 'line_load', 'force', 'displacement', 'duration'; 'length' belongs to scene",
+        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'pressure_rate', 'speed'; 'length' belongs to "
+        "scene",
     ),
     "key of another method": (
         ("method: psd", "method: psd\n    file: steel.npy"),
@@ -34,7 +35,8 @@ FORMS = {
     "unknown choice": (
         ("solver: auto", "solver: verlett"),
         "bad.yaml:10:20: numerics.solver: you gave 'verlett'; gfmd allows one of 'auto', 'active_set_newton', "
-        "'conjugate_gradients', 'truncated_newton', 'frictional_newton', 'verlet', 'gronbech_jensen', 'fire'; did you "
+        "'conjugate_gradients', 'truncated_newton', 'frictional_newton', 'verlet', 'gronbech_jensen', 'fire', "
+        "'sliding_newton'; did you "
         "mean 'verlet'?",
     ),
     "unknown method": (

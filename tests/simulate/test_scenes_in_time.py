@@ -87,6 +87,38 @@ REFUSED = {
         changed(CREEP, "scene", "interface", exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"}),
         "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a viscoelastic body",
     ),
+    "a rate and a duration": (
+        changed(CREEP, path=[{"pressure": "10 kPa", "pressure_rate": "1 kPa/s", "duration": "1 s"}]),
+        "path[0].pressure_rate: you gave '1 kPa/s'; gfmd allows one of duration and pressure_rate",
+    ),
+    "a rate of what does not change": (
+        changed(CREEP, path=[{"pressure_rate": "1 kPa/s"}]),
+        "path[0].pressure_rate: you gave '1 kPa/s'; gfmd allows nothing without a pressure",
+    ),
+    "a speed later on": (
+        changed(CREEP, path=[{"speed": "1 mm/s"}]),
+        "path[0].speed: you gave '1 mm/s'; gfmd allows a speed where the loading has one",
+    ),
+    "a speed and a duration": (
+        changed(CREEP, "scene", "loading", speed="1 mm/s", duration="1 s"),
+        "scene.loading.duration: you gave '1 s'; gfmd allows nothing with a sliding speed",
+    ),
+    "a speed and a way": (
+        changed(changed(CREEP, path=[{"sliding": "1 mm"}]), "scene", "loading", speed="1 mm/s"),
+        "path[0].sliding: you gave '1 mm'; gfmd allows nothing with a sliding speed",
+    ),
+    "a speed over elastic bodies": (
+        changed(changed(WEAR, "scene", "loading", speed="1 mm/s"), "scene", "interface", wear=None) | {"path": []},
+        "scene.loading.speed: you gave '1 mm/s'; gfmd allows nothing without a relaxation of the body",
+    ),
+    "a speed without a period": (
+        changed(CREEP, "scene", periodic=False, loading={"pressure": "20 kPa", "speed": "1 mm/s"}) | {"path": []},
+        "scene.periodic: you gave false; gfmd allows true with a sliding speed: this is not built yet",
+    ),
+    "a solver of symmetric problems": (
+        changed(CREEP, "scene", "loading", speed="1 mm/s") | {"path": [], "numerics": {"solver": "active_set_newton"}},
+        "numerics.solver: you gave 'active_set_newton'; gfmd allows 'sliding_newton' or 'auto' with a sliding speed",
+    ),
     "a time of nothing": (
         changed(CREEP, path=[{"duration": 0.0}]),
         "path[0].duration: you gave 0.0; gfmd allows a number from 1e-30 to 1e+30",
@@ -118,6 +150,18 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
         load_campaign(campaign | {"limits": {"eps_c": [1 / 8]}})
 
 
+def test_a_campaign_slides_at_one_speed_after_another(tmp_path):
+    scene = changed(CREEP["scene"], "loading", speed="1 mm/s")
+    campaign = {"name": "friction", "seed": 1, "realisations": 2, "scene": scene, "reference": CREEP["discretisation"]}
+    results = gfmd_numba.run(campaign | {"grid": {"speed": ["1 um/s", 1e-3]}}, tmp_path / "friction")
+    assert results["speed"].units == "m s-1"
+    np.testing.assert_array_equal(results["speed"], [1e-6, 1e-3])
+    alone = {key: CREEP[key] for key in ("discretisation", "seed")} | {"scene": scene}
+    for name in ("hysteretic_friction", "hysteretic_friction_error", "contact_area_fraction"):
+        np.testing.assert_array_equal(results[name][1, 0], gfmd_numba.solve(alone)[name])
+    assert "time_error" not in results
+
+
 def test_one_load_may_take_time_without_a_path():
     alone = {key: value for key, value in changed(CREEP, "scene", "loading", duration="2 s").items() if key != "path"}
     found = gfmd_numba.solve(alone)
@@ -125,6 +169,18 @@ def test_one_load_may_take_time_without_a_path():
     assert float(found["time"]) == 2.0
     for name in ("pressure", "gap"):
         np.testing.assert_allclose(found[name], first[name], atol=2e-3 * float(abs(found[name]).max()))
+
+
+def test_a_pressure_that_changes_at_a_rate_takes_the_time_that_it_takes():
+    lasting = changed(CREEP, "scene", "loading", duration="2 s")
+    lasting["path"] = [{"duration": "5 s", "pressure": "10 kPa"}, {"duration": "10 s", "pressure": "30 kPa"}]
+    at_rates = changed(CREEP, "scene", "loading", pressure_rate="10 kPa/s")
+    rates = "2 kPa/s", "2 kPa/s"
+    pressures = "10 kPa", "30 kPa"
+    at_rates["path"] = [{"pressure_rate": r, "pressure": p} for r, p in zip(rates, pressures, strict=True)]
+    one, other = gfmd_numba.solve(lasting), gfmd_numba.solve(at_rates)
+    np.testing.assert_allclose(other["time"], [2.0, 7.0, 17.0])
+    np.testing.assert_array_equal(one["pressure"], other["pressure"])
 
 
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
@@ -188,5 +244,5 @@ def test_times_that_make_no_sense_are_refused(file, times, said):
 
 def test_loads_one_after_another_need_an_elastic_body():
     alone = {key: value for key, value in CREEP.items() if key != "path"}
-    with pytest.raises(InputError, match=r"loads: you gave .*; gfmd allows times for a viscoelastic body"):
+    with pytest.raises(InputError, match=r"loads: you gave .*; gfmd allows times, or speeds, for a viscoelastic body"):
         gfmd_numba.load_curve(alone, [0.01, 0.02])

@@ -51,8 +51,8 @@ class Things:
     def file(self, name, content):
         path = self.written(name)
         if not path.exists():
-            if isinstance(content, dict):
-                path.write_text(yaml.safe_dump(content))
+            if isinstance(content, dict | str):
+                path.write_text(content if isinstance(content, str) else yaml.safe_dump(content))
             else:
                 content.to_netcdf(path, engine="netcdf4")
         return path

@@ -1,4 +1,4 @@
-"""Figures of curves: area, mean gap and peak pressure over the load, with the stiffness, or over the time."""
+"""Figures of curves: area, mean gap and peak pressure over the load, the time or the sliding speed."""
 
 from typing import Annotated
 
@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CREEP, CURVE, UnusableDataError
+from gfmd_numba.analysis.forms import CREEP, CURVE, FRICTION, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix
 from gfmd_numba.arrays import Reals
 
@@ -18,6 +18,12 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
     ("mean_gap", r"Mean gap $\bar{g}$", "L_x", False),
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
+)
+_OVER_SPEED = (
+    ("hysteretic_friction", "Friction by hysteresis", "", False),
+    _PANELS[0],
+    _PANELS[1],
+    _PANELS[3],
 )
 _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANELS[3])
 
@@ -48,6 +54,17 @@ def plot_creep(dataset: Annotated[xr.Dataset, CREEP]) -> Figure:
     """
     dataset = _with_results(dataset, "time")
     return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME)
+
+
+@checked
+def plot_friction(dataset: Annotated[xr.Dataset, FRICTION]) -> Figure:
+    """Draw a friction curve of `gfmd curve --speeds` over the speed.
+
+    Speeds that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
+    dataset that is no friction curve, or has no speed with a result.
+    """
+    dataset = _with_results(dataset, "speed")
+    return _drawn(dataset, dataset["speed"], "Sliding speed", "L_x", _OVER_SPEED)
 
 
 def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:

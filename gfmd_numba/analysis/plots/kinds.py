@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.contact import plot_contact
-from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve
+from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
 from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.parameter import plot_fit
@@ -29,6 +29,7 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
     "loaded body": ("normal_traction", plot_loaded_body),
     "loading path": ("step", plot_path),
     "creep curve": ("time", plot_creep),
+    "friction curve": ("speed", plot_friction),
     "contact": ("pressure", plot_contact),
 }
 

@@ -1,0 +1,87 @@
+"""The relaxation of a body from a table of dynamic mechanical analysis (DMA): frequency, storage and loss modulus."""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import nnls
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
+from gfmd_numba.scene.units import PRESSURE, rounded
+from gfmd_numba.text.input_error import InputError, brief
+
+_NOTHING = 1e-9  # of the glassy modulus
+_A_DECADE = 2  # branches that may have a modulus
+
+
+class Relaxation(NamedTuple):
+    """Relaxed modulus in Pa, branches over it with times in s, and the rms relative misfit of both moduli."""
+
+    youngs_modulus: float
+    series: PronySeries
+    misfit: float
+
+
+def read_table(path: Path, unit: str = "Pa") -> tuple[Reals, Reals, Reals]:
+    """Frequencies in Hz, storage and loss moduli in Pa `[row]` of a text file of three columns.
+
+    Moduli have a unit of pressure there. Lines that do not begin with a number are a header, or comments. Raises
+    InputError for what is no such table.
+    """
+    try:
+        scale = PRESSURE.si_value(f"1 {unit}")
+    except ValueError:
+        scale = None
+    if scale is None:
+        raise InputError(f"unit: you gave {brief(unit)}; gfmd allows a unit of pressure, like MPa")
+    try:
+        text = read_regular(path, MOST_TEXT).decode(errors="replace")
+    except ValueError as error:
+        raise InputError(f"{path}: you gave {error}; gfmd allows a text file of three columns") from None
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        cells = re.split(r"\s*[,;\t]\s*|\s+", line.strip())
+        try:
+            values = [float(cell) for cell in cells if cell]
+        except ValueError:
+            if rows and re.match(r"[-+.\d]", line.strip()):
+                raise InputError(f"{path}:{number}: you gave {brief(line)}; gfmd allows three numbers") from None
+            continue
+        if not values:
+            continue
+        if len(values) != 3 or not all(0.0 < value < 1e30 for value in values):
+            allowed = "three numbers above 0: frequency in Hz, storage and loss modulus"
+            raise InputError(f"{path}:{number}: you gave {brief(line)}; gfmd allows {allowed}")
+        rows.append(values)
+    if len({row[0] for row in rows}) < 3:
+        raise InputError(f"{path}: you gave {len(rows)} rows of numbers; gfmd allows at least 3 different frequencies")
+    frequency, storage, loss = np.array(sorted(rows)).T
+    return frequency, scale * storage, scale * loss
+
+
+def fit_relaxation(frequency: Reals, storage: Reals, loss: Reals) -> Relaxation:
+    """Prony series with moduli of at least 0 that is nearest to moduli (Pa) at frequencies (Hz), all `[row]`.
+
+    Its times are two to a decade, over the range of the frequencies. Raises InputError where no relaxed modulus is
+    left, as frequencies do not reach down to it.
+    """
+    longest, shortest = 1.0 / (2.0 * np.pi * frequency.min()), 1.0 / (2.0 * np.pi * frequency.max())
+    count = 1 + int(np.ceil(_A_DECADE * np.log10(longest / shortest)))
+    times = np.geomspace(shortest, longest, count)
+    lags = PronySeries((1.0,) * count, tuple(times)).lags(2.0 * np.pi * frequency).T
+    matrix = np.hstack([np.ones((frequency.size, 1)), lags.real]), np.hstack([np.zeros((frequency.size, 1)), lags.imag])
+    weighted = np.vstack([part / moduli[:, np.newaxis] for part, moduli in zip(matrix, (storage, loss), strict=True)])
+    moduli, deviation = nnls(weighted, np.ones(2 * frequency.size))
+    if moduli[0] <= _NOTHING * moduli.sum():
+        raise InputError(
+            f"table: you gave a storage modulus that still falls at {frequency.min():g} Hz; gfmd allows one with lower "
+            "frequencies, at which a relaxed modulus shows"
+        )
+    branches = [(rounded(m / moduli[0]), rounded(tau)) for m, tau in zip(moduli[1:], times, strict=True) if m > 0.0]
+    if not branches:
+        raise InputError("table: you gave moduli that do not relax; gfmd allows those of a viscoelastic body")
+    series = PronySeries(*zip(*branches, strict=True))
+    return Relaxation(float(moduli[0]), series, float(deviation / np.sqrt(2 * frequency.size)))

@@ -11,13 +11,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.iteration import Start
 
 # times the mean pressure over E*, in L_x: a flat punch sinks in by at most 0.88 of that, and slabs bulge around it
@@ -73,13 +73,6 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     return gap
 
 
-def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> Flags:
-    """Whether the body touches a punch around the window `[realisation]`."""
-    along = tuple(range(1, found.touching.ndim))
-    whole, window = (np.count_nonzero(each, axis=along) for each in (found.touching, found.touching[_corner(shape)]))
-    return np.asarray(whole > window)
-
-
 def share(ends: tuple[bool, ...]) -> float:
     """Share of the padded grid that the window is: of a mean pressure there."""
     return float(free_body.WIDER ** -sum(ends))
@@ -110,29 +103,12 @@ def start(
     return Start(displacement, moved[:, :-1], anchor, window.dragged)
 
 
-def sunk_in(found: Equilibrium, response: SpectralResponse) -> Reals:
+def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ...]) -> Reals:
     """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
-    return np.asarray((found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True))
-
-
-def in_window(found: Equilibrium, shape: tuple[int, ...], sunk: Reals | float) -> Equilibrium:
-    """What is found in the window, displacements counted from the body at rest, of which the solver's are `sunk`."""
-    corner = _corner(shape)
-    tangential = None if found.tangential is None else _tangential(found.tangential, shape)
-    return replace(
-        found,
-        displacement=found.displacement[corner] - sunk,
-        pressure=found.pressure[corner].copy(),
-        touching=found.touching[corner].copy(),
-        tangential=tangential,
-        plastic=None if found.plastic is None else found.plastic[corner].copy(),
-    )
-
-
-def _tangential(found: Tangential, shape: tuple[int, ...]) -> Tangential:
-    fields = {name: getattr(found, name)[_corner(shape)].copy() for name in ("displacement", "traction", "slip")}
-    return replace(found, **fields)
+    assert found.mean_displacement is not None  # of a corner it is known
+    pressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
+    return np.asarray(found.mean_displacement.reshape(pressed.shape) + pressed)
 
 
 def _corner(shape: tuple[int, ...]) -> Any:

@@ -85,13 +85,16 @@ def _without_period(
     shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
         wide = free_window.padded(punch, load, laws, problem.ends, change.factor, farther)
-        found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
-        around = free_window.touches_around(found, shape)
+        found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid, shape)
+        around = found.touching_around
+        assert around is not None  # of a corner it is known
         if not around.any():
             break
     found.status[around & (found.status == Status.ok)] = Status.no_equilibrium
-    sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
-    return free_window.in_window(found, shape, sunk), sunk
+    if load is None:
+        return found, np.zeros((len(punch), *(1 for _ in shape)))
+    sunk = free_window.sunk_in(found, response, problem.ends)
+    return replace(found, displacement=found.displacement - sunk), sunk
 
 
 def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> Start | None:

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.fourier.grid import wave_indices
 
 
 def _compiled_pyfftw() -> Any:
@@ -165,6 +166,19 @@ class Transform:
         kernels.soften(self.waves[0], stiffness, self.n)
         self.inverse(_FIRST)
 
+    def coarsen(self, coarse: "Transform", pruned: bool = False) -> None:
+        """Fill the first samples of a transform of fewer nodes with the waves of a map that it holds; of both alone."""
+        ky, kx = wave_indices(coarse.shape)
+        if pruned and self._pruned is not None:
+            self._pruned.some_waves(ky[:, 0], coarse.waves[0, :, : kx.size])
+            kernels.count(self.n_transforms, _FIRST, 1)
+        else:
+            self.forward(_FIRST)
+            coarse.waves[0, :, : kx.size] = self.waves[0, ky, kx]
+        held = (np.abs(ky) < coarse.shape[0] / 2) & (kx < coarse.shape[1] / 2)
+        coarse.waves[0, :, : kx.size] *= np.where(held, 1.0 / self.n, 0.0)
+        coarse.inverse(_FIRST)
+
     def row(self, i: int) -> "Transform":
         """Return the transform in place of one row alone, in the same memory."""
         alone, one = copy(self), slice(i, i + 1)
@@ -196,6 +210,17 @@ class _Pruned:
         alone, one = copy(self), slice(i, i + 1)
         alone._waves, alone._along_x, alone._back = self._waves[one], self._along_x[one], self._back[one]
         return alone
+
+    def some_waves(self, rows: Indices, found: npt.NDArray[Any]) -> None:
+        """Fill the transform `[row, column]` of the first map with some rows and the first columns of it."""
+        waves, block = self._waves[0], self._block
+        filled, columns = len(waves), found.shape[1]
+        self._along_x[0].execute()
+        for first in range(0, columns, _COLUMNS):
+            kernels.take_columns(waves, filled, first, block)
+            self._along_y.execute()
+            last = min(first + _COLUMNS, columns)
+            found[:, first:last] = block[rows, : last - first]
 
     def soften(self, stiffness: Reals, n: int) -> None:
         """Replace the first pressure by the displacement that it causes, n nodes to a map."""

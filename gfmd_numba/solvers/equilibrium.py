@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -57,7 +58,8 @@ class Equilibrium:
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
     `Certificate.residual`. `full_contact_pressure` is the rms fluctuation of the pressure were the punch in full
     contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
-    unless there is one.
+    unless there is one. Of a punch that fills a corner of the grid, fields are those in there. Then `mean_displacement`
+    is that of the whole grid, and `touching_around` says whether anything touches beyond the corner.
     """
 
     displacement: Reals
@@ -72,9 +74,13 @@ class Equilibrium:
     full_contact_pressure: Reals
     growing_wave: Indices | None = None
     plastic: Flags | None = None
+    mean_displacement: Reals | None = None
+    touching_around: Flags | None = None
 
     @classmethod
-    def empty(cls, punch: Reals, scale: Reals, interface: Interactions, sliding: Reals | float) -> "Equilibrium":
+    def empty(
+        cls, punch: Reals, scale: Reals, interface: Interactions, sliding: Reals | float, is_corner: bool = False
+    ) -> "Equilibrium":
         """Nothing yet, to be filled; `scale` is the rms pressure of full contact."""
         rows = len(punch)
         return cls(
@@ -89,7 +95,18 @@ class Equilibrium:
             wall_time=np.zeros(rows),
             full_contact_pressure=scale,
             plastic=None if interface.hardness is None else np.zeros(punch.shape, dtype=np.bool_),
+            mean_displacement=np.zeros(rows) if is_corner else None,
+            touching_around=np.zeros(rows, dtype=np.bool_) if is_corner else None,
         )
+
+    @property
+    def corner(self) -> Any:
+        """Index of the nodes in the corner, or of all, in fields `[..., (y,) x]` on the grid."""
+        return _corner(self.pressure.shape[1:])
+
+
+def _corner(shape: tuple[int, ...]) -> Any:
+    return (..., *(slice(n) for n in shape))
 
 
 def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
@@ -113,20 +130,21 @@ def equilibrate(
     interface: Interactions = HARD_WALL,
     start: Start | None = None,
     sliding: Reals | float = 0.0,
+    corner: tuple[int, ...] | None = None,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
     `response` is that of the normal displacement alone for frictionless interfaces and of all otherwise; `load` the
     mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0) counts); `sliding`
-    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. Under a hardness the
-    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
-    cannot carry.
+    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. Fields are found on the
+    (ny,) nx nodes of a `corner` alone if there is one. Under a hardness the elastic contact comes first, and is the
+    result where it stays below. Raises ValueError for a load that the hardness cannot carry.
     """
     _check_hardness(load, interface)
     hardness, realisations, n = interface.hardness, len(punch), punch[0].size
     scale = pressure_scale(punch, response)
-    result = Equilibrium.empty(punch, scale, interface, sliding)
-    start = Start.at_rest(punch) if start is None else start
+    kept = punch if corner is None else punch[_corner(corner)]
+    result = Equilibrium.empty(kept, scale, interface, sliding, corner is not None)
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
     blown_up = _BLOWN_UP * (scale + borne)
@@ -139,7 +157,8 @@ def equilibrate(
         def batch(rows: Indices, laws: Interactions, largest: float = largest) -> Batch:
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
             given = None if load is None else np.full(rows.size, load)
-            return Batch(punch[some], elastic, given, laws, start.rows(some), sliding, largest)
+            begun = None if start is None else start.rows(some)
+            return Batch(punch[some], elastic, given, laws, begun, sliding, largest)
 
         if hardness is None:
             _solve(batch, interface, rows, blown_up, options, result)
@@ -155,7 +174,7 @@ def equilibrate(
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
-        _add_tractions_of_laws(result, interface, punch, sliding)
+        _add_tractions_of_laws(result, interface, kept, sliding)
     unstable = result.status == Status.unstable
     if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
@@ -212,14 +231,26 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
-def _store(found: Tangential, state: kernels.State, done: Indices, where: Indices, touching: Flags) -> None:
-    """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
-    shape, n = found.slip[where].shape, math.prod(touching.shape[1:])
+def _store(result: Equilibrium, state: kernels.State, done: Indices, where: Indices, shape: tuple[int, ...]) -> None:
+    """Store rows of a solver on a grid of a shape that have ended; their normal tractions are pressures."""
+    n, corner = math.prod(shape), result.corner
+    for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
+        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
+        result.displacement[row], result.pressure[row] = u[corner], p[corner]
+        np.greater(result.pressure[row], 0.0, out=result.touching[row])
+        if result.mean_displacement is not None and result.touching_around is not None:
+            result.mean_displacement[row] = u.mean()
+            result.touching_around[row] = np.count_nonzero(p > 0.0) > np.count_nonzero(result.touching[row])
+    found = result.tangential
+    if not done.size or found is None or not state.anchor.size:
+        return
+    along = found.slip.shape[1]
     displacement, traction, anchor = (
-        each[done, : shape[1], :n].reshape(shape) for each in (state.u, state.ku, state.anchor)
+        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.ku, state.anchor)
     )
     found.displacement[where], found.traction[where] = displacement, traction
-    found.slip[where] = np.where(touching[:, np.newaxis] & ~np.isnan(anchor), displacement - anchor, 0.0)
+    touching = result.touching[where][:, np.newaxis]
+    found.slip[where] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)
 
 
 def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
@@ -253,14 +284,9 @@ def _iterate(
         done = active[ended]
         state, where = solver.state, rows[done]
         kernels.wall_pressure(state, solver.certificate.conditions.hardness, done, n)  # rows that have ended
-        for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
-            result.displacement[row] = state.u[i, -1, :n].reshape(solver.field.shape)
-            result.pressure[row] = state.ku[i, -1, :n].reshape(solver.field.shape)
-            np.greater(result.pressure[row], 0.0, out=result.touching[row])
-            if result.plastic is not None:
-                np.greater_equal(result.pressure[row], solver.certificate.conditions.hardness, out=result.plastic[row])
-        if done.size and result.tangential is not None and state.anchor.size:
-            _store(result.tangential, state, done, where, result.touching[where])
+        _store(result, state, done, where, solver.field.shape)
+        if result.plastic is not None:
+            result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations
@@ -278,6 +304,10 @@ def _growing_wave(displacement: Reals, sideways: Reals | None, response: Spectra
     moved = displacement[:, np.newaxis]
     if sideways is not None:
         moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
-    tractions = (np.abs(grid.coefficients(moved, len(shape))) * response.diagonal[-moved.shape[1] :]).max(axis=1)
+    stiffness = response.diagonal[-moved.shape[1] :]
+    wider = [m // n for m, n in zip(stiffness.shape[1:-1], shape, strict=False)]  # of a grid around the displacement
+    wider.append((stiffness.shape[-1] - 1) // (shape[-1] // 2))
+    held = stiffness[(..., *(m * k for m, k in zip(wider, grid.wave_indices(shape), strict=True)))]
+    tractions = (np.abs(grid.coefficients(moved, len(shape))) * held).max(axis=1)
     index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
     return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from pkgutil import resolve_name
 from typing import Protocol, Self
 
@@ -54,16 +54,22 @@ class Batch:
     `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
     nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
     displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
-    each node. `largest_pressure` is what no pressure is expected to exceed.
+    each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
+    None for bodies at rest.
     """
 
     punch: Reals
     response: SpectralResponse
     load: Reals | None
     interface: Interactions
-    start: Start
+    begun: Start | None = None
     sliding: Reals | float = 0.0
     largest_pressure: float = np.inf
+
+    @cached_property
+    def start(self) -> Start:
+        """Initial state, which not every solver asks for: it takes as much memory as the punch."""
+        return Start.at_rest(self.punch) if self.begun is None else self.begun
 
     @property
     def loads(self) -> Reals:

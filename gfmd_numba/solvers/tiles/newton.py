@@ -201,7 +201,6 @@ def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
 
 
 _COARSEST = 64  # nodes along the shorter side up to which the first guess is full contact
-_FIRST = np.zeros(1, dtype=np.int64)
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
 
 
@@ -229,7 +228,7 @@ def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | N
         return 0.0
     coarse = grids[1]
     own = Transform(1, *coarse.shape, in_place=True, filled=coarse.filled)
-    smooth = _without_short_waves(wall, transform, own)
+    smooth = _without_short_waves(grids[0], wall, transform, own)
     spent = guess(grids[1:], smooth, own, load, start)
     contact = MapContact(coarse, smooth, np.empty(coarse.shape), own, load)
     contact.settle(contact.look(everywhere=False), _SETTLED)
@@ -241,16 +240,13 @@ def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | N
     return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, wall.size)
 
 
-def _without_short_waves(wall: Reals, transform: Transform, coarse: Transform) -> Reals:
+def _without_short_waves(fine: Level, wall: Reals, transform: Transform, coarse: Transform) -> Reals:
     """Heights of the waves that a coarser grid holds, on its nodes; overwrites both transforms."""
-    transform.samples[0] = wall
-    transform.forward(_FIRST)
-    ky, kx = grid.wave_indices(coarse.shape)
-    held = np.abs(ky) < coarse.shape[0] / 2, kx < coarse.shape[1] / 2
-    coarse.waves[0, :, : kx.size] = np.where(held[0] & held[1], transform.waves[0, ky, kx], 0.0) / wall.size
-    coarse.inverse(_FIRST)
-    found: Reals = coarse.samples[0].copy()
-    return found
+    level = 0.0 if fine.filled is None else float(wall[-1, -1])  # around what is filled a wall is flat
+    rows = slice(fine.filled)
+    np.subtract(wall[rows], level, out=transform.samples[0, rows])
+    transform.coarsen(coarse, pruned=True)
+    return np.asarray(coarse.samples[0] + level)
 
 
 _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked for

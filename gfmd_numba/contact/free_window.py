@@ -15,6 +15,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import Equilibrium
@@ -37,15 +38,8 @@ def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends
     return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
-def padded(
-    punch: Reals,
-    load: float | None,
-    laws: Interactions,
-    ends: tuple[bool, ...],
-    factor: float = 1.0,
-    farther: float = 1.0,
-) -> Reals:
-    """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
+def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
+    """Height `[realisation, (1,) 1]` of a punch around its window, so far away that nothing touches there.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
     sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
@@ -60,7 +54,7 @@ def padded(
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
             far = far + _PULLED * abs(law.strength) / factor + reach(law)
-    return in_corner(punch, far, ends)
+    return np.asarray(far)
 
 
 def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
@@ -85,7 +79,7 @@ def start(
 
     The solver has the body at rest higher by what the punch has `sunk` in.
     """
-    corner, along = _corner(window.displacement.shape[1:]), before.tangential
+    corner, along = grid.corner(window.displacement.shape[1:]), before.tangential
     tractions = -before.pressure[:, np.newaxis]
     if along is not None:
         tractions = np.concatenate((along.traction, tractions), axis=1)
@@ -111,13 +105,9 @@ def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ..
     return np.asarray(found.mean_displacement.reshape(pressed.shape) + pressed)
 
 
-def _corner(shape: tuple[int, ...]) -> Any:
-    return (..., *(slice(n) for n in shape))
-
-
 def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any], ends: tuple[bool, ...]) -> npt.NDArray[Any]:
     """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
     whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:], ends)), dtype=values.dtype)
     whole[:] = around
-    whole[_corner(values.shape[1:])] = values
+    whole[grid.corner(values.shape[1:])] = values
     return whole

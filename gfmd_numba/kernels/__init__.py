@@ -76,10 +76,12 @@ from gfmd_numba.kernels.tiles import (
     pack_rows,
     put_tiles,
     refine_pressure,
+    restore_map,
     soften_tiles,
     spread,
     sum_tiles,
     surround,
     take_tiles,
     tile_stencil,
+    tractions_around,
 )

@@ -1,6 +1,5 @@
 """Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -102,11 +101,7 @@ class Equilibrium:
     @property
     def corner(self) -> Any:
         """Index of the nodes in the corner, or of all, in fields `[..., (y,) x]` on the grid."""
-        return _corner(self.pressure.shape[1:])
-
-
-def _corner(shape: tuple[int, ...]) -> Any:
-    return (..., *(slice(n) for n in shape))
+        return grid.corner(self.pressure.shape[1:])
 
 
 def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
@@ -130,21 +125,21 @@ def equilibrate(
     interface: Interactions = HARD_WALL,
     start: Start | None = None,
     sliding: Reals | float = 0.0,
-    corner: tuple[int, ...] | None = None,
+    around: Reals | None = None,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
     `response` is that of the normal displacement alone for frictionless interfaces and of all otherwise; `load` the
     mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0) counts); `sliding`
-    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. Fields are found on the
-    (ny,) nx nodes of a `corner` alone if there is one. Under a hardness the elastic contact comes first, and is the
-    result where it stays below. Raises ValueError for a load that the hardness cannot carry.
+    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. The punch may fill a
+    corner of the grid of the response alone, and be flat `around` it `[realisation, (1,) 1]`. Under a hardness the
+    elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
+    cannot carry.
     """
     _check_hardness(load, interface)
     hardness, realisations, n = interface.hardness, len(punch), punch[0].size
     scale = pressure_scale(punch, response)
-    kept = punch if corner is None else punch[_corner(corner)]
-    result = Equilibrium.empty(kept, scale, interface, sliding, corner is not None)
+    result = Equilibrium.empty(punch, scale, interface, sliding, around is not None)
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
     blown_up = _BLOWN_UP * (scale + borne)
@@ -158,7 +153,8 @@ def equilibrate(
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
             given = None if load is None else np.full(rows.size, load)
             begun = None if start is None else start.rows(some)
-            return Batch(punch[some], elastic, given, laws, begun, sliding, largest)
+            beyond = None if around is None else around[some]
+            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond)
 
         if hardness is None:
             _solve(batch, interface, rows, blown_up, options, result)
@@ -174,7 +170,7 @@ def equilibrate(
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
-        _add_tractions_of_laws(result, interface, kept, sliding)
+        _add_tractions_of_laws(result, interface, punch, sliding)
     unstable = result.status == Status.unstable
     if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
@@ -231,15 +227,16 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
-def _store(result: Equilibrium, state: kernels.State, done: Indices, where: Indices, shape: tuple[int, ...]) -> None:
-    """Store rows of a solver on a grid of a shape that have ended; their normal tractions are pressures."""
-    n, corner = math.prod(shape), result.corner
+def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices) -> None:
+    """Store rows of a solver that have ended; their normal tractions are pressures."""
+    state, n, shape, corner = solver.state, solver.field.n, solver.field.shape, result.corner
+    mean = solver.certificate.mean_displacement
     for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
         u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
         result.displacement[row], result.pressure[row] = u[corner], p[corner]
         np.greater(result.pressure[row], 0.0, out=result.touching[row])
         if result.mean_displacement is not None and result.touching_around is not None:
-            result.mean_displacement[row] = u.mean()
+            result.mean_displacement[row] = u.mean() if mean is None else mean[i]
             result.touching_around[row] = np.count_nonzero(p > 0.0) > np.count_nonzero(result.touching[row])
     found = result.tangential
     if not done.size or found is None or not state.anchor.size:
@@ -284,7 +281,7 @@ def _iterate(
         done = active[ended]
         state, where = solver.state, rows[done]
         kernels.wall_pressure(state, solver.certificate.conditions.hardness, done, n)  # rows that have ended
-        _store(result, state, done, where, solver.field.shape)
+        _store(result, solver, done, where)
         if result.plastic is not None:
             result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness
         result.status[where] = status[ended]

@@ -194,9 +194,8 @@ class SpectralResponse:
         window = self.window
         if window is not None:
             of_waves = window.stiffness
-            window = Window(window.shape, lambda index: 1.0 / (1.0 / of_waves(index) + compliance))
-        with np.errstate(divide="ignore"):
-            return self.of_normal(1.0 / (1.0 / self.normal + compliance), window)
+            window = Window(window.shape, lambda index: _yielding(of_waves(index), compliance))
+        return self.of_normal(_yielding(self.normal, compliance), window)
 
     def principal(self) -> tuple[Reals, Reals]:
         """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""
@@ -218,6 +217,11 @@ class SpectralResponse:
 def diagonal(elements: Reals) -> Reals:
     """Elements of each component alone `[component, ...]` of a stiffness or a compliance."""
     return elements[_DIAGONAL[len(elements)]]
+
+
+def _yielding(stiffness: Reals, compliance: float) -> Reals:
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / (1.0 / stiffness + compliance))
 
 
 def _mean(elements: Reals) -> Reals:

@@ -54,11 +54,10 @@ from gfmd_numba.kernels.spectral import (
     count,
     couple,
     multiply,
+    multiply_columns,
+    multiply_map,
     power,
     put_columns,
-    soften,
-    soften_columns,
-    stiffen,
     take_columns,
 )
 from gfmd_numba.kernels.splines import spline_slopes

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument, output_option
+from gfmd_numba.cli.arguments import file_argument, output_option, threads_option
 from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.tables import column, endings, line, readable
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from gfmd_numba.cli.group import INTERRUPTED
 from gfmd_numba.cli.outputs import companion, say_written
@@ -29,6 +29,10 @@ from gfmd_numba.cli.tables import unit
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from gfmd_numba.scene import BoundaryFile, SceneFile
+
+    File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
@@ -58,8 +62,9 @@ _PRESCRIBED = (
 
 @main.command()
 @file_argument
+@threads_option
 @output_option
-def solve(file: Path, output: Path) -> None:
+def solve(file: Path, threads: int | None, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
     The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
@@ -71,6 +76,7 @@ def solve(file: Path, output: Path) -> None:
         from gfmd_numba.simulate import solve as solve_file
 
     described, document = load_scene(file)
+    described = _with_threads(described, threads)
     check_output(output, file, *input_files(described))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
@@ -90,6 +96,13 @@ def solve(file: Path, output: Path) -> None:
         for _, sentence in endings(steps["status"]):
             warn(sentence)
         sys.exit(SOME_FAILED)
+
+
+def _with_threads(described: File, threads: int | None) -> File:
+    """What a file describes, solved by so many threads if a number is given."""
+    if threads is None:
+        return described
+    return described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
 
 
 def _show_one(dataset: xr.Dataset) -> None:
@@ -252,9 +265,15 @@ def _text(load: float, si: str) -> float | str:
     help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
+@threads_option
 @output_option
 def curve(
-    file: Path, loads: list[float | str] | None, times: list[float | str] | None, realisations: int, output: Path
+    file: Path,
+    loads: list[float | str] | None,
+    times: list[float | str] | None,
+    realisations: int,
+    threads: int | None,
+    output: Path,
 ) -> None:
     """Solve the scene in FILE at one load, or one time, after another.
 
@@ -272,6 +291,7 @@ def curve(
         raise click.UsageError(f"you gave {given} of --loads and --times; gfmd allows one of them")
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
+    described = _with_threads(described, threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])

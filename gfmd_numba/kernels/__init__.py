@@ -57,6 +57,7 @@ from gfmd_numba.kernels.spectral import (
     multiply_columns,
     multiply_map,
     power,
+    power_of_columns,
     put_columns,
     take_columns,
 )

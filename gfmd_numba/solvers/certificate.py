@@ -8,6 +8,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.transform import Transform
 
 _NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
 
@@ -103,6 +104,13 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     else:
         wider = (response.normal.shape[-1] - 1) / (window.shape[-1] // 2)
         stiffness = window.stiffness(grid.magnitudes(window.shape) * (wider / (2.0 * np.pi)))
-    weight = (grid.multiplicity(punch.shape[-1]) * stiffness**2).ravel()[1:]
-    waves = grid.coefficients(punch, len(punch.shape) - 1).reshape(len(punch), -1)[:, 1:]
-    return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))
+    shape = punch.shape[1:]
+    if len(shape) == 1:
+        weight = (grid.multiplicity(*shape) * stiffness**2)[1:]
+        return np.asarray(np.sqrt((np.abs(grid.coefficients(punch)[:, 1:]) ** 2 * weight).sum(axis=-1)))
+    field = Transform(1, *shape, in_place=True)
+    found = np.empty(len(punch))
+    for i, map_of_heights in enumerate(punch):
+        field.samples[0] = map_of_heights
+        found[i] = field.rms(stiffness)
+    return found

@@ -154,7 +154,8 @@ def equilibrate(
             given = None if load is None else np.full(rows.size, load)
             begun = None if start is None else start.rows(some)
             beyond = None if around is None else around[some]
-            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond)
+            room = result.displacement[some] if isinstance(some, slice) else None
+            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, room)
 
         if hardness is None:
             _solve(batch, interface, rows, blown_up, options, result)
@@ -233,7 +234,9 @@ def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices
     mean = solver.certificate.mean_displacement
     for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
         u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
-        result.displacement[row], result.pressure[row] = u[corner], p[corner]
+        if not np.may_share_memory(u, result.displacement[row]):  # the solver has worked there
+            result.displacement[row] = u[corner]
+        result.pressure[row] = p[corner]
         np.greater(result.pressure[row], 0.0, out=result.touching[row])
         if result.mean_displacement is not None and result.touching_around is not None:
             result.mean_displacement[row] = u.mean() if mean is None else mean[i]

@@ -57,7 +57,7 @@ class Batch:
     displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
     each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
     None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat `around` it
-    `[realisation, (1,) 1]`.
+    `[realisation, (1,) 1]`. A solver may keep displacements in the `room` `[realisation, (y,) x]` for them.
     """
 
     punch: Reals
@@ -68,6 +68,7 @@ class Batch:
     sliding: Reals | float = 0.0
     largest_pressure: float = np.inf
     around: Reals | None = None
+    room: Reals | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -32,7 +32,8 @@ class Solver:
     a problem and options. The first of them that takes the problem runs, as the others return None. `options` are
     those that not every solver has, with their defaults. A block of rows holds at most `block_samples` samples: up to
     2^15 its arrays stay in the second-level cache; a solver that finishes one row before the next has no use for that.
-    After `gives_up_after` iterations the solver named `successor` begins anew.
+    After `gives_up_after` iterations the solver named `successor` begins anew. `shares`: on maps without a hardness,
+    threads share the work.
     """
 
     sentence: str
@@ -43,6 +44,7 @@ class Solver:
     block_samples: int = 2**15
     gives_up_after: int | None = None
     successor: str | None = None
+    shares: bool = False
 
 
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean"})
@@ -63,6 +65,7 @@ SOLVERS = {
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",
+        shares=True,
     ),
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",

@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
@@ -66,11 +67,27 @@ class SplitCompliance:
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
-        kernels.tile_stencil(pressure, self._around, self.stencil, displacement)
+        convolve(pressure, self._around, self.stencil, displacement)
         coarse = self._field.memory[0]
         kernels.spread(pressure, self._tiles, self._across, self._weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
-        kernels.gather_back(coarse, self._tiles, self._across, self._weights, *self._coarse_shape, displacement)
+
+        def some(_: int, first: int, last: int) -> None:
+            tiles = self._tiles[first:last]
+            kernels.gather_back(
+                coarse, tiles, self._across, self._weights, *self._coarse_shape, displacement[first:last]
+            )
+
+        team().share(some, self._tiles.size)
+
+
+def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
+    """Fill the product on tiles with the convolution of the values with a stencil; the work is shared by tiles."""
+
+    def some(_: int, first: int, last: int) -> None:
+        kernels.tile_stencil(values, around[first:last], stencil, product[first:last])
+
+    team().share(some, len(around))
 
 
 def _cubic_spline(x: Reals) -> Reals:
@@ -163,13 +180,13 @@ class TileField:
         if self._blocks.useful:
             self._sums, self._stiff = np.zeros((2, *self._blocks.shape))
             self._isolated = np.zeros(contact.shape)
-            kernels.tile_stencil(contact.astype(np.float64), self._around, self._stencil, self._isolated)
+            convolve(contact.astype(np.float64), self._around, self._stencil, self._isolated)
             kernels.sum_tiles(self._isolated, contact, self._tiles, self._across, self._stiff)
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes in contact that about causes the displacement there."""
         self._values.reshape(-1)[self._nodes] = displacement
-        kernels.tile_stencil(self._values, self._around, self._stencil, self._near)
+        convolve(self._values, self._around, self._stencil, self._near)
         if self._blocks.useful:
             kernels.sum_tiles(self._isolated, self._values, self._tiles, self._across, self._sums)
             shared = self._blocks.shared(self._sums, self._stiff)

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
@@ -110,7 +111,7 @@ class MapContact:
         if not self.free_mean:
             approach, spread = 0.0, math.hypot(approach, spread)
         self.approach, self._marks[:] = approach, False
-        kernels.open_map(self.wall, rows, approach, _NEAR * spread, self.gap, self._marks)
+        self._open(approach, _NEAR * spread)
         kernels.mark_contact(self.contact, self.tiles, self._marks)
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
@@ -120,6 +121,17 @@ class MapContact:
         error = self._error()
         self.coarse_transforms += level.transforms_since(before)
         return error
+
+    def _open(self, approach: float, near: float) -> None:
+        """Find the gap and mark the tiles where it is anywhere below `near`."""
+        across = self._tiles_each_way[1]
+
+        def some(_: int, first: int, last: int) -> None:
+            nodes, tiles = slice(first * TILE, last * TILE), slice(first * across, last * across)
+            each = self.wall[nodes], self.rows[nodes], approach, near, self.gap[nodes], self._marks[tiles]
+            kernels.open_map(*each)
+
+        team().share(some, self._tiles_each_way[0])
 
     def settle(self, error: float, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -280,7 +292,8 @@ class TileNewton:
         held = grids[0].held
         wall = batch.punch if batch.punch.shape[1:] == held else batch.within(held)
         self.field = Held(math.prod(held), held)
-        self.wall, self.displacement = wall.reshape(rows, -1), np.empty((rows, self.field.n))
+        room = batch.room if batch.room is not None and batch.room.shape == wall.shape else np.empty(wall.shape)
+        self.wall, self.displacement = wall.reshape(rows, -1), room.reshape(rows, -1)
         self.load, self._transform = batch.loads, grids[0].transform(rows)
         self.state = kernels.State.of_normal(self.displacement, self._transform.result, self.wall, self.load)
         self.certificate = batch.certificate()

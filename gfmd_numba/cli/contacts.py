@@ -6,6 +6,7 @@ import json
 import sys
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +31,7 @@ from gfmd_numba.cli.tables import unit
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.scene import BoundaryFile, SceneFile
+    from gfmd_numba.scene import BoundaryFile, Document, SceneFile
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
@@ -76,7 +77,7 @@ def solve(file: Path, threads: int | None, output: Path) -> None:
         from gfmd_numba.simulate import solve as solve_file
 
     described, document = load_scene(file)
-    described = _with_threads(described, threads)
+    described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
@@ -98,11 +99,13 @@ def solve(file: Path, threads: int | None, output: Path) -> None:
         sys.exit(SOME_FAILED)
 
 
-def _with_threads(described: File, threads: int | None) -> File:
-    """What a file describes, solved by so many threads if a number is given."""
-    if threads is None:
-        return described
-    return described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
+def _with_threads(described: File, document: Document, threads: int | None) -> tuple[File, Document]:
+    """What a file describes, solved by so many threads if a number is given, as if it stood in the file."""
+    if threads is None or not isinstance(document.data, dict):
+        return described, document
+    numerics = {**(document.data.get("numerics") or {}), "threads": threads}
+    asked = described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
+    return asked, replace(document, data=document.data | {"numerics": numerics})
 
 
 def _show_one(dataset: xr.Dataset) -> None:
@@ -291,7 +294,7 @@ def curve(
         raise click.UsageError(f"you gave {given} of --loads and --times; gfmd allows one of them")
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
-    described = _with_threads(described, threads)
+    described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])

@@ -27,6 +27,10 @@ class Team:
         for other in others:
             other.result()
 
+    def by_rows(self, work: Callable[[slice], None], rows: int) -> None:
+        """Call `work` with some of the rows after others, for all of these."""
+        self.share(lambda _, first, last: work(slice(first, last)), rows)
+
     def close(self) -> None:
         """End the threads."""
         if self._pool is not None:

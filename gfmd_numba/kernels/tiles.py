@@ -172,9 +172,8 @@ def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices,
 
 @jit
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
-    """Fill the first nx columns of the rows of a map with the values on the listed tiles, and zeros elsewhere."""
+    """Put the values on the listed tiles into the rows of a map, which are longer than its nx columns or as long."""
     across = nx // TILE
-    rows[:] = 0.0
     for k in range(tiles.size):
         top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
         for y in range(TILE):

@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
@@ -228,16 +229,26 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
+def _fill(result: Equilibrium, row: int, displacement: Reals, pressure: Reals) -> None:
+    """Fill a row of the result, shared by threads: new memory takes longer than what is written there."""
+    kept = np.may_share_memory(displacement, result.displacement[row])  # the solver has worked there
+
+    def some(part: slice) -> None:
+        if not kept:
+            result.displacement[row][part] = displacement[part]
+        result.pressure[row][part] = pressure[part]
+        np.greater(pressure[part], 0.0, out=result.touching[row][part])
+
+    team().by_rows(some, len(pressure))
+
+
 def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices) -> None:
     """Store rows of a solver that have ended; their normal tractions are pressures."""
     state, n, shape, corner = solver.state, solver.field.n, solver.field.shape, result.corner
     mean = solver.certificate.mean_displacement
     for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
         u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
-        if not np.may_share_memory(u, result.displacement[row]):  # the solver has worked there
-            result.displacement[row] = u[corner]
-        result.pressure[row] = p[corner]
-        np.greater(result.pressure[row], 0.0, out=result.touching[row])
+        _fill(result, row, u[corner], p[corner])
         if result.mean_displacement is not None and result.touching_around is not None:
             result.mean_displacement[row] = u.mean() if mean is None else mean[i]
             result.touching_around[row] = np.count_nonzero(p > 0.0) > np.count_nonzero(result.touching[row])

@@ -104,7 +104,7 @@ class MapContact:
         """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
         nx, level, rows = self.wall.shape[1], self._level, self.rows
         if not self._fresh:
-            kernels.put_tiles(self.pressure, self.tiles, rows, nx)
+            put_tiles(self.pressure, self.tiles, rows, nx)
         self._fresh = False
         self.transform.soften(level.stiffness, level.is_filled_in_part)
         self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
@@ -178,7 +178,7 @@ class MapContact:
             self._level.compliance.apply(pressure, displacement)
             return
         rows, nx = self.rows, self.wall.shape[1]
-        kernels.put_tiles(pressure, self.tiles, rows, nx)
+        put_tiles(pressure, self.tiles, rows, nx)
         self.transform.soften(self._level.stiffness, self._level.is_filled_in_part)
         kernels.take_tiles(rows, self.tiles, nx, displacement)
 
@@ -208,6 +208,12 @@ class MapContact:
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         kernels.move_tiles(pressure, places, self.tiles, self.pressure)
         kernels.move_tiles(contact, places, self.tiles, self.contact)
+
+
+def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
+    """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
+    team().by_rows(lambda some: rows[some].fill(0.0), len(rows))
+    kernels.put_tiles(values, tiles, rows, nx)
 
 
 def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
@@ -244,19 +250,24 @@ def guess(
         return 0.0
     coarse = grids[1]
     own = coarse.transform()
-    transform.samples[0, :ny] = 0.0
-    np.subtract(wall, around, out=transform.samples[0, :ny, :nx])
+
+    def begin(some: slice) -> None:
+        transform.samples[0, some, nx:] = 0.0
+        np.subtract(wall[some], around, out=transform.samples[0, some, :nx])
+
+    team().by_rows(begin, ny)
     transform.coarsen(own, grids[0].is_filled_in_part)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
     spent = guess(grids[1:], smooth, around, own, load, start)
     contact = MapContact(coarse, smooth, np.empty(coarse.held), own, load)
     contact.settle(contact.look(), _SETTLED)
-    kernels.put_tiles(contact.pressure, contact.tiles, own.memory[0], coarse.held[1])
+    put_tiles(contact.pressure, contact.tiles, own.memory[0], coarse.held[1])
     samples = transform.samples[0, :ny]
     refine(own.samples[0], samples, transform.shape[0])
     samples[:, nx:] = 0.0
     if load is not None:
-        np.multiply(samples, load * (transform.n / samples.size) / samples.mean(), out=samples)
+        factor = load * (transform.n / samples.size) / samples.mean()
+        team().by_rows(lambda some: np.multiply(samples[some], factor, out=samples[some]), ny)
     return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, transform.n)
 
 

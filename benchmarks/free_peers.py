@@ -48,7 +48,7 @@ def surface(n: int, least: int, most: int, curved: bool) -> Reals:
 
 def here(heights: Reals, load: float, tolerance: float) -> Reals:
     """Pressure of gfmd-numba, with the kernel sampled anew."""
-    free_body._of_maps.cache_clear()
+    free_body._of_half_space.cache_clear()
     made, gradient = given_surface(heights, periodic=False)
     numerics = Options("active_set_newton", residual=tolerance)
     problem = Problem(

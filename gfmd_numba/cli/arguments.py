@@ -15,6 +15,11 @@ NEW_FILE = click.Path(dir_okay=False, path_type=Path)
 file_argument = click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 output_option = click.option("-o", "--output", required=True, type=NEW_FILE, help="netCDF file to write")
 json_option = click.option("--json", "as_json", is_flag=True, help="Print JSON, for programs")
+threads_option = click.option(
+    "--threads",
+    type=click.IntRange(1),
+    help="Threads that share the work on a map, at most one for each core; without it, what the file says, or 1",
+)
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
 
 

@@ -6,12 +6,13 @@ import json
 import sys
 import warnings
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument, output_option
+from gfmd_numba.cli.arguments import file_argument, output_option, threads_option
 from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
 from gfmd_numba.cli.tables import column, endings, line, readable
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from gfmd_numba.cli.group import INTERRUPTED
 from gfmd_numba.cli.outputs import companion, say_written
@@ -30,7 +31,10 @@ from gfmd_numba.cli.tables import unit
 if TYPE_CHECKING:
     import xarray as xr
 
+    from gfmd_numba.scene import BoundaryFile, Document, SceneFile
     from gfmd_numba.scene.units import Quantity
+
+    File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
@@ -62,8 +66,9 @@ _PRESCRIBED = (
 
 @main.command()
 @file_argument
+@threads_option
 @output_option
-def solve(file: Path, output: Path) -> None:
+def solve(file: Path, threads: int | None, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
     The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
@@ -75,6 +80,7 @@ def solve(file: Path, output: Path) -> None:
         from gfmd_numba.simulate import solve as solve_file
 
     described, document = load_scene(file)
+    described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
@@ -94,6 +100,15 @@ def solve(file: Path, output: Path) -> None:
         for _, sentence in endings(steps["status"]):
             warn(sentence)
         sys.exit(SOME_FAILED)
+
+
+def _with_threads(described: File, document: Document, threads: int | None) -> tuple[File, Document]:
+    """What a file describes, solved by so many threads if a number is given, as if it stood in the file."""
+    if threads is None or not isinstance(document.data, dict):
+        return described, document
+    numerics = {**(document.data.get("numerics") or {}), "threads": threads}
+    asked = described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
+    return asked, replace(document, data=document.data | {"numerics": numerics})
 
 
 def _show_one(dataset: xr.Dataset) -> None:
@@ -280,6 +295,7 @@ def _text(load: float, si: str) -> float | str:
     help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
+@threads_option
 @output_option
 def curve(
     file: Path,
@@ -287,6 +303,7 @@ def curve(
     times: list[float | str] | None,
     speeds: list[float | str] | None,
     realisations: int,
+    threads: int | None,
     output: Path,
 ) -> None:
     """Solve the scene in FILE at one load, time or speed after another.
@@ -307,6 +324,7 @@ def curve(
     ((what, values),) = asked_for.items()
     picture, table = picture_path(output), companion(output, "table", ".csv")
     described, document = load_scene(file)
+    described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])

@@ -86,6 +86,18 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
+def _of_threads() -> Iterator[Refusal]:
+    """Where threads have nothing to share."""
+    alone = {
+        "dimension 1": "with dimension 1, as a profile is solved by one thread",
+        "prescribed": "without a punch, as such a body is solved by one thread",
+        "hardness": "with a hardness, as such a contact is solved by one thread",
+        "campaign": "in a campaign, whose workers solve contacts side by side: `--workers` says how many",
+    }
+    for feature, why in alone.items():
+        yield Refusal(feature, "threads", f"1 {why}", "without effect")
+
+
 def _in_time() -> Iterator[Refusal]:
     """What bodies that creep and surfaces that wear do not go with yet, and what only they need."""
     not_yet = {
@@ -180,6 +192,7 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     *_in_time(),
+    *_of_threads(),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -255,6 +268,7 @@ PHRASES = {
     "boundary": "prescribed tractions under a punch",
     "boundary along y": "a traction or displacement along y (like `tangential_traction_y`)",
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
+    "campaign": "a campaign",
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no exponential and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
@@ -264,6 +278,7 @@ PHRASES = {
     "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
+    "threads": "more than one of the `threads`",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",
     "dimension 1": "a profile (`dimension: 1`)",
@@ -333,6 +348,7 @@ def _solvers() -> Iterator[str]:
     for ability in ABILITIES:
         can = [name for name, solver in SOLVERS.items() if ability in solver.can]
         yield _item(f"{_capital(_phrase(ability))}: {'all' if len(can) == len(SOLVERS) else _named(can)}.")
+    yield _item(f"Option `threads`, on maps: {_named(name for name, each in SOLVERS.items() if each.shares)}.")
     for option in ("time_step", "damping"):
         yield _item(
             f"Option `{option}`: {_named(name for name, solver in SOLVERS.items() if option in solver.options)}."

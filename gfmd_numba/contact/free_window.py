@@ -11,13 +11,14 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-from gfmd_numba.solvers.equilibrium import Equilibrium, Tangential
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.iteration import Start
 
 # times the mean pressure over E*, in L_x: a flat punch sinks in by at most 0.88 of that, and slabs bulge around it
@@ -37,15 +38,8 @@ def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends
     return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
-def padded(
-    punch: Reals,
-    load: float | None,
-    laws: Interactions,
-    ends: tuple[bool, ...],
-    factor: float = 1.0,
-    farther: float = 1.0,
-) -> Reals:
-    """Punch `[realisation, (y,) x]` in the corner of the padded grid, and around it so far that nothing touches.
+def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
+    """Height `[realisation, (1,) 1]` of a punch around its window, so far away that nothing touches there.
 
     That is no farther than it has to be: residuals are rounded by the heights of the punch. A punch under a `load`
     sinks in by less than one that is flat at its own highest point. The body is stiffer by a `factor` than E* says.
@@ -60,7 +54,7 @@ def padded(
     for law in (laws.normal_law, laws.cohesive):
         if law is not None:
             far = far + _PULLED * abs(law.strength) / factor + reach(law)
-    return in_corner(punch, far, ends)
+    return np.asarray(far)
 
 
 def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
@@ -71,13 +65,6 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     while abs(float(law.traction(none + gap)[0])) > _NO_TRACTION * abs(law.strength):
         gap *= 2.0
     return gap
-
-
-def touches_around(found: Equilibrium, shape: tuple[int, ...]) -> Flags:
-    """Whether the body touches a punch around the window `[realisation]`."""
-    along = tuple(range(1, found.touching.ndim))
-    whole, window = (np.count_nonzero(each, axis=along) for each in (found.touching, found.touching[_corner(shape)]))
-    return np.asarray(whole > window)
 
 
 def share(ends: tuple[bool, ...]) -> float:
@@ -92,7 +79,7 @@ def start(
 
     The solver has the body at rest higher by what the punch has `sunk` in.
     """
-    corner, along = _corner(window.displacement.shape[1:]), before.tangential
+    corner, along = grid.corner(window.displacement.shape[1:]), before.tangential
     tractions = -before.pressure[:, np.newaxis]
     if along is not None:
         tractions = np.concatenate((along.traction, tractions), axis=1)
@@ -110,38 +97,17 @@ def start(
     return Start(displacement, moved[:, :-1], anchor, window.dragged)
 
 
-def sunk_in(found: Equilibrium, response: SpectralResponse) -> Reals:
+def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ...]) -> Reals:
     """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
-    return np.asarray((found.displacement + found.pressure / response.normal.flat[0]).mean(axis=along, keepdims=True))
-
-
-def in_window(found: Equilibrium, shape: tuple[int, ...], sunk: Reals | float) -> Equilibrium:
-    """What is found in the window, displacements counted from the body at rest, of which the solver's are `sunk`."""
-    corner = _corner(shape)
-    tangential = None if found.tangential is None else _tangential(found.tangential, shape)
-    return replace(
-        found,
-        displacement=found.displacement[corner] - sunk,
-        pressure=found.pressure[corner].copy(),
-        touching=found.touching[corner].copy(),
-        tangential=tangential,
-        plastic=None if found.plastic is None else found.plastic[corner].copy(),
-    )
-
-
-def _tangential(found: Tangential, shape: tuple[int, ...]) -> Tangential:
-    fields = {name: getattr(found, name)[_corner(shape)].copy() for name in ("displacement", "traction", "slip")}
-    return replace(found, **fields)
-
-
-def _corner(shape: tuple[int, ...]) -> Any:
-    return (..., *(slice(n) for n in shape))
+    assert found.mean_displacement is not None  # of a corner it is known
+    pressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
+    return np.asarray(found.mean_displacement.reshape(pressed.shape) + pressed)
 
 
 def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any], ends: tuple[bool, ...]) -> npt.NDArray[Any]:
     """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
     whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:], ends)), dtype=values.dtype)
     whole[:] = around
-    whole[_corner(values.shape[1:])] = values
+    whole[grid.corner(values.shape[1:])] = values
     return whole

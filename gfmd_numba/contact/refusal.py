@@ -80,6 +80,8 @@ def _features(
         parts.append(iter([("prescribed", ("scene", "boundary"))]))
     else:
         parts += [_of_contact(scene, path, grid or {}), _on_inclined_surfaces(scene, grid or {})]
+    if grid is not None:
+        parts.append(iter([("campaign", ("grid",))]))
     for feature, location in chain(*parts):
         found.setdefault(feature, []).append(location)
     return found
@@ -88,6 +90,8 @@ def _features(
 def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
     if numerics.time_tolerance is not None:
         yield "time_tolerance", ("numerics", "time_tolerance")
+    if numerics.threads > 1:
+        yield "threads", ("numerics", "threads")
     if numerics.topography_order is not None:
         yield "topography_order", ("numerics", "topography_order")
         if numerics.topography_order > 0:
@@ -318,6 +322,10 @@ def _solver_refusals(found: Features, numerics: Numerics) -> Iterator[tuple[Loca
         named = ", ".join(f"'{other}'" for other in others)
         allowed = f"{named} or 'auto'{ABILITIES[lacks[0]]}"
         yield ("numerics", "solver"), Refusal(lacks[0], solver, allowed, "solver")
+    if numerics.threads > 1 and not SOLVERS[solver].shares:
+        sharing = ", ".join(name for name, each in SOLVERS.items() if each.shares)
+        allowed = f"1 with solver {solver}, which works alone; more with {sharing}"
+        yield ("numerics", "threads"), Refusal(solver, "threads", allowed, "without effect")
     for option in ("time_step", "damping"):
         if getattr(numerics, option) is not None and option not in SOLVERS[solver].options:
             having = ", ".join(name for name, each in SOLVERS.items() if option in each.options)

@@ -84,14 +84,17 @@ def _without_period(
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
     shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        wide = free_window.padded(punch, load, laws, problem.ends, change.factor, farther)
-        found = equilibrate(wide, response, shared, problem.numerics, laws, start, slid)
-        around = free_window.touches_around(found, shape)
-        if not around.any():
+        around = free_window.around(punch, load, laws, change.factor, farther)
+        found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)
+        touching = found.touching_around
+        assert touching is not None  # of a corner it is known
+        if not touching.any():
             break
-    found.status[around & (found.status == Status.ok)] = Status.no_equilibrium
-    sunk = free_window.sunk_in(found, response) if load is not None else np.zeros((len(punch), *(1 for _ in shape)))
-    return free_window.in_window(found, shape, sunk), sunk
+    found.status[touching & (found.status == Status.ok)] = Status.no_equilibrium
+    if load is None:
+        return found, np.zeros((len(punch), *(1 for _ in shape)))
+    sunk = free_window.sunk_in(found, response, problem.ends)
+    return replace(found, displacement=found.displacement - sunk), sunk
 
 
 def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> Start | None:

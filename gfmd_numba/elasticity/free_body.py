@@ -61,9 +61,17 @@ def _side(shape: tuple[int, ...]) -> int:
 
 def normal_response(shape: tuple[int, ...], body: ElasticBody) -> SpectralResponse:
     """Response of the normal displacement alone on the padded grid of a window, in E*/L_x."""
-    soft = compliance(shape) if body.aspect_ratio is None else _of_slab(shape, body)
-    window = Window(shape, lambda index: body.condensed_stiffness(2.0 * np.pi / WIDER * index))
-    return SpectralResponse.of_normal(1.0 / soft, window)
+    stiff = _of_half_space(shape) if body.aspect_ratio is None else 1.0 / _of_slab(shape, body)
+    return SpectralResponse.of_normal(stiff, _window(shape, body))
+
+
+def _window(shape: tuple[int, ...], body: ElasticBody) -> Window:
+    return Window(shape, lambda index: body.condensed_stiffness(2.0 * np.pi / WIDER * index))
+
+
+@lru_cache(maxsize=2)
+def _of_half_space(shape: tuple[int, ...]) -> Reals:
+    return np.asarray(1.0 / compliance(shape))
 
 
 @lru_cache(maxsize=2)
@@ -86,7 +94,7 @@ def _of_slab(shape: tuple[int, ...], slab: ElasticBody) -> Reals:
 
 def response_along_y(shape: tuple[int, ...]) -> SpectralResponse:
     """Response of the normal displacement alone of a half-space in a window that has a period along y, in E*/L_x."""
-    return SpectralResponse.of_normal(1.0 / _of_strips(_side(shape)))
+    return SpectralResponse.of_normal(1.0 / _of_strips(_side(shape)), _window(shape, ElasticBody(None, None)))
 
 
 @lru_cache(maxsize=2)
@@ -108,16 +116,18 @@ def response(shape: tuple[int, ...], poissons_ratio: float) -> SpectralResponse:
     k11, k13, k33 = (float(each) for each in stiffness.half_space_elements(poissons_ratio))
     determinant = k11 * k33 - k13**2
     along, both, out = k33 / determinant, -k13 / determinant, k11 / determinant
+    window = _window(shape, ElasticBody(poissons_ratio, None))
     if len(shape) == 1:
         isotropic, odd = _of_profiles(_side(shape))
-        return SpectralResponse.of_compliance(np.array([along * isotropic, both * odd, out * isotropic]))
+        elements = np.array([along * isotropic, both * odd, out * isotropic])
+        return SpectralResponse.of_compliance(elements, window)
     across = 1.0 / float(moduli.c44(poissons_ratio))
     mean, half = 0.5 * (along + across), 0.5 * (along - across)
     n = _side(shape)
     isotropic, twice, mixed = (_of_maps(n, kind) for kind in ("1", "cos 2f", "sin 2f"))
-    elements = (mean * isotropic + half * twice, half * mixed, mean * isotropic - half * twice)
+    in_plane = (mean * isotropic + half * twice, half * mixed, mean * isotropic - half * twice)
     coupled = (both * _of_maps(n, kind) for kind in ("cos f", "sin f"))
-    return SpectralResponse.of_compliance(np.array([*elements, *coupled, out * isotropic]))
+    return SpectralResponse.of_compliance(np.array([*in_plane, *coupled, out * isotropic]), window)
 
 
 def compliance(shape: tuple[int, ...]) -> Reals:
@@ -126,7 +136,7 @@ def compliance(shape: tuple[int, ...]) -> Reals:
     It is positive. A map has as many nodes along y as along x; raises ValueError for another.
     """
     n = _side(shape)
-    return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_maps(n, "1")))
+    return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_kernel(n, "1")))
 
 
 @lru_cache(maxsize=2)
@@ -151,6 +161,10 @@ _KINDS: dict[str, tuple[tuple[bool, bool], int, Callable[[Reals, Reals], Reals]]
 
 @lru_cache(maxsize=5)
 def _of_maps(n: int, kind: str) -> Reals:
+    return _of_kernel(n, kind)
+
+
+def _of_kernel(n: int, kind: str) -> Reals:
     """Transform `[2 n, n + 1]` on the padded grid of a kernel of maps, that is 1 / q times its kind far from q = 0."""
     odd, _, _ = _KINDS[kind]
     quarter = kernel_of_maps(n, kind)

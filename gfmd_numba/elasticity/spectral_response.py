@@ -34,16 +34,12 @@ _OUT_OF_PLANE = {1: [], 3: [1], 6: [3, 4]}  # that couple either to z
 class Window:
     """The corner of (ny,) nx nodes that alone is ever touched, on the padded grid of a body without a period.
 
-    `stiffness` is that of the body's own waves, in E*/L_x, whose wave index on the padded grid may be a fraction.
+    `stiffness` is that of the normal displacement in the body's own waves, in E*/L_x, whose wave index on the padded
+    grid may be a fraction.
     """
 
     shape: tuple[int, ...]
     stiffness: Callable[[Reals], Reals]
-
-    @property
-    def corner(self) -> Any:
-        """Index of its nodes in fields `[..., (y,) x]` on the padded grid."""
-        return (..., *(slice(n) for n in self.shape))
 
 
 @dataclass(frozen=True)
@@ -63,9 +59,9 @@ class SpectralResponse:
         return cls(stiffness[np.newaxis], window)
 
     @classmethod
-    def of_compliance(cls, elements: Reals) -> "SpectralResponse":
+    def of_compliance(cls, elements: Reals, window: Window) -> "SpectralResponse":
         """Response of a compliance with these elements, in L_x/E*, which is positive at all waves, also at q = 0."""
-        return cls(_inverse(elements))
+        return cls(_inverse(elements), window)
 
     @classmethod
     def on_grid(
@@ -104,6 +100,12 @@ class SpectralResponse:
     def lags(self) -> bool:
         """Whether displacements lag behind tractions, as those of viscoelastic bodies do under a punch that slides."""
         return bool(np.iscomplexobj(self.elements))
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Nodes (ny,) nx of the grid, an even number along x."""
+        *across, half = self.normal.shape
+        return (*across, 2 * (half - 1))
 
     @property
     def is_rigid(self) -> bool:
@@ -200,8 +202,11 @@ class SpectralResponse:
 
         `compliance` is how far, in L_x/E*. A mean displacement that nothing restores stays so.
         """
-        with np.errstate(divide="ignore"):
-            return self.of_normal(1.0 / (1.0 / self.normal + compliance))
+        window = self.window
+        if window is not None:
+            of_waves = window.stiffness
+            window = Window(window.shape, lambda index: _yielding(of_waves(index), compliance))
+        return self.of_normal(_yielding(self.normal, compliance), window)
 
     def principal(self) -> tuple[Reals, Reals]:
         """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""
@@ -223,6 +228,11 @@ class SpectralResponse:
 def diagonal(elements: Reals) -> Reals:
     """Elements of each component alone `[component, ...]` of a stiffness or a compliance."""
     return elements[_DIAGONAL[len(elements)]]
+
+
+def _yielding(stiffness: Reals, compliance: float) -> Reals:
+    with np.errstate(divide="ignore"):
+        return np.asarray(1.0 / (1.0 / stiffness + compliance))
 
 
 def _mean(elements: Reals) -> Reals:

@@ -20,6 +20,7 @@ k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so th
 
 import math
 from functools import reduce
+from typing import Any
 
 import numpy as np
 from scipy.fft import dct, dst
@@ -35,6 +36,11 @@ def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
     *across, nx = shape
     along_y = [(np.arange(n) + n // 2) % n - n // 2 for n in across]
     return np.ix_(*along_y, np.arange(nx // 2 + 1))
+
+
+def corner(shape: tuple[int, ...]) -> Any:
+    """Index of the first (ny,) nx nodes in fields `[..., (y,) x]` on a larger grid."""
+    return (..., *(slice(n) for n in shape))
 
 
 def some_waves(shape: tuple[int, ...], few: tuple[int, ...]) -> tuple[Indices, ...]:

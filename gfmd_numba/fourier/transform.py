@@ -6,13 +6,15 @@ from copy import copy
 from importlib import import_module
 from importlib.machinery import PathFinder
 from importlib.util import find_spec, module_from_spec
-from typing import Any
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Complexes, Indices, Numbers, Reals
+from gfmd_numba.arrays.threads import team
+from gfmd_numba.fourier.grid import wave_indices
 
 
 def _compiled_pyfftw() -> Any:
@@ -38,7 +40,8 @@ def _compiled_pyfftw() -> Any:
 
 pyfftw = _compiled_pyfftw()
 _FIRST = np.zeros(1, dtype=np.int64)
-_COLUMNS = 8  # of a map that are transformed together where it is pruned: 2048 nodes of them fit into 256 kB
+_ROWS, _COLUMNS = 16, 8  # of a large map that are transformed together: 8 columns of 2048 nodes fit into 256 kB
+_LARGE = 2**20  # nodes of a map that is transformed in pieces
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
@@ -101,7 +104,9 @@ class Transform:
         ]
         back = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         self._inverse = [pyfftw.FFTW(*pair, axes=axes, **back) for pair in zip(kept, self.samples, strict=True)]
-        self._pruned = None if filled is None else _Pruned(self.samples[:, :filled], kept[:, :filled], shape[0])
+        self._blocks: list[_Blocks] | None = None
+        if in_place and (filled is not None or self.n >= _LARGE):
+            self._blocks = [_Blocks(*pair, filled) for pair in zip(self.samples, kept, strict=True)]
 
     def symbol(self, values: Numbers) -> Numbers:
         """Symbol `[(ny,) nx // 2 + 1]`, ready for `apply`: flat and padded, with the forward transform's 1/n."""
@@ -151,19 +156,50 @@ class Transform:
 
     def stiffen(self, stiffness: Reals) -> None:
         """Replace the first displacement by the traction that restores it, in place; `stiffness` is of a map."""
-        self.forward(_FIRST)
-        kernels.stiffen(self.waves[0], stiffness, self.n)
-        self.inverse(_FIRST)
+        self._multiply(stiffness, divide=False, filled=False)
 
-    def soften(self, stiffness: Reals, pruned: bool = False) -> None:
-        """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity."""
-        if pruned and self._pruned is not None:
-            self._pruned.soften(stiffness, self.n)
+    def soften(self, stiffness: Reals, filled: bool = False) -> None:
+        """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity.
+
+        Of the rows that may be `filled` alone, if so asked.
+        """
+        self._multiply(stiffness, divide=True, filled=filled)
+
+    def rms(self, symbol: Reals) -> float:
+        """Root-mean-square of the first map times a symbol, without its mean; what the map was is lost."""
+        if self._blocks is None:
+            self.forward(_FIRST)
+            waves, nx = self.waves[0].T, self.shape[1]
+            total = float(kernels.power_of_columns(waves, symbol, 0, nx))
+        else:
+            total = self._blocks[0].power(symbol)
+            kernels.count(self.n_transforms, _FIRST, 1)
+        return math.sqrt(total) / self.n
+
+    def _multiply(self, symbol: Reals, divide: bool, filled: bool) -> None:
+        if self._blocks is not None:
+            self._blocks[0].multiply(symbol, self.n, divide, filled)
             kernels.count(self.n_transforms, _FIRST, 2)
             return
         self.forward(_FIRST)
-        kernels.soften(self.waves[0], stiffness, self.n)
+        kernels.multiply_map(self.waves[0], symbol, self.n, divide)
         self.inverse(_FIRST)
+
+    def coarsen(self, coarse: "Transform", filled: bool = False) -> None:
+        """Fill the first samples of a transform of fewer nodes with the waves of the first map that it holds.
+
+        What is not in the rows that may be `filled` counts as zero, if so asked.
+        """
+        ky, kx = wave_indices(coarse.shape)
+        if self._blocks is not None:
+            self._blocks[0].coarsen(ky[:, 0], coarse.waves[0, :, : kx.size], filled)
+            kernels.count(self.n_transforms, _FIRST, 1)
+        else:
+            self.forward(_FIRST)
+            coarse.waves[0, :, : kx.size] = self.waves[0, ky, kx]
+        held = (np.abs(ky) < coarse.shape[0] / 2) & (kx < coarse.shape[1] / 2)
+        coarse.waves[0, :, : kx.size] *= np.where(held, 1.0 / self.n, 0.0)
+        coarse.inverse(_FIRST)
 
     def row(self, i: int) -> "Transform":
         """Return the transform in place of one row alone, in the same memory."""
@@ -171,41 +207,109 @@ class Transform:
         alone.spectrum, alone.waves, alone.result = self.spectrum[one], self.waves[one], self.result[one]
         alone.samples, alone.memory, alone.n_transforms = self.samples[one], self.memory[one], self.n_transforms[one]
         alone._forward, alone._inverse = [plans[one] for plans in self._forward], self._inverse[one]
-        alone._pruned = None if self._pruned is None else self._pruned.row(i)
+        alone._blocks = None if self._blocks is None else self._blocks[one]
         return alone
 
 
-class _Pruned:
-    """Transforms of maps `[row, y, x]` in place that are zero beyond these rows of theirs, where alone they are needed.
+class _Blocks:
+    """Transforms in place of one large map, piece by piece, multiplied by a symbol that is even along y in between.
 
-    Rows are transformed along x. Then some columns at a time are copied, transformed along y, multiplied and
-    transformed back, all in the cache: a third less work than on all rows, and fewer ways to the memory.
+    Rows are transformed along x, some at a time. Then some columns at a time are copied, transformed along y,
+    multiplied and transformed back, all in the cache, which saves ways to the memory. Rows beyond those `filled` are
+    left out where they hold nothing. Pieces do not depend on how many threads share them.
     """
 
-    def __init__(self, samples: Reals, waves: npt.NDArray[Any], across: int) -> None:
-        self._waves, flags = waves, ("FFTW_ESTIMATE",)
-        self._block = pyfftw.zeros_aligned((across, _COLUMNS), dtype=waves.dtype, n=_LINE)
-        back = {"direction": "FFTW_BACKWARD", "flags": (*flags, "FFTW_DESTROY_INPUT")}
-        self._along_x = [pyfftw.FFTW(*pair, axes=(1,), flags=flags) for pair in zip(samples, waves, strict=True)]
-        self._back = [pyfftw.FFTW(*pair, axes=(1,), **back) for pair in zip(waves, samples, strict=True)]
-        self._along_y = pyfftw.FFTW(self._block, self._block, axes=(0,), flags=flags)
-        self._back_along_y = pyfftw.FFTW(self._block, self._block, axes=(0,), **back)
+    def __init__(self, samples: Reals, waves: npt.NDArray[Any], filled: int | None) -> None:
+        self._samples, self._waves, self._filled = samples, waves, filled or len(waves)
+        self._lines = math.gcd(len(waves), self._filled, _ROWS)
+        self._workers: list[_Worker] = []
 
-    def row(self, i: int) -> "_Pruned":
-        """Return the transforms of one row alone, in the same memory."""
-        alone, one = copy(self), slice(i, i + 1)
-        alone._waves, alone._along_x, alone._back = self._waves[one], self._along_x[one], self._back[one]
-        return alone
+    def coarsen(self, ky: Indices, found: npt.NDArray[Any], filled: bool) -> None:
+        """Fill the transform `[row, column]` with some rows and the first columns of that of the map."""
+        rows, columns = self._filled if filled else len(self._waves), found.shape[1]
+        self._along_x(rows, False)
 
-    def soften(self, stiffness: Reals, n: int) -> None:
-        """Replace the first pressure by the displacement that it causes, n nodes to a map."""
-        waves, block = self._waves[0], self._block
-        filled, columns = waves.shape
-        self._along_x[0].execute()
-        for first in range(0, columns, _COLUMNS):
-            kernels.take_columns(waves, filled, first, block)
-            self._along_y.execute()
-            kernels.soften_columns(block, stiffness, first, n)
-            self._back_along_y.execute()
-            kernels.put_columns(block, first, waves, filled)
-        self._back[0].execute()
+        def some(worker: int, first: int, last: int) -> None:
+            own = self._workers[worker]
+            for x in range(first * _COLUMNS, min(last * _COLUMNS, columns), _COLUMNS):
+                kernels.take_columns(self._waves, rows, x, own.block)
+                own.along_y.execute()
+                end = min(x + _COLUMNS, columns)
+                found[:, x:end] = own.block[: end - x, ky].T
+
+        team().share(some, -(-columns // _COLUMNS))
+
+    def power(self, symbol: Reals) -> float:
+        """Sum of the squares of the transform of the map times a symbol `[ky, kx]`, the mean left out."""
+        rows, nx = self._samples.shape
+        parts = np.zeros(-(-self._waves.shape[1] // _COLUMNS))
+        self._along_x(rows, False)
+
+        def some(worker: int, first: int, last: int) -> None:
+            own = self._workers[worker]
+            for i in range(first, last):
+                kernels.take_columns(self._waves, rows, i * _COLUMNS, own.block)
+                own.along_y.execute()
+                parts[i] = kernels.power_of_columns(own.block, symbol, i * _COLUMNS, nx)
+
+        team().share(some, parts.size)
+        return float(parts.sum())
+
+    def multiply(self, symbol: Reals, n: int, divide: bool, filled: bool) -> None:
+        """Multiply the map by a symbol `[ky, kx]`, or `divide` it, where 0 and infinity stand for 0; and by 1/n."""
+        rows = self._filled if filled else len(self._waves)
+        columns = self._waves.shape[1]
+        self._along_x(rows, False)
+
+        def some(worker: int, first: int, last: int) -> None:
+            own = self._workers[worker]
+            for x in range(first * _COLUMNS, min(last * _COLUMNS, columns), _COLUMNS):
+                kernels.take_columns(self._waves, rows, x, own.block)
+                own.along_y.execute()
+                kernels.multiply_columns(own.block, symbol, x, n, divide)
+                own.back_along_y.execute()
+                kernels.put_columns(own.block, x, self._waves, rows)
+
+        team().share(some, -(-columns // _COLUMNS))
+        self._along_x(rows, True)
+
+    def _along_x(self, rows: int, back: bool) -> None:
+        """Transform so many rows along x, or back."""
+        while len(self._workers) < team().size:
+            self._workers.append(_Worker.of(self._samples, self._waves, self._lines))
+
+        def some(worker: int, first: int, last: int) -> None:
+            plan = self._workers[worker].back_along_x if back else self._workers[worker].along_x
+            for y in range(first * self._lines, last * self._lines, self._lines):
+                samples, waves = self._samples[y : y + self._lines], self._waves[y : y + self._lines]
+                plan.update_arrays(*((waves, samples) if back else (samples, waves)))
+                plan.execute()
+
+        team().share(some, rows // self._lines)
+
+
+class _Worker(NamedTuple):
+    """What a thread has of its own: plans for some rows, and some columns `[x, y]` and plans for these."""
+
+    along_x: Any
+    back_along_x: Any
+    block: npt.NDArray[Any]
+    along_y: Any
+    back_along_y: Any
+
+    @classmethod
+    def of(cls, samples: Reals, waves: npt.NDArray[Any], lines: int) -> Self:
+        """Make plans of the same kind for each thread; here, as planning is not meant for several at once."""
+        rows, here = len(waves), {"flags": ("FFTW_ESTIMATE",)}
+        back = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
+        line = _LINE // 16
+        # an odd number of cache lines apart, as in `padded`
+        block = pyfftw.zeros_aligned((_COLUMNS, (rows // line + 1 | 1) * line), dtype=waves.dtype, n=_LINE)[:, :rows]
+        some = samples[:lines], waves[:lines]
+        return cls(
+            pyfftw.FFTW(*some, axes=(1,), **here),
+            pyfftw.FFTW(*some[::-1], axes=(1,), **back),
+            block,
+            pyfftw.FFTW(block, block, axes=(1,), **here),
+            pyfftw.FFTW(block, block, axes=(1,), **back),
+        )

@@ -54,11 +54,11 @@ from gfmd_numba.kernels.spectral import (
     count,
     couple,
     multiply,
+    multiply_columns,
+    multiply_map,
     power,
+    power_of_columns,
     put_columns,
-    soften,
-    soften_columns,
-    stiffen,
     take_columns,
 )
 from gfmd_numba.kernels.splines import spline_slopes
@@ -76,10 +76,12 @@ from gfmd_numba.kernels.tiles import (
     pack_rows,
     put_tiles,
     refine_pressure,
+    restore_map,
     soften_tiles,
     spread,
     sum_tiles,
     surround,
     take_tiles,
     tile_stencil,
+    tractions_around,
 )

@@ -17,8 +17,8 @@ from gfmd_numba.storage import kernel_cache
 
 
 def jit(function: Callable[..., Any]) -> Any:
-    """Compile a kernel on its first call, or find it compiled."""
-    kernel = numba.njit(error_model="numpy")(function)
+    """Compile a kernel on its first call, or find it compiled; threads may run it side by side."""
+    kernel = numba.njit(error_model="numpy", nogil=True)(function)
     if hasattr(kernel, "_cache"):  # a plain function without compiler has none
         kernel._cache = _OnDisk(f"{function.__module__}.{function.__qualname__}")
     return kernel

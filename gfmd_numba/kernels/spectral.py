@@ -53,54 +53,70 @@ def couple(spectrum: Complexes, elements: Reals, active: Indices) -> None:
 
 
 @jit
-def stiffen(spectrum: Complexes, stiffness: Reals, n: int) -> None:
-    """Multiply the transform of a map by a stiffness, and by 1/n; an infinite stiffness counts as none."""
-    rows, columns = stiffness.shape
+def multiply_map(spectrum: Complexes, symbol: Reals, n: int, divide: bool) -> None:
+    """Multiply the transform of a map by a real symbol, or divide it; and by 1/n. Waves of `factor` 0 vanish."""
+    rows, columns = symbol.shape
     for y in range(rows):
         for x in range(columns):
-            k = stiffness[y, x]
-            spectrum[y, x] *= (k if k < np.inf else 0.0) / n
+            spectrum[y, x] *= factor(symbol[y, x], n, divide)
 
 
 @jit
-def soften(spectrum: Complexes, stiffness: Reals, n: int) -> None:
-    """Divide the transform of a map by a stiffness, and by n; waves of zero or infinite stiffness vanish."""
-    rows, columns = stiffness.shape
-    for y in range(rows):
-        for x in range(columns):
-            k = stiffness[y, x]
-            spectrum[y, x] *= 1.0 / (k * n) if k > 0.0 else 0.0
+def factor(value: float, n: int, divide: bool) -> float:
+    """Value of a symbol over n, or its inverse; 0 for infinity, and for what would be."""
+    if divide:
+        return 1.0 / (value * n) if value > 0.0 else 0.0
+    return value / n if value < np.inf else 0.0
 
 
 @jit
 def take_columns(waves: Complexes, rows: int, first: int, block: Complexes) -> None:
-    """Fill the first rows of a block from columns of a map from `first` on, and the other rows with zeros."""
-    columns = min(block.shape[1], waves.shape[1] - first)
+    """Fill the first rows of a block `[x, y]` from columns of a map from `first` on, and the rest with zeros."""
+    columns = min(block.shape[0], waves.shape[1] - first)
     for y in range(rows):
         for x in range(columns):
-            block[y, x] = waves[y, first + x]
-    block[rows:] = 0.0
+            block[x, y] = waves[y, first + x]
+    block[:, rows:] = 0.0
+    block[columns:] = 0.0
 
 
 @jit
-def soften_columns(block: Complexes, stiffness: Reals, first: int, n: int) -> None:
-    """Divide the transforms of columns from `first` on as `soften` does those of a map, by a stiffness even along y."""
-    rows = block.shape[0]
-    columns = min(block.shape[1], stiffness.shape[1] - first)
+def multiply_columns(block: Complexes, symbol: Reals, first: int, n: int, divide: bool) -> None:
+    """Multiply the transforms `[x, y]` of columns from `first` on as `multiply_map` does, by a symbol even along y."""
+    rows = block.shape[1]
+    columns = min(block.shape[0], symbol.shape[1] - first)
     for y in range(rows // 2 + 1):
         other = rows - y if 0 < 2 * y < rows else y
         for x in range(columns):
-            k = stiffness[y, first + x]
-            soft = 1.0 / (k * n) if k > 0.0 else 0.0
-            block[y, x] *= soft
+            share = factor(symbol[y, first + x], n, divide)
+            block[x, y] *= share
             if other != y:
-                block[other, x] *= soft
+                block[x, other] *= share
+
+
+@jit
+def power_of_columns(block: Complexes, symbol: Reals, first: int, nx: int) -> float:
+    """Sum of the squares of the transforms `[x, y]` of columns from `first` on times a symbol, the mean left out.
+
+    Columns of waves whose opposite is not kept, of the nx nodes of a row, count twice.
+    """
+    rows = block.shape[1]
+    columns = min(block.shape[0], symbol.shape[1] - first)
+    total = 0.0
+    for x in range(columns):
+        both = first + x > 0 and 2 * (first + x) < nx
+        part = 0.0
+        for y in range(1 if first + x == 0 else 0, rows):
+            wave, k = block[x, y], symbol[y, first + x]
+            part += (wave.real**2 + wave.imag**2) * k**2
+        total += 2.0 * part if both else part
+    return total
 
 
 @jit
 def put_columns(block: Complexes, first: int, waves: Complexes, rows: int) -> None:
-    """Fill columns of a map from `first` on, in its first rows, from a block."""
-    columns = min(block.shape[1], waves.shape[1] - first)
+    """Fill columns of a map from `first` on, in its first rows, from a block `[x, y]`."""
+    columns = min(block.shape[0], waves.shape[1] - first)
     for y in range(rows):
         for x in range(columns):
-            waves[y, first + x] = block[y, x]
+            waves[y, first + x] = block[x, y]

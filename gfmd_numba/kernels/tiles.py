@@ -28,13 +28,18 @@ def list_tiles(marks: Flags, tiles: Indices, places: Indices) -> int:
 
 
 @jit
-def surround(tiles: Indices, places: Indices, down: int, across: int, around: Indices) -> None:
-    """Places of the 3 x 3 tiles around each listed one `[m, 9]` on a periodic map of down x across tiles."""
+def surround(tiles: Indices, places: Indices, down: int, across: int, ends: tuple[bool, bool], around: Indices) -> None:
+    """Places of the 3 x 3 tiles around each listed one `[m, 9]` on a map of down x across tiles.
+
+    The map is periodic, or ends along y or x: no tile is beyond.
+    """
     for k in range(tiles.size):
         y, x = tiles[k] // across, tiles[k] % across
         for j in range(3):
             for i in range(3):
-                around[k, 3 * j + i] = places[(y + j - 1) % down * across + (x + i - 1) % across]
+                row, column = y + j - 1, x + i - 1
+                beyond = (ends[0] and not 0 <= row < down) or (ends[1] and not 0 <= column < across)
+                around[k, 3 * j + i] = tiles.size if beyond else places[row % down * across + column % across]
 
 
 @jit
@@ -87,14 +92,16 @@ def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals)
 
 
 @jit
-def spread(values: Reals, tiles: Indices, weights: Reals, coarse: Reals, down: int, across: int) -> None:
+def spread(
+    values: Reals, tiles: Indices, tiles_across: int, weights: Reals, coarse: Reals, down: int, across: int
+) -> None:
     """Fill a periodic grid of down x across nodes with the values, each shared among nodes by `weights` `[TILE, w]`.
 
-    The first of the w nodes is one before the tile's first. Rows of `coarse` may be longer than `across`.
+    The first of the w nodes is one before the tile's first. The map of the tiles may be narrower than the grid. Rows of
+    `coarse` may be longer than `across`.
     """
     wide = weights.shape[1]
     per_tile = wide - 3
-    tiles_across = across // per_tile
     half = np.zeros((TILE, wide))
     coarse[:] = 0.0
     for k in range(tiles.size):
@@ -116,11 +123,12 @@ def spread(values: Reals, tiles: Indices, weights: Reals, coarse: Reals, down: i
 
 
 @jit
-def gather_back(coarse: Reals, tiles: Indices, weights: Reals, down: int, across: int, values: Reals) -> None:
+def gather_back(
+    coarse: Reals, tiles: Indices, tiles_across: int, weights: Reals, down: int, across: int, values: Reals
+) -> None:
     """Add to the values what the nodes of a coarser grid share with them: the transpose of `spread`."""
     wide = weights.shape[1]
     per_tile = wide - 3
-    tiles_across = across // per_tile
     half = np.zeros((wide, TILE))
     for k in range(tiles.size):
         up, left = tiles[k] // tiles_across * per_tile - 1, tiles[k] % tiles_across * per_tile - 1
@@ -164,9 +172,8 @@ def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices,
 
 @jit
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
-    """Fill the first nx columns of the rows of a map with the values on the listed tiles, and zeros elsewhere."""
+    """Put the values on the listed tiles into the rows of a map, which are longer than its nx columns or as long."""
     across = nx // TILE
-    rows[:] = 0.0
     for k in range(tiles.size):
         top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
         for y in range(TILE):
@@ -261,22 +268,56 @@ def open_map(wall: Reals, displacement: Reals, approach: float, near: float, gap
 
 @jit
 def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Reals) -> None:
-    """Make the gap the displacement that touches wherever there is contact or overlap, and copy it into `rows`."""
+    """Make the gap the displacement that touches wherever there is contact or overlap, and `rows` what that adds to it.
+
+    `rows` may be more and longer than those of the map.
+    """
     nx = wall.shape[1]
     across = nx // TILE
-    for y in range(wall.shape[0]):
-        punch, opened, out = wall[y], gap[y], rows[y]
-        for x in range(nx):
-            u = punch[x] - max(opened[x], 0.0)
-            opened[x] = u
-            out[x] = u
+    rows[:] = 0.0
     for k in range(tiles.size):
         top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
         for y in range(TILE):
             for x in range(TILE):
-                if contact[k, y, x]:
-                    gap[top + y, left + x] = wall[top + y, left + x]
-                    rows[top + y, left + x] = wall[top + y, left + x]
+                if contact[k, y, x] and gap[top + y, left + x] > 0.0:
+                    rows[top + y, left + x] = gap[top + y, left + x]
+                    gap[top + y, left + x] = 0.0
+    for y in range(wall.shape[0]):
+        punch, opened, added = wall[y], gap[y], rows[y]
+        for x in range(nx):
+            added[x] += min(opened[x], 0.0)
+            opened[x] = punch[x] - max(opened[x], 0.0)
+
+
+@jit
+def restore_map(pressure: Reals, tiles: Indices, nx: int, mean: float, rows: Reals) -> None:
+    """Complete what restores a displacement of nx columns: `mean` everywhere, less the pressure on the tiles.
+
+    `rows` hold what restores what `close_map` has added.
+    """
+    across = nx // TILE
+    for y in range(rows.shape[0]):
+        row = rows[y]
+        for x in range(nx):
+            row[x] += mean
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                rows[top + y, left + x] -= pressure[k, y, x]
+
+
+@jit
+def tractions_around(rows: Reals, ny: int, nx: int, width: int, traction: float) -> tuple[float, float]:
+    """Largest size and sum of a traction less the values of all rows beyond ny x nx nodes, up to a width."""
+    largest = 0.0
+    total = 0.0
+    for y in range(rows.shape[0]):
+        row = rows[y]
+        for x in range(nx if y < ny else 0, width):
+            largest = max(largest, abs(traction - row[x]))
+            total += traction - row[x]
+    return largest, total
 
 
 @jit

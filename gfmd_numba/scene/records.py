@@ -312,6 +312,9 @@ class Numerics(BaseModel):
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
+    threads: int = Field(
+        1, ge=1, description="Threads that share the work on a map, at most one for each core; results are the same"
+    )
     time_step: TimeStep | None = Field(
         None, description="Time step as a fraction of the stability limit; None: the solver's own"
     )

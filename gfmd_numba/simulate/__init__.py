@@ -4,6 +4,7 @@ import warnings
 
 import xarray as xr
 
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.contact_dataset import path_dataset
 from gfmd_numba.contact.contact_input import read_contact
@@ -41,7 +42,8 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     """
     given = read_contact(file, document)
     problem, effects = given.reduced
-    return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
+    with shared_by(file.numerics.threads):
+        return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
 
 
 def doubt(file: SceneFile, document: Document) -> str:

@@ -14,6 +14,7 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes
@@ -252,9 +253,13 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
     numbers = implausible(curve.given.file.scene)
-    if curve.prescribed in (_TIME, _SPEED):
-        yield from _solve_in_time(curve, numbers)
-        return
+    in_time = curve.prescribed in (_TIME, _SPEED)
+    with shared_by(curve.given.file.numerics.threads):
+        yield from _solve_in_time(curve, numbers) if in_time else _solve_loads(curve, numbers)
+
+
+def _solve_loads(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
+    """Scalars at each load, in SI units."""
     for i in range(curve.realisations):
         given = _given(curve, i)
         whole, _ = given.reduced

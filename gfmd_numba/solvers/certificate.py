@@ -8,6 +8,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
+from gfmd_numba.fourier.transform import Transform
 
 _NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
 
@@ -51,8 +52,11 @@ class Certificate:
     hardness no more than that is a pressure: a touching node violates it by what is above, a penetrating one by any
     difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
     `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
-    make any other violation look small.)
+    make any other violation look small.) Where the state is that of a corner of the grid alone, `mean_displacement` is
+    that of the whole one.
     """
+
+    mean_displacement: Reals | None = None
 
     def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
         self.conditions, self.rigid_mean = conditions, rigid_mean
@@ -67,6 +71,15 @@ class Certificate:
             self.worst[self.rigid_mean.impossible] = np.inf
             self.drift[active] = self.rigid_mean.drift(u, active, n)
         return self.residual(state.load, active, strongest)
+
+    def with_surroundings(self, i: int, load: Reals, largest: float, mean: float, share: float) -> float:
+        """Residual of a row last looked at in a corner, a `share` of the grid, with tractions around that may not be.
+
+        These have the size of the `largest`, and a `mean` over the grid.
+        """
+        self.worst[i] = max(self.worst[i], largest)
+        self.imbalance[i] = share * self.imbalance[i] + abs(mean)
+        return float(self.residual(load, np.array([i]))[0])
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
@@ -89,9 +102,15 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     if window is None:
         stiffness = response.condensed().normal
     else:
-        wider = punch.shape[-1] / window.shape[-1]
-        punch = punch[window.corner]
+        wider = (response.normal.shape[-1] - 1) / (window.shape[-1] // 2)
         stiffness = window.stiffness(grid.magnitudes(window.shape) * (wider / (2.0 * np.pi)))
-    weight = (grid.multiplicity(punch.shape[-1]) * abs(stiffness) ** 2).ravel()[1:]
-    waves = grid.coefficients(punch, len(punch.shape) - 1).reshape(len(punch), -1)[:, 1:]
-    return np.asarray(np.sqrt((np.abs(waves) ** 2 * weight).sum(axis=-1)))
+    shape = punch.shape[1:]
+    if len(shape) == 1:
+        weight = (grid.multiplicity(*shape) * abs(stiffness) ** 2)[1:]
+        return np.asarray(np.sqrt((np.abs(grid.coefficients(punch)[:, 1:]) ** 2 * weight).sum(axis=-1)))
+    field = Transform(1, *shape, in_place=True)
+    found = np.empty(len(punch))
+    for i, map_of_heights in enumerate(punch):
+        field.samples[0] = map_of_heights
+        found[i] = field.rms(abs(stiffness))
+    return found

@@ -1,15 +1,16 @@
 """Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
 
-import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
@@ -57,7 +58,8 @@ class Equilibrium:
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
     `Certificate.residual`. `full_contact_pressure` is the rms fluctuation of the pressure were the punch in full
     contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
-    unless there is one.
+    unless there is one. Of a punch that fills a corner of the grid, fields are those in there. Then `mean_displacement`
+    is that of the whole grid, and `touching_around` says whether anything touches beyond the corner.
     """
 
     displacement: Reals
@@ -72,9 +74,13 @@ class Equilibrium:
     full_contact_pressure: Reals
     growing_wave: Indices | None = None
     plastic: Flags | None = None
+    mean_displacement: Reals | None = None
+    touching_around: Flags | None = None
 
     @classmethod
-    def empty(cls, punch: Reals, scale: Reals, interface: Interactions, sliding: Reals | float) -> "Equilibrium":
+    def empty(
+        cls, punch: Reals, scale: Reals, interface: Interactions, sliding: Reals | float, is_corner: bool = False
+    ) -> "Equilibrium":
         """Nothing yet, to be filled; `scale` is the rms pressure of full contact."""
         rows = len(punch)
         return cls(
@@ -89,7 +95,14 @@ class Equilibrium:
             wall_time=np.zeros(rows),
             full_contact_pressure=scale,
             plastic=None if interface.hardness is None else np.zeros(punch.shape, dtype=np.bool_),
+            mean_displacement=np.zeros(rows) if is_corner else None,
+            touching_around=np.zeros(rows, dtype=np.bool_) if is_corner else None,
         )
+
+    @property
+    def corner(self) -> Any:
+        """Index of the nodes in the corner, or of all, in fields `[..., (y,) x]` on the grid."""
+        return grid.corner(self.pressure.shape[1:])
 
 
 def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Start:
@@ -113,20 +126,21 @@ def equilibrate(
     interface: Interactions = HARD_WALL,
     start: Start | None = None,
     sliding: Reals | float = 0.0,
+    around: Reals | None = None,
 ) -> Equilibrium:
     """Press elastic bodies against rigid punches `[realisation, (y,) x]` (L_x, the wall u <= punch).
 
     `response` is that of the normal displacement alone for frictionless interfaces and of all otherwise; `load` the
     mean pressure in E*, or None if the position of the punch prescribes the displacement (then K(0) counts); `sliding`
-    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. Under a hardness the
+    the tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`. The punch may fill a
+    corner of the grid of the response alone, and be flat `around` it `[realisation, (1,) 1]`. Under a hardness the
     elastic contact comes first, and is the result where it stays below. Raises ValueError for a load that the hardness
     cannot carry.
     """
     _check_hardness(load, interface)
     hardness, realisations, n = interface.hardness, len(punch), punch[0].size
     scale = pressure_scale(punch, response)
-    result = Equilibrium.empty(punch, scale, interface, sliding)
-    start = Start.at_rest(punch) if start is None else start
+    result = Equilibrium.empty(punch, scale, interface, sliding, around is not None)
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
     blown_up = _BLOWN_UP * (scale + borne)
@@ -139,7 +153,10 @@ def equilibrate(
         def batch(rows: Indices, laws: Interactions, largest: float = largest) -> Batch:
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
             given = None if load is None else np.full(rows.size, load)
-            return Batch(punch[some], elastic, given, laws, start.rows(some), sliding, largest)
+            begun = None if start is None else start.rows(some)
+            beyond = None if around is None else around[some]
+            room = result.displacement[some] if isinstance(some, slice) else None
+            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, room)
 
         if hardness is None:
             _solve(batch, interface, rows, blown_up, options, result)
@@ -212,14 +229,39 @@ def _solve(
         _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
 
 
-def _store(found: Tangential, state: kernels.State, done: Indices, where: Indices, touching: Flags) -> None:
-    """Store the tangential displacements, tractions and slips of rows of a solver that have ended."""
-    shape, n = found.slip[where].shape, math.prod(touching.shape[1:])
+def _fill(result: Equilibrium, row: int, displacement: Reals, pressure: Reals) -> None:
+    """Fill a row of the result, shared by threads: new memory takes longer than what is written there."""
+    kept = np.may_share_memory(displacement, result.displacement[row])  # the solver has worked there
+
+    def some(part: slice) -> None:
+        if not kept:
+            result.displacement[row][part] = displacement[part]
+        result.pressure[row][part] = pressure[part]
+        np.greater(pressure[part], 0.0, out=result.touching[row][part])
+
+    team().by_rows(some, len(pressure))
+
+
+def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices) -> None:
+    """Store rows of a solver that have ended; their normal tractions are pressures."""
+    state, n, shape, corner = solver.state, solver.field.n, solver.field.shape, result.corner
+    mean = solver.certificate.mean_displacement
+    for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
+        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
+        _fill(result, row, u[corner], p[corner])
+        if result.mean_displacement is not None and result.touching_around is not None:
+            result.mean_displacement[row] = u.mean() if mean is None else mean[i]
+            result.touching_around[row] = np.count_nonzero(p > 0.0) > np.count_nonzero(result.touching[row])
+    found = result.tangential
+    if not done.size or found is None or not state.anchor.size:
+        return
+    along = found.slip.shape[1]
     displacement, traction, anchor = (
-        each[done, : shape[1], :n].reshape(shape) for each in (state.u, state.ku, state.anchor)
+        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.ku, state.anchor)
     )
     found.displacement[where], found.traction[where] = displacement, traction
-    found.slip[where] = np.where(touching[:, np.newaxis] & ~np.isnan(anchor), displacement - anchor, 0.0)
+    touching = result.touching[where][:, np.newaxis]
+    found.slip[where] = np.where(touching & ~np.isnan(anchor), displacement - anchor, 0.0)
 
 
 def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
@@ -253,14 +295,9 @@ def _iterate(
         done = active[ended]
         state, where = solver.state, rows[done]
         kernels.wall_pressure(state, solver.certificate.conditions.hardness, done, n)  # rows that have ended
-        for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
-            result.displacement[row] = state.u[i, -1, :n].reshape(solver.field.shape)
-            result.pressure[row] = state.ku[i, -1, :n].reshape(solver.field.shape)
-            np.greater(result.pressure[row], 0.0, out=result.touching[row])
-            if result.plastic is not None:
-                np.greater_equal(result.pressure[row], solver.certificate.conditions.hardness, out=result.plastic[row])
-        if done.size and result.tangential is not None and state.anchor.size:
-            _store(result.tangential, state, done, where, result.touching[where])
+        _store(result, solver, done, where)
+        if result.plastic is not None:
+            result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations
@@ -278,6 +315,10 @@ def _growing_wave(displacement: Reals, sideways: Reals | None, response: Spectra
     moved = displacement[:, np.newaxis]
     if sideways is not None:
         moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
-    tractions = (np.abs(grid.coefficients(moved, len(shape))) * response.diagonal[-moved.shape[1] :]).max(axis=1)
+    stiffness = response.diagonal[-moved.shape[1] :]
+    wider = [m // n for m, n in zip(stiffness.shape[1:-1], shape, strict=False)]  # of a grid around the displacement
+    wider.append((stiffness.shape[-1] - 1) // (shape[-1] // 2))
+    held = stiffness[(..., *(m * k for m, k in zip(wider, grid.wave_indices(shape), strict=True)))]
+    tractions = (np.abs(grid.coefficients(moved, len(shape))) * held).max(axis=1)
     index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
     return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)

@@ -1,8 +1,8 @@
 """What a solver is given, what is asked of it, and how it begins: the same of every solver."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from functools import cache
+from dataclasses import dataclass, replace
+from functools import cache, cached_property
 from pkgutil import resolve_name
 from typing import Protocol, Self
 
@@ -11,9 +11,10 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.table import SOLVERS, Options
+from gfmd_numba.solvers.table import OF_CORNERS, SOLVERS, Options
 
 HARD_WALL = Interactions(hard_wall=True)
 
@@ -54,16 +55,43 @@ class Batch:
     `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
     nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
     displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
-    each node. `largest_pressure` is what no pressure is expected to exceed.
+    each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
+    None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat `around` it
+    `[realisation, (1,) 1]`. A solver may keep displacements in the `room` `[realisation, (y,) x]` for them.
     """
 
     punch: Reals
     response: SpectralResponse
     load: Reals | None
     interface: Interactions
-    start: Start
+    begun: Start | None = None
     sliding: Reals | float = 0.0
     largest_pressure: float = np.inf
+    around: Reals | None = None
+    room: Reals | None = None
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Nodes (ny,) nx of the grid."""
+        return self.punch.shape[1:] if self.around is None else self.response.shape
+
+    @cached_property
+    def whole(self) -> "Batch":
+        """The same with the punch on all nodes of the grid."""
+        return self if self.around is None else replace(self, punch=self.within(self.shape), around=None)
+
+    def within(self, shape: tuple[int, ...]) -> Reals:
+        """Punch `[realisation, (y,) x]` on more of the grid, from its corner on."""
+        assert self.around is not None
+        made = np.empty((len(self.punch), *shape))
+        made[:] = self.around
+        made[grid.corner(self.punch.shape[1:])] = self.punch
+        return made
+
+    @cached_property
+    def start(self) -> Start:
+        """Initial state, which not every solver asks for: it takes as much memory as the punch."""
+        return Start.at_rest(self.punch) if self.begun is None else self.begun
 
     @property
     def loads(self) -> Reals:
@@ -130,7 +158,7 @@ def begin(batch: Batch, options: Options) -> Iteration:
     if lacks:
         raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
     for path in solver.condensed if batch.response.components == 1 else solver.coupled:
-        iteration = _implementation(path)(batch, options)
+        iteration = _implementation(path)(batch if path in OF_CORNERS else batch.whole, options)
         if iteration is not None:
             return iteration
     raise ValueError(f"the solver {options.solver} follows the normal displacement alone")

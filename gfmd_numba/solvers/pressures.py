@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.iteration import Batch
 
@@ -153,4 +154,8 @@ def refine(pressure: Reals, fine: Reals, rows: int | None = None) -> None:
     (above, down), (left, right) = [
         (first[:some], rest[:some] / n) for (first, rest), n, some in zip(places, shape, fine.shape, strict=True)
     ]
-    kernels.refine_pressure(pressure, above, down, left, right, fine)
+
+    def some(part: slice) -> None:
+        kernels.refine_pressure(pressure, above[part], down[part], left, right, fine[part])
+
+    team().by_rows(some, len(fine))

@@ -86,8 +86,8 @@ class SlidingNewton(PressureIterate):
         n, fine = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSER) for nodes in fine)
         smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
-        response, start = batch.response.coarsened(shape), Start.at_rest(smooth)
-        fewer = replace(batch, punch=smooth, response=response, start=start)
+        response = batch.response.coarsened(shape)
+        fewer = replace(batch, punch=smooth, response=response, begun=None, room=None)
         coarse = type(self)(fewer, replace(options, residual=_ROUGH))
         for _ in range(_COARSE_STEPS):
             coarse.advance(np.flatnonzero(~coarse._solved))

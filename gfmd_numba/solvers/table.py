@@ -33,7 +33,8 @@ class Solver:
     a problem and options. The first of them that takes the problem runs, as the others return None. `options` are
     those that not every solver has, with their defaults. A block of rows holds at most `block_samples` samples: up to
     2^15 its arrays stay in the second-level cache; a solver that finishes one row before the next has no use for that.
-    After `gives_up_after` iterations the solver named `successor` begins anew.
+    After `gives_up_after` iterations the solver named `successor` begins anew. `shares`: on maps without a hardness,
+    threads share the work.
     """
 
     sentence: str
@@ -44,15 +45,17 @@ class Solver:
     block_samples: int = 2**15
     gives_up_after: int | None = None
     successor: str | None = None
+    shares: bool = False
 
 
 _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "rigid mean"})
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law"})
 _ACTIVE_SETS = (
-    "gfmd_numba.solvers.decays.newton:decay_newton",
     "gfmd_numba.solvers.tiles.newton:tile_newton",
+    "gfmd_numba.solvers.decays.newton:decay_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
 )
+OF_CORNERS = frozenset({"gfmd_numba.solvers.tiles.newton:tile_newton"})  # take a punch without the grid around it
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
 SOLVERS = {
@@ -63,6 +66,7 @@ SOLVERS = {
         block_samples=2**18,
         gives_up_after=50,  # usually below 10
         successor="conjugate_gradients",
+        shares=True,
     ),
     "conjugate_gradients": Solver(
         "constrained conjugate gradients on the pressure",

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from gfmd_numba.arrays import threads as threading
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 
@@ -47,17 +48,41 @@ def test_rows_of_other_arrays_are_transformed_as_those_of_a_batch(n):
 
 
 @pytest.mark.parametrize(("shape", "filled"), [((16, 16), 8), ((32, 40), 24), ((64, 64), 1)])
-def test_a_pruned_transform_is_the_whole_one_where_rows_are_filled_and_leaves_the_others(shape, filled):
+def test_a_transform_of_filled_rows_is_the_whole_one_there_and_leaves_the_others(shape, filled):
     """Of the second of two maps; what the other rows hold does not matter."""
     rng = np.random.default_rng(0)
     batch = Transform(2, *shape, in_place=True, filled=filled)
     field, stiffness = batch.row(1), grid.magnitudes(shape)
     batch.memory[:] = 7.0
     field.samples[0, :filled] = samples = rng.normal(size=(filled, shape[1]))
-    field.soften(stiffness, pruned=True)
+    field.soften(stiffness, filled=True)
     stiffness[0, 0] = np.inf
     expected = np.fft.irfft2(np.fft.rfft2(samples, shape) / stiffness, shape)[:filled]
     np.testing.assert_allclose(field.samples[0, :filled], expected, atol=1e-14)
     assert (batch.memory[1, filled:] == 7.0).all()
     assert (batch.memory[0] == 7.0).all()
     assert batch.n_transforms.tolist() == [0, 2]
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+@pytest.mark.parametrize(("shape", "filled"), [((64, 64), 32), ((48, 40), 40), ((50, 24), 25)])
+def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(monkeypatch, shape, filled, threads):
+    rng = np.random.default_rng(0)
+    samples, stiffness = rng.normal(size=shape), grid.magnitudes(shape)
+    samples[filled:] = 0.0
+    coarse = tuple(n // 2 for n in shape)
+    whole, pieces, fewer = Transform(1, *shape, in_place=True), Transform(1, *shape, in_place=True, filled=filled), []
+    monkeypatch.setattr(threading, "cores", lambda: 3)
+    with threading.shared_by(threads):
+        for field in (whole, pieces):
+            field.samples[0] = samples
+            fewer.append(Transform(1, *coarse, in_place=True))
+            field.coarsen(fewer[-1], filled=True)
+            field.samples[0] = samples
+            field.stiffen(stiffness)
+    np.testing.assert_allclose(fewer[1].samples, fewer[0].samples, atol=1e-14)
+    np.testing.assert_allclose(pieces.samples, whole.samples, atol=1e-12)
+    alone = Transform(1, *shape, in_place=True, filled=filled)
+    alone.samples[0] = samples
+    alone.stiffen(stiffness)
+    np.testing.assert_array_equal(pieces.samples, alone.samples)

@@ -273,30 +273,57 @@ def test_close_gap_is_its_plain_twin(kernel, rng):
     np.testing.assert_array_equal(u, expected)
 
 
+def factors(symbol, n, divide):
+    """What waves are multiplied by."""
+    with np.errstate(divide="ignore"):
+        return np.where(symbol > 0.0, 1.0 / (n * symbol), 0.0) if divide else np.where(symbol < np.inf, symbol / n, 0.0)
+
+
+@pytest.mark.parametrize("divide", [True, False])
 @pytest.mark.parametrize("first", [0, 4, 8])
 @pytest.mark.parametrize("put", both(kernels.put_columns))
-@pytest.mark.parametrize("soften", both(kernels.soften_columns))
+@pytest.mark.parametrize("multiply", both(kernels.multiply_columns))
 @pytest.mark.parametrize("take", both(kernels.take_columns))
-def test_columns_of_a_map_are_taken_softened_and_put_back(take, soften, put, first, rng):
+def test_columns_of_a_map_are_taken_multiplied_and_put_back(take, multiply, put, first, divide, rng):
     """The last block is wider than what is left of the map."""
     waves = rng.normal(size=(3, 10)) + 1j * rng.normal(size=(3, 10))
-    stiffness = rng.uniform(0.5, 2.0, size=(6, 10))
-    stiffness[2, 5] = 0.0
-    stiffness[4:] = stiffness[2:0:-1]  # of waves to and fro
-    block, last = np.full((6, 4), 5.0 + 0.0j), min(first + 4, 10)
+    symbol = rng.uniform(0.5, 2.0, size=(6, 10))
+    symbol[2, 5], symbol[1, 5] = 0.0, np.inf
+    symbol[4:] = symbol[2:0:-1]  # of waves to and fro
+    block, last = np.full((4, 6), 5.0 + 0.0j), min(first + 4, 10)
     columns, many = slice(first, last), last - first
     take(waves, 3, first, block)
-    np.testing.assert_array_equal(block[:3, :many], waves[:, columns])
-    assert not block[3:].any()
-    block[:] = full = rng.normal(size=(6, 4)) + 0.0j
-    soften(block, stiffness, first, 60)
-    with np.errstate(divide="ignore"):
-        soft = np.where(stiffness > 0.0, 1.0 / (60 * stiffness), 0.0)[:, columns]
-    np.testing.assert_allclose(block[:, :many], full[:, :many] * soft, rtol=1e-15)
+    np.testing.assert_array_equal(block[:many, :3], waves[:, columns].T)
+    assert not block[:, 3:].any()
+    assert not block[many:].any()
+    block[:] = full = rng.normal(size=(4, 6)) + 0.0j
+    multiply(block, symbol, first, 60, divide)
+    expected = full[:many] * factors(symbol, 60, divide)[:, columns].T
+    np.testing.assert_allclose(block[:many], expected, rtol=1e-15)
     expected = waves.copy()
-    expected[:2, columns] = block[:2, :many]
+    expected[:2, columns] = block[:many, :2].T
     put(block, first, waves, 2)
     np.testing.assert_array_equal(waves, expected)
+
+
+@pytest.mark.parametrize("nx", [14, 15])
+@pytest.mark.parametrize("kernel", both(kernels.power_of_columns))
+def test_the_power_of_columns_is_that_of_parseval(kernel, nx, rng):
+    samples = rng.normal(size=(6, nx))
+    waves, whole = np.fft.rfft2(samples), np.fft.fft2(samples)
+    parts = [kernel(np.ascontiguousarray(waves[:, x : x + 3].T), np.ones(waves.shape), x, nx) for x in (0, 3, 6)]
+    assert sum(parts) == pytest.approx((abs(whole) ** 2).sum() - abs(whole[0, 0]) ** 2)
+
+
+@pytest.mark.parametrize("divide", [True, False])
+@pytest.mark.parametrize("kernel", both(kernels.multiply_map))
+def test_a_map_of_waves_is_multiplied_by_a_symbol(kernel, divide, rng):
+    waves, symbol = rng.normal(size=(3, 10)) + 0.0j, rng.uniform(0.5, 2.0, size=(3, 8))
+    symbol[0, 0], symbol[1, 1] = 0.0, np.inf
+    expected = waves.copy()
+    expected[:, :8] *= factors(symbol, 5, divide)
+    kernel(waves, symbol, 5, divide)
+    np.testing.assert_allclose(waves, expected, rtol=1e-15)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.spline_slopes))

@@ -33,7 +33,7 @@ def random_values(rng):
 
 def surroundings():
     around = np.empty((TILES.size, 9), dtype=np.int64)
-    kernels.surround(TILES, PLACES, DOWN, ACROSS, around)
+    kernels.surround(TILES, PLACES, DOWN, ACROSS, (False, False), around)
     return around
 
 
@@ -46,13 +46,18 @@ def test_marked_tiles_are_listed_with_their_places(kernel):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.surround))
-def test_neighbours_of_a_tile_lie_around_it_on_the_torus(kernel):
+@pytest.mark.parametrize("ends", [(False, False), (True, False), (False, True), (True, True)])
+def test_neighbours_of_a_tile_lie_around_it_on_the_torus_or_beyond_an_end(kernel, ends):
     around = np.empty((TILES.size, 9), dtype=np.int64)
-    kernel(TILES, PLACES, DOWN, ACROSS, around)
+    kernel(TILES, PLACES, DOWN, ACROSS, ends, around)
     places = PLACES.reshape(DOWN, ACROSS)
+    for axis, end in enumerate(ends):
+        edge = [(0, 0), (0, 0)]
+        edge[axis] = (1, 1)
+        places = np.pad(places, edge, constant_values=TILES.size) if end else np.pad(places, edge, mode="wrap")
     for tile, found in zip(TILES, around, strict=True):
         y, x = divmod(tile, ACROSS)
-        np.testing.assert_array_equal(found.reshape(3, 3), np.roll(places, (1 - y, 1 - x), (0, 1))[:3, :3])
+        np.testing.assert_array_equal(found.reshape(3, 3), places[y : y + 3, x : x + 3])
 
 
 @pytest.mark.parametrize("reach", [1, 5, 8])
@@ -87,7 +92,7 @@ def sharing(weights):
 def test_values_are_shared_among_coarse_nodes(kernel, rng):
     values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
     rows, columns = sharing(weights)
-    kernel(values, TILES, weights, coarse, 2 * DOWN, 2 * ACROSS)
+    kernel(values, TILES, ACROSS, weights, coarse, 2 * DOWN, 2 * ACROSS)
     np.testing.assert_allclose(coarse[:, : 2 * ACROSS], rows @ joined(values) @ columns.T, atol=1e-12)
 
 
@@ -96,7 +101,7 @@ def test_values_are_read_back_as_they_were_shared(kernel, rng):
     values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
     rows, columns = sharing(weights)
     expected = cut(joined(values) + rows.T @ coarse[:, : 2 * ACROSS] @ columns)[TILES]
-    kernel(coarse, TILES, weights, 2 * DOWN, 2 * ACROSS, values)
+    kernel(coarse, TILES, ACROSS, weights, 2 * DOWN, 2 * ACROSS, values)
     np.testing.assert_allclose(values[:-1], expected, atol=1e-12)
 
 
@@ -119,8 +124,8 @@ def test_what_a_block_shares_is_taken_off(kernel, rng):
 
 
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))
-def test_tiles_are_put_on_an_empty_map(kernel, rng):
-    values, rows = random_values(rng), rng.random((NY, PADDED))
+def test_tiles_are_put_on_a_map(kernel, rng):
+    values, rows = random_values(rng), np.zeros((NY, PADDED))
     kernel(values, TILES, rows, NX)
     np.testing.assert_array_equal(rows[:, :NX], joined(values))
 
@@ -183,13 +188,29 @@ def test_tiles_whose_gap_is_small_are_marked(kernel, rng):
 
 @pytest.mark.parametrize("kernel", both(kernels.close_map))
 def test_the_displacement_touches_in_contact_and_overlap(kernel, rng):
-    wall, gap, rows = rng.random((NY, NX)), rng.normal(size=(NY, NX)), np.empty((NY, PADDED))
+    wall, gap, rows = rng.random((NY, NX)), rng.normal(size=(NY, NX)), np.empty((NY + 3, PADDED))
     contact = random_values(rng) > 0.5
     contact[-1] = False
     expected = np.where(joined(contact), wall, wall - np.maximum(gap, 0.0))
+    added = np.where(joined(contact), gap, np.minimum(gap, 0.0))
     kernel(wall, gap, contact, TILES, rows)
     np.testing.assert_array_equal(gap, expected)
-    np.testing.assert_array_equal(rows[:, :NX], expected)
+    np.testing.assert_array_equal(rows, np.pad(added, ((0, 3), (0, PADDED - NX))))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.restore_map))
+def test_what_restores_a_displacement_is_less_by_the_pressure_that_caused_it(kernel, rng):
+    pressure, rows = random_values(rng), rng.random((NY, PADDED))
+    expected = rows[:, :NX] + 0.3 - joined(pressure)
+    kernel(pressure, TILES, NX, 0.3, rows)
+    np.testing.assert_allclose(rows[:, :NX], expected, atol=1e-15)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.tractions_around))
+def test_tractions_around_a_corner_are_those_beyond_it(kernel, rng):
+    rows = rng.normal(size=(NY, PADDED))
+    beyond = 0.2 - np.concatenate((rows[5:, :NX].ravel(), rows[:5, 7:NX].ravel()))
+    assert kernel(rows, 5, 7, NX, 0.2) == pytest.approx((abs(beyond).max(), beyond.sum()))
 
 
 @pytest.mark.parametrize("kernel", both(kernels.pack_rows))

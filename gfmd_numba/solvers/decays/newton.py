@@ -346,7 +346,8 @@ def _rows(batch: Batch, some: list[int]) -> Batch:
     """Some rows of a batch alone."""
     rows = np.array(some)
     load = None if batch.load is None else batch.load[rows]
-    return replace(batch, punch=batch.punch[rows], load=load, start=batch.start.rows(rows))
+    begun = None if batch.begun is None else batch.begun.rows(rows)
+    return replace(batch, punch=batch.punch[rows], load=load, begun=begun)
 
 
 class _Kept(local):

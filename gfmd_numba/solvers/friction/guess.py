@@ -145,7 +145,7 @@ def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
         for rows in (batch.punch, anchor)
     )
     start = replace(Start.at_rest(punch), tangential=anchor)
-    return replace(batch, punch=punch, response=batch.response.coarsened((nx,)), start=start)
+    return replace(batch, punch=punch, response=batch.response.coarsened((nx,)), begun=start)
 
 
 class Tangent(NamedTuple):

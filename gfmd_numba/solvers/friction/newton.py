@@ -200,7 +200,7 @@ class FrictionalNewton:
             response=self._condensed,
             load=None if batch.load is None else self.state.load[[i]],
             interface=replace(batch.interface, friction=None),
-            start=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
+            begun=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
         )
         solver, row = begin(normal, Options("frictional_newton", settled, _NORMAL_STEPS)), np.arange(1)
         for _ in range(_NORMAL_STEPS):

@@ -7,6 +7,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
@@ -29,10 +30,12 @@ class SplitCompliance:
     The stencil is fitted to the compliance of the waves that the coarser grid cannot hold, and the coarser grid has
     what the stencil leaves of the others. Cubic B-splines share each pressure among the coarse nodes around it, and
     read the displacement back, as in particle-mesh Ewald sums (Essmann et al., J. Chem. Phys. 103:8577, 1995).
-    `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement.
+    `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement. Tiles are listed row
+    by row, `tiles_across` of them.
     """
 
-    def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
+    def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
+        self._across = tiles_across
         self._tiles = self._around = np.empty(0, dtype=np.int64)
         self._coarse_shape = tuple(n // _COARSENING for n in shape)
         self._field = Transform(1, *self._coarse_shape, in_place=True)
@@ -64,11 +67,27 @@ class SplitCompliance:
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
-        kernels.tile_stencil(pressure, self._around, self.stencil, displacement)
+        convolve(pressure, self._around, self.stencil, displacement)
         coarse = self._field.memory[0]
-        kernels.spread(pressure, self._tiles, self._weights, coarse, *self._coarse_shape)
+        kernels.spread(pressure, self._tiles, self._across, self._weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
-        kernels.gather_back(coarse, self._tiles, self._weights, *self._coarse_shape, displacement)
+
+        def some(_: int, first: int, last: int) -> None:
+            tiles = self._tiles[first:last]
+            kernels.gather_back(
+                coarse, tiles, self._across, self._weights, *self._coarse_shape, displacement[first:last]
+            )
+
+        team().share(some, self._tiles.size)
+
+
+def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
+    """Fill the product on tiles with the convolution of the values with a stencil; the work is shared by tiles."""
+
+    def some(_: int, first: int, last: int) -> None:
+        kernels.tile_stencil(values, around[first:last], stencil, product[first:last])
+
+    team().share(some, len(around))
 
 
 def _cubic_spline(x: Reals) -> Reals:
@@ -131,13 +150,13 @@ class TileField:
     """Preconditioner of the compliance on the nodes in contact of some tiles: near neighbours and blocks.
 
     Values on m tiles are `[m + 1, TILE, TILE]`. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it
-    does not count.
+    does not count. Tiles are listed row by row, `tiles_across` of them.
     """
 
-    def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
+    def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
         self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
         self.stiffest = float(self._stencil.max())  # of a node between its neighbours
-        self._across = shape[1] // TILE
+        self._across = tiles_across
         self._tiles = self._around = np.empty(0, dtype=np.int64)
         self._nodes, self._isolated, self._stiff = self._tiles, np.empty(0), np.empty(0)
 
@@ -161,13 +180,13 @@ class TileField:
         if self._blocks.useful:
             self._sums, self._stiff = np.zeros((2, *self._blocks.shape))
             self._isolated = np.zeros(contact.shape)
-            kernels.tile_stencil(contact.astype(np.float64), self._around, self._stencil, self._isolated)
+            convolve(contact.astype(np.float64), self._around, self._stencil, self._isolated)
             kernels.sum_tiles(self._isolated, contact, self._tiles, self._across, self._stiff)
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes in contact that about causes the displacement there."""
         self._values.reshape(-1)[self._nodes] = displacement
-        kernels.tile_stencil(self._values, self._around, self._stencil, self._near)
+        convolve(self._values, self._around, self._stencil, self._near)
         if self._blocks.useful:
             kernels.sum_tiles(self._isolated, self._values, self._tiles, self._across, self._sums)
             shared = self._blocks.shared(self._sums, self._stiff)

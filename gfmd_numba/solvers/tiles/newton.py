@@ -3,14 +3,14 @@
 import math
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.elasticity.spectral_response import Window
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
@@ -43,9 +43,18 @@ class Level:
     held: tuple[int, ...]
 
     @property
-    def filled(self) -> int | None:
-        """Rows that may hold a pressure; None if all may."""
-        return self.held[0] if self.held[0] < self.shape[0] else None
+    def ends(self) -> tuple[bool, bool]:
+        """Whether what is held ends along y and x, and is no period."""
+        return self.held[0] < self.shape[0], self.held[1] < self.shape[1]
+
+    @property
+    def is_filled_in_part(self) -> bool:
+        """Whether some rows never hold a pressure."""
+        return self.ends[0]
+
+    def transform(self, rows: int = 1) -> Transform:
+        """Transform in place of maps on this grid."""
+        return Transform(rows, *self.shape, in_place=True, filled=self.held[0] if self.is_filled_in_part else None)
 
     def transforms_since(self, before: tuple[int, int]) -> float:
         """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
@@ -61,62 +70,68 @@ class Level:
     def of(cls, stiffness: Reals, shape: tuple[int, ...], share: tuple[float, ...]) -> "Level":
         """Prepare a grid of which contacts stay in a corner, a share of it in each direction."""
         held = tuple(TILE * math.ceil(n * part / TILE) for n, part in zip(shape, share, strict=True))
-        return cls(shape, stiffness, SplitCompliance(stiffness, shape), TileField(stiffness, shape), held)
+        across = held[1] // TILE
+        return cls(
+            shape, stiffness, SplitCompliance(stiffness, shape, across), TileField(stiffness, shape, across), held
+        )
 
 
 class MapContact:
-    """Pressure of one map on the tiles that its contact may reach, and the gap it leaves everywhere.
+    """Pressure of one map on the tiles that its contact may reach, and the gap it leaves wherever a level is held.
 
-    `wall` and `gap` are `[y, x]`; the latter is memory to be filled, as is that of the `transform`, which holds the
-    first pressure. `load` is the mean pressure, or None where the position of the punch prescribes the displacement.
-    Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    `wall` and `gap` are `[y, x]` there; the latter is memory to be filled, as is that of the `transform`, which holds
+    the first pressure. `load` is the mean pressure, or None where the position of the punch prescribes the
+    displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
     def __init__(self, level: Level, wall: Reals, gap: Reals, transform: Transform, load: float | None) -> None:
         self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
-        self.rows = transform.memory[0]
-        self.free_mean = load is not None
+        self.rows = transform.memory[0, : wall.shape[0]]
+        self.free_mean, self.approach = load is not None, 0.0
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
-        self._filled, self._pruned = level.held[0], level.filled is not None
-        down, across = (n // TILE for n in wall.shape)
-        self._marks = np.zeros(down * across, dtype=np.bool_)
-        self._places = np.empty(down * across, dtype=np.int64)
-        kernels.mark_loaded(self.rows[: self._filled], wall.shape[1], self._marks)
+        self._tiles_each_way = tuple(n // TILE for n in wall.shape)
+        self._marks = np.zeros(math.prod(self._tiles_each_way), dtype=np.bool_)
+        self._places = np.empty(self._marks.size, dtype=np.int64)
+        kernels.mark_loaded(self.rows, wall.shape[1], self._marks)
         self.tiles = self._listed()
         self.pressure = self._zeros()
         kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
         self._fresh = True  # the transform holds the pressure
-        self.everywhere = False  # whether gaps are known in all rows
 
-    def look(self, everywhere: bool = True) -> float:
-        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure.
-
-        Unless `everywhere`, gaps are found only in the rows that may hold a pressure.
-        """
+    def look(self) -> float:
+        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
         nx, level, rows = self.wall.shape[1], self._level, self.rows
-        self.everywhere = everywhere or not self._pruned
-        seen = None if self.everywhere else self._filled
         if not self._fresh:
-            kernels.put_tiles(self.pressure, self.tiles, rows[:seen], nx)
+            put_tiles(self.pressure, self.tiles, rows, nx)
         self._fresh = False
-        self.transform.soften(level.stiffness, not self.everywhere)
+        self.transform.soften(level.stiffness, level.is_filled_in_part)
         self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
         if not self.free_mean:
             approach, spread = 0.0, math.hypot(approach, spread)
-        self._marks[:] = False
-        kernels.open_map(self.wall[:seen], rows[:seen], approach, _NEAR * spread, self.gap[:seen], self._marks)
+        self.approach, self._marks[:] = approach, False
+        self._open(approach, _NEAR * spread)
         kernels.mark_contact(self.contact, self.tiles, self._marks)
-        self._pruned = self._pruned and not self._marks[self._filled * nx // TILE**2 :].any()
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
-        self._exact = self.tiles.size > _DENSE * self._marks.size
+        self._exact = self.tiles.size * TILE**2 > _DENSE * self.transform.n
         before = level.count_transforms()
         level.inverse.place(self.tiles, self._around)
         error = self._error()
         self.coarse_transforms += level.transforms_since(before)
         return error
+
+    def _open(self, approach: float, near: float) -> None:
+        """Find the gap and mark the tiles where it is anywhere below `near`."""
+        across = self._tiles_each_way[1]
+
+        def some(_: int, first: int, last: int) -> None:
+            nodes, tiles = slice(first * TILE, last * TILE), slice(first * across, last * across)
+            each = self.wall[nodes], self.rows[nodes], approach, near, self.gap[nodes], self._marks[tiles]
+            kernels.open_map(*each)
+
+        team().share(some, self._tiles_each_way[0])
 
     def settle(self, error: float, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -129,7 +144,7 @@ class MapContact:
         counted = level.count_transforms()
         level.compliance.place(self.tiles, self._around)  # other maps share the level
         level.inverse.place(self.tiles, self._around)
-        total = 0.0 if self._load is None else self._load * self.wall.size
+        total = 0.0 if self._load is None else self._load * self.transform.n
         for _ in range(_STEPS):
             closing = self._closing()
             iterations = closing.solve(tolerance, _ITERATIONS) if closing.nodes.size else 0
@@ -163,8 +178,8 @@ class MapContact:
             self._level.compliance.apply(pressure, displacement)
             return
         rows, nx = self.rows, self.wall.shape[1]
-        kernels.put_tiles(pressure, self.tiles, rows[: self._filled if self._pruned else None], nx)
-        self.transform.soften(self._level.stiffness, self._pruned)
+        put_tiles(pressure, self.tiles, rows, nx)
+        self.transform.soften(self._level.stiffness, self._level.is_filled_in_part)
         kernels.take_tiles(rows, self.tiles, nx, displacement)
 
     def _error(self) -> float:
@@ -188,11 +203,17 @@ class MapContact:
         places, pressure, contact = self._places.copy(), self.pressure, self.contact
         self.tiles = self._listed()
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
-        kernels.surround(self.tiles, self._places, *(n // TILE for n in self.wall.shape), self._around)
+        kernels.surround(self.tiles, self._places, *self._tiles_each_way, self._level.ends, self._around)
         self.pressure, self._gap = self._zeros(), self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         kernels.move_tiles(pressure, places, self.tiles, self.pressure)
         kernels.move_tiles(contact, places, self.tiles, self.contact)
+
+
+def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
+    """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
+    team().by_rows(lambda some: rows[some].fill(0.0), len(rows))
+    kernels.put_tiles(values, tiles, rows, nx)
 
 
 def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
@@ -201,13 +222,11 @@ def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
 
 
 _COARSEST = 64  # nodes along the shorter side up to which the first guess is full contact
-_FIRST = np.zeros(1, dtype=np.int64)
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
 
 
-def levels(stiffness: Reals, shape: tuple[int, ...], window: Window | None) -> list[Level]:
-    """Grids from the given one down, each about half as fine as the one before."""
-    held = shape if window is None else window.shape
+def levels(stiffness: Reals, shape: tuple[int, ...], held: tuple[int, ...]) -> list[Level]:
+    """Grids from the given one down, each about half as fine as the one before; punches are `held` in a corner."""
     share = tuple(m / n for m, n in zip(held, shape, strict=True))
     made = [Level.of(stiffness, shape, share)]
     while min(shape) > _COARSEST:
@@ -217,40 +236,39 @@ def levels(stiffness: Reals, shape: tuple[int, ...], window: Window | None) -> l
     return made
 
 
-def guess(grids: list[Level], wall: Reals, transform: Transform, load: float | None, start: float) -> float:
+def guess(
+    grids: list[Level], wall: Reals, around: float, transform: Transform, load: float | None, start: float
+) -> float:
     """Fill the transform of the first grid with a pressure; transforms of coarser grids, by their cost on this one.
 
-    `start` is the uniform pressure that the coarsest grid begins with.
+    `start` is the uniform pressure that the coarsest grid begins with. The wall is flat `around` where it is held.
     """
+    ny, nx = grids[0].held
     if len(grids) == 1:
-        ny, nx = grids[0].held
         transform.samples[0] = 0.0
-        transform.samples[0, :ny, :nx] = start * (1.0 if load is None else wall.size / (ny * nx))
+        transform.samples[0, :ny, :nx] = start * (1.0 if load is None else transform.n / (ny * nx))
         return 0.0
     coarse = grids[1]
-    own = Transform(1, *coarse.shape, in_place=True, filled=coarse.filled)
-    smooth = _without_short_waves(wall, transform, own)
-    spent = guess(grids[1:], smooth, own, load, start)
-    contact = MapContact(coarse, smooth, np.empty(coarse.shape), own, load)
-    contact.settle(contact.look(everywhere=False), _SETTLED)
-    kernels.put_tiles(contact.pressure, contact.tiles, contact.rows, coarse.shape[1])
-    samples = transform.samples[0, : grids[0].filled]
-    refine(own.samples[0], samples, wall.shape[0])
+    own = coarse.transform()
+
+    def begin(some: slice) -> None:
+        transform.samples[0, some, nx:] = 0.0
+        np.subtract(wall[some], around, out=transform.samples[0, some, :nx])
+
+    team().by_rows(begin, ny)
+    transform.coarsen(own, grids[0].is_filled_in_part)
+    smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
+    spent = guess(grids[1:], smooth, around, own, load, start)
+    contact = MapContact(coarse, smooth, np.empty(coarse.held), own, load)
+    contact.settle(contact.look(), _SETTLED)
+    put_tiles(contact.pressure, contact.tiles, own.memory[0], coarse.held[1])
+    samples = transform.samples[0, :ny]
+    refine(own.samples[0], samples, transform.shape[0])
+    samples[:, nx:] = 0.0
     if load is not None:
-        np.multiply(samples, load * (wall.size / samples.size) / samples.mean(), out=samples)
-    return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, wall.size)
-
-
-def _without_short_waves(wall: Reals, transform: Transform, coarse: Transform) -> Reals:
-    """Heights of the waves that a coarser grid holds, on its nodes; overwrites both transforms."""
-    transform.samples[0] = wall
-    transform.forward(_FIRST)
-    ky, kx = grid.wave_indices(coarse.shape)
-    held = np.abs(ky) < coarse.shape[0] / 2, kx < coarse.shape[1] / 2
-    coarse.waves[0, :, : kx.size] = np.where(held[0] & held[1], transform.waves[0, ky, kx], 0.0) / wall.size
-    coarse.inverse(_FIRST)
-    found: Reals = coarse.samples[0].copy()
-    return found
+        factor = load * (transform.n / samples.size) / samples.mean()
+        team().by_rows(lambda some: np.multiply(samples[some], factor, out=samples[some]), ny)
+    return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, transform.n)
 
 
 _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked for
@@ -258,7 +276,7 @@ _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked f
 
 def tile_newton(batch: Batch, options: Options) -> "TileNewton | None":
     """Begin on maps that tiles cover, without a hardness."""
-    takes = batch.interface.hardness is None and fits(batch.punch.shape[1:])
+    takes = batch.interface.hardness is None and fits(batch.shape)
     return TileNewton(batch, options) if takes else None
 
 
@@ -269,24 +287,29 @@ class TileNewton:
     is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
     of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
     from a cascade of coarser grids. The certificate costs two transforms more, and is looked at once the error of the
-    pressure is that small; until then `residual` is that error.
+    pressure is that small; until then `residual` is that error. What restores the displacement that a pressure causes
+    is that pressure, so that only what closing the gap adds to it is transformed.
 
     Of the size of the map are the displacement, which is the gap until the certificate needs it, and the memory of the
-    transform, which is the restoring traction afterwards; pressures live on tiles.
+    transform, which is the restoring traction afterwards; pressures live on tiles. Without a period the map is the
+    window of the punch, and only the transform is larger.
     """
 
     check_every = 1
 
     def __init__(self, batch: Batch, options: Options) -> None:
-        punch, stiffness = batch.punch, batch.response.normal
-        rows, shape = len(punch), punch.shape[1:]
-        grids = levels(stiffness, shape, batch.response.window)
-        self.field = Transform(rows, *shape, in_place=True, filled=grids[0].filled)
-        self.wall = punch.reshape(rows, self.field.n)
-        self.displacement = np.empty((rows, self.field.n))
-        self.load = batch.loads
-        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
+        rows, stiffness = len(batch.punch), batch.response.normal
+        grids = levels(stiffness, batch.shape, batch.punch.shape[1:])
+        held = grids[0].held
+        wall = batch.punch if batch.punch.shape[1:] == held else batch.within(held)
+        self.field = Held(math.prod(held), held)
+        room = batch.room if batch.room is not None and batch.room.shape == wall.shape else np.empty(wall.shape)
+        self.wall, self.displacement = wall.reshape(rows, -1), room.reshape(rows, -1)
+        self.load, self._transform = batch.loads, grids[0].transform(rows)
+        self.state = kernels.State.of_normal(self.displacement, self._transform.result, self.wall, self.load)
         self.certificate = batch.certificate()
+        if batch.around is not None:
+            self.certificate.mean_displacement = np.zeros(rows)
         self._stiffness, self._residual = stiffness, options.residual
         # the certificate of the last iteration is looked at whatever the error
         self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
@@ -294,18 +317,18 @@ class TileNewton:
         self._coarse_transforms = np.zeros(rows)
         self._contacts: list[MapContact] = []
         for i in range(rows):
-            transform = self.field.row(i)
+            transform = self._transform.row(i)
             load = None if batch.load is None else float(batch.load[i])
+            around = 0.0 if batch.around is None else float(batch.around[i].item())
             start = float(batch.uniform_pressure[i])
-            self._coarse_transforms[i] = guess(grids, punch[i], transform, load, start)
-            gap = self.displacement[i].reshape(shape)
-            self._contacts.append(MapContact(grids[0], punch[i], gap, transform, load))
+            self._coarse_transforms[i] = guess(grids, wall[i], around, transform, load, start)
+            self._contacts.append(MapContact(grids[0], wall[i], self.displacement[i].reshape(held), transform, load))
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
         others = self._coarse_transforms + np.array([contact.coarse_transforms for contact in self._contacts])
-        return np.asarray(self.field.n_transforms + np.ceil(others).astype(np.int64))
+        return np.asarray(self._transform.n_transforms + np.ceil(others).astype(np.int64))
 
     def advance(self, active: Indices) -> None:
         """Close the gap of each active row as it is known, and find the exact one."""
@@ -313,8 +336,7 @@ class TileNewton:
             contact = self._contacts[i]
             if not np.isnan(self._error[i]):
                 contact.settle(self._error[i], _EXACT_ENOUGH * self._residual)
-            # the certificate, which is expected next, needs gaps everywhere
-            self._error[i] = contact.look(everywhere=self._error[i] * _EXACT <= self._residual)
+            self._error[i] = contact.look()
             self._left[i] -= 1
 
     def residual(self, active: Indices) -> Reals:
@@ -325,14 +347,28 @@ class TileNewton:
         error = float(self._error[i])
         if error > self._residual and self._left[i] > 0:
             return error
-        contact, row, n = self._contacts[i], np.array([i]), self.field.n
-        if not contact.everywhere:
-            self._error[i] = contact.look()
-            if self._error[i] > self._residual and self._left[i] > 0:
-                return float(self._error[i])
-        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, contact.rows)
-        contact.transform.stiffen(self._stiffness)
-        kernels.pack_rows(contact.rows, self.field.shape[1])
+        contact, row, (ny, nx) = self._contacts[i], np.array([i]), self.field.shape
+        transform, memory, stiffest = contact.transform, contact.transform.memory[0], float(self._stiffness[0, 0])
+        held = 0.0 < stiffest < np.inf
+        mean = float(contact.pressure.sum()) / transform.n
+        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, memory)
+        if self.certificate.mean_displacement is not None:
+            added = float(memory[:ny, :nx].sum()) / transform.n
+            self.certificate.mean_displacement[i] = contact.approach + added - (mean / stiffest if held else 0.0)
+        transform.stiffen(self._stiffness)
+        shift = 0.0 if held else mean  # nothing restores a mean displacement, or it is rigid
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
-            self.load[i] = contact.pressure.sum() / n
-        return float(self.certificate.look(self.state, row, n)[0])
+            self.load[i] = mean
+        largest, total = kernels.tractions_around(memory, ny, nx, transform.shape[1], float(self.load[i]) - shift)
+        kernels.restore_map(contact.pressure, contact.tiles, nx, shift, contact.rows)
+        kernels.pack_rows(contact.rows, nx)
+        self.certificate.look(self.state, row, self.field.n)
+        share = self.field.n / transform.n
+        return self.certificate.with_surroundings(i, self.load, largest, total / transform.n, share)
+
+
+class Held(NamedTuple):
+    """The nodes that the state of a solver has, and their shape (y, x)."""
+
+    n: int
+    shape: tuple[int, ...]

@@ -1,0 +1,63 @@
+"""How threads share the work on large arrays: in pieces that do not depend on how many threads there are."""
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+
+
+class Team:
+    """Some threads, the one that asks among them."""
+
+    def __init__(self, size: int) -> None:
+        self.size = size
+        self._pool = ThreadPoolExecutor(size - 1) if size > 1 else None
+
+    def share(self, work: Callable[[int, int, int], None], pieces: int) -> None:
+        """Call `work` with the number of a thread and the first and last but one of its pieces, for all of these.
+
+        Results are the same for any number of threads if each piece is made by itself. Raises what `work` raises.
+        """
+        if self._pool is None or pieces < self.size:
+            work(0, 0, pieces)
+            return
+        ends = [pieces * i // self.size for i in range(self.size + 1)]
+        others = [self._pool.submit(work, i, ends[i], ends[i + 1]) for i in range(1, self.size)]
+        work(0, 0, ends[1])
+        for other in others:
+            other.result()
+
+    def by_rows(self, work: Callable[[slice], None], rows: int) -> None:
+        """Call `work` with some of the rows after others, for all of these."""
+        self.share(lambda _, first, last: work(slice(first, last)), rows)
+
+    def close(self) -> None:
+        """End the threads."""
+        if self._pool is not None:
+            self._pool.shutdown()
+
+
+_ALONE = Team(1)
+_present = [_ALONE]
+
+
+def team() -> Team:
+    """Return the threads that share the work now."""
+    return _present[-1]
+
+
+def cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+@contextmanager
+def shared_by(threads: int) -> Iterator[None]:
+    """Let so many threads, or as many as there are cores, share the work of this process meanwhile."""
+    made = Team(min(threads, cores()))
+    _present.append(made)
+    try:
+        yield
+    finally:
+        _present.remove(made)
+        made.close()

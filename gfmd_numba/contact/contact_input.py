@@ -12,7 +12,7 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
-from gfmd_numba.contact.scales import Sliding, reduced_pressure, reduced_step, steps_of
+from gfmd_numba.contact.scales import Scales, Sliding, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
@@ -44,6 +44,11 @@ class ContactInput:
     def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
         """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
         return tuple(steps_of(self.file.scene, self.file.path))
+
+    @property
+    def scales(self) -> Scales:
+        """What its numbers count in, and its bodies in these units."""
+        return scales_of(self.file.scene)
 
     @cached_property
     def units(self) -> "Units":
@@ -106,7 +111,7 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
     """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness."""
     for place, scene in loaded:
         try:
-            reduced_pressure(scene, surfaces.rms_gradient)
+            reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
             raise document.refused(place, str(error)) from None
 

@@ -23,7 +23,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
-from gfmd_numba.contact.scales import contact_modulus, elastic_body
+from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
@@ -105,16 +105,16 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
 
 def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
     """Dimensionless problem of what is prescribed."""
-    file, prescribed = given.file, given.prescribed
+    file, prescribed, scales = given.file, given.prescribed, scales_of(given.file.scene)
     free, components = np.full(next(iter(prescribed.values())).shape, np.nan), COMPONENTS[file.scene.dimension]
     traction, displacement = (
         np.stack([prescribed.get(component.key(quantity), free) for component in components])
         for quantity in ("traction", "displacement")
     )
     return BoundaryValueProblem(
-        elastic_body(file.scene.body, file.scene.length),
-        np.nan_to_num(traction, nan=0.0) / contact_modulus(file.scene),
-        displacement / (file.scene.length or 1.0),
+        scales.bodies[0],
+        np.nan_to_num(traction, nan=0.0) / scales.modulus,
+        displacement / scales.length,
         solver_options(file.numerics, able(["prescribed"])[0]),
         None if given.rough is None else given.rough.heights,
         file.slope_order or 0,

@@ -22,14 +22,9 @@ from gfmd_numba.contact.dataset import (
     refuse_nonfinite,
 )
 from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.evaluation import gap, measure, recorded_of
-from gfmd_numba.contact.load_path import PathRecord
-from gfmd_numba.contact.observables import (
-    OF_PUNCH,
-    OF_SUM,
-    ROUGH_BODY_OBSERVABLES,
-    recorded_along,
-)
+from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.load_path import PathRecord, recorded_of
+from gfmd_numba.contact.observables import ROUGH_BODY_OBSERVABLES, recorded_along
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
@@ -125,9 +120,8 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     variables: dict[str, Any] = {
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
-    measures = measure(contact)
-    for name, row in recorded_of(contact).items():
-        variables[name] = unit.measure(name, row, measures[name][0])
+    rows = recorded_of(problem)
+    variables |= {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
     if contact.equilibrium.growing_wave is not None:
         attributes = cf_attributes("index of the wave that grew most before it was unstable")
         variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
@@ -171,9 +165,6 @@ def _add_bodies(
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
-    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
-        attributes = found[name].attrs
-        attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = given.units, given.surfaces.rms_gradient

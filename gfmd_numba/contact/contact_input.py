@@ -18,7 +18,7 @@ from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene import BoundaryFile, Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from gfmd_numba.contact.dataset import Units
 
 Described = TypeVar("Described", Scene, LoadedBody)
+Given = TypeVar("Given", SceneFile, BoundaryFile)
 
 
 @dataclass(frozen=True)
@@ -81,8 +82,8 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return given
 
 
-def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
-    """A scene file with the dimension and the period that its measured surfaces tell, and these surfaces.
+def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, MeasuredSurfaces]:
+    """A file of a scene with the dimension and the period that its measured surfaces tell, and these surfaces.
 
     Raises InputError for surfaces that cannot be used or do not fit each other, and for what does not fit the period.
     """

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import forming_tractions
-from gfmd_numba.contact.contact_input import with_measured
+from gfmd_numba.contact.contact_input import with_measured_surfaces
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
     Units,
@@ -30,7 +30,6 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
 from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
-from gfmd_numba.scene.document import located
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
@@ -72,10 +71,7 @@ class BoundaryValueProblem:
 
 def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
-    scene, measured = with_measured(file.scene, document)
-    file = file.model_copy(update={"scene": scene})
-    with located(document):
-        file.check_period()
+    file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics)
     rough = _rough_body(file, measured, document)
     body, dimension = file.scene.body, file.scene.dimension

@@ -146,8 +146,5 @@ def check_room(
     room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
-            most, reason = (
-                in_unit_of(displacement, room),
-                "as an incompressible body has no room for more of this punch",
-            )
-            raise document.refused(place, f"at most {most}, {reason}")
+            reason = "as an incompressible body has no room for more of this punch"
+            raise document.refused(place, f"at most {in_unit_of(displacement, room)}, {reason}")

@@ -1,16 +1,13 @@
 """Numbers of a scene that are implausible for what they are: as a rule a unit was left out, or mistaken."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
-
-from pydantic import BaseModel
+from typing import NamedTuple
 
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
-from gfmd_numba.scene.records import Boundary
 from gfmd_numba.scene.surface_file import SurfaceFile
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, quantities
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, numbers_in
 from gfmd_numba.text.numbers import si_prefix
 
 
@@ -106,18 +103,12 @@ def _scales(file: Scene | LoadedBody | SurfaceFile) -> Compared:
     return Compared(file.length, file.body.surface_modulus if file.has_moduli else None, 1.0 / softness)
 
 
-def _numbers(record: Any, at: Location = ()) -> Iterator[Given]:
+def _numbers(record: object, at: Location = ()) -> Iterator[Given]:
     """Numbers of a record that are quantities, and their places in it."""
-    if isinstance(record, BaseModel):
-        of_record = quantities(type(record)) | (_OF_BOUNDARIES if isinstance(record, Boundary) else {})
-        for name, value in record:
-            if name in of_record and isinstance(value, float):
-                yield (*at, name), value, of_record[name]
-            else:
-                yield from _numbers(value, (*at, name))
-    elif isinstance(record, tuple):
-        for i, value in enumerate(record):
-            yield from _numbers(value, (*at, i))
+    for place, value, quantity in numbers_in(record, at):
+        found = _OF_BOUNDARIES.get(str(place[-1])) if "boundary" in place else quantity
+        if found is not None:
+            yield place, value, found
 
 
 def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:

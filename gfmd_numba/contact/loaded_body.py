@@ -22,7 +22,7 @@ from gfmd_numba.contact.observables import OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
+from gfmd_numba.contact.rough_surfaces import RoughBody, pressed_bodies
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity import topography
@@ -73,7 +73,9 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
     file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics)
-    rough = _rough_body(file, measured, document)
+    rough = None
+    if file.scene.follows_topography:
+        (rough,) = pressed_bodies(file, measured, document).bodies or ()
     body, dimension = file.scene.body, file.scene.dimension
     needed = arrays_of_a_loaded_body(dimension, file.slope_order)
     shape = None if file.points is None else (file.points,) * dimension
@@ -115,17 +117,6 @@ def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
         None if given.rough is None else given.rough.heights,
         file.slope_order or 0,
     )
-
-
-def _rough_body(file: BoundaryFile, measured: MeasuredSurfaces, document: Document) -> RoughBody | None:
-    """The body with its topography, None for a flat one; raises InputError for heights that cannot be used."""
-    scene = file.scene
-    if not scene.follows_topography:
-        return None
-    order = file.numerics.slope_order(scene)
-    ensemble = ensemble_of_rough_bodies(scene, file.discretisation, file.seed, order, measured, document)
-    (body,) = check_drawn(scene, *ensemble, file.realisation, document)
-    return body
 
 
 @dataclass(frozen=True)

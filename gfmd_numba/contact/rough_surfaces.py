@@ -16,7 +16,17 @@ from gfmd_numba.roughness import generators
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Discretisation, Document, InputError, LoadedBody, Measured, Random, Scene, SceneFile
+from gfmd_numba.scene import (
+    BoundaryFile,
+    Discretisation,
+    Document,
+    InputError,
+    LoadedBody,
+    Measured,
+    Random,
+    Scene,
+    SceneFile,
+)
 from gfmd_numba.scene.units import in_reduced_units
 
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -77,7 +87,7 @@ def measured_surfaces(
 def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
-        return _of_rough_bodies(file, measured, document)
+        return pressed_bodies(file, measured, document)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
 
@@ -142,7 +152,8 @@ def _of_the_punch(
     return _random(("roughness",), scene, file.discretisation, file.seed, document)
 
 
-def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_bodies(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+    """Surfaces of a scene whose topographies are followed, with its bodies; raises InputError for unusable ones."""
     order = file.numerics.slope_order(file.scene)
     summed, rough = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
     bodies = check_drawn(file.scene, summed, rough, file.realisation, document)

@@ -175,12 +175,12 @@ MEMORY = Quantity("memory", ("B", "MB", "GB"))
 QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, WEAR_RATE, MEMORY)
 
 
-Place = tuple[str | int, ...]  # in a record
+Keys = tuple[str | int, ...]  # that lead to a place in a record
 
 
 def numbers_in(
-    record: Any, at: Place = (), quantity: Quantity | None = None
-) -> Iterator[tuple[Place, float, Quantity | None]]:
+    record: Any, at: Keys = (), quantity: Quantity | None = None
+) -> Iterator[tuple[Keys, float, Quantity | None]]:
     """Numbers of a record, their places in it, and the quantities that its fields say they are."""
     if isinstance(record, float):
         yield at, record, quantity
@@ -193,7 +193,7 @@ def numbers_in(
             yield from numbers_in(value, (*at, i))
 
 
-def given_with_units(record: Any, at: Place = ()) -> Iterator[tuple[Place, WithUnit]]:
+def given_with_units(record: Any, at: Keys = ()) -> Iterator[tuple[Keys, WithUnit]]:
     """Numbers of a record that were given with units, and their places in it."""
     return ((place, value) for place, value, _ in numbers_in(record, at) if isinstance(value, WithUnit))
 

@@ -409,10 +409,16 @@ def _periods(contact: Contact) -> tuple[float, ...]:
     return (1.0,) * (contact.heights.ndim - 1)
 
 
+def recorded_of(contact: Contact) -> dict[str, Observable]:
+    """Rows of all observables that a contact has."""
+    remembered = () if contact.before is None else contact.before.memory
+    has_hardness = contact.equilibrium.plastic is not None
+    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
+
+
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
-    found, remembered = contact.equilibrium, () if contact.before is None else contact.before.memory
-    rows = recorded(found.plastic is not None, contact.ends, contact.form is not None, remembered)
+    found, rows = contact.equilibrium, recorded_of(contact)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         values = {name: _value(name, row, contact) for name, row in rows.items()}
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}

@@ -21,6 +21,13 @@ def pytest_xdist_auto_num_workers(config):
     return max(1, min(cores, psutil.virtual_memory().available // _MEMORY))
 
 
+def pytest_ignore_collect(collection_path, config):
+    """Leave files without long tests out where these alone are asked for: every process would import all of them."""
+    if config.option.markexpr == "long" and collection_path.match("test_*.py"):
+        return "mark.long" not in collection_path.read_text(encoding="utf-8") or None
+    return None
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _written_without_waiting():
     """No test outlives a loss of power, and thousands of them wait for the disk otherwise."""

@@ -13,9 +13,9 @@ from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.grid import values_of
 from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, random_surface
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form
+from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form, random_surface
 from gfmd_numba.contact.scales import passing, reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
-from math import inf, isnan, nan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -24,7 +24,6 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import Discretisation
 from gfmd_numba.solvers.table import able
 
@@ -34,7 +33,6 @@ _PATIENCE = 50_000  # iterations
 _TIME_STEPS = (0.25, 0.5, 0.95)
 _DAMPINGS = (0.0625, 0.25, 0.5, 1.0, 4.0)
 _FINER = 4  # times as fine as the reference, the level that others are compared with
-_SLABS = (1.0, 0.5, 0.2, 0.1)
 _DIVISIONS, _FINEST_DIVISION = (1, 2, 4), 8  # of each step of a path
 _ORDERS, _HIGHEST_ORDER = (0, 1, 2), 3  # in the slope of rough bodies
 _MOST_NODES = {1: 2**17, 2: 2**20}  # of a level, by dimension
@@ -166,7 +164,6 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     yield from study.sampling()
     yield from study.load_steps()
     yield from study.orders()
-    yield from study.effects()
 
 
 def study_of(planned: Plan, realisations: int | None = None) -> "Study":
@@ -300,20 +297,6 @@ class Study:
         for order in _ORDERS:
             values = self.run(replace(self.problem, rough=replace(rough, order=order)))
             yield self.point("topography order", "each order", order, values, exact, of_means=True)
-
-    def effects(self) -> Iterator[Point]:
-        """What a slab changes and costs over the half-space."""
-        problem = self.problem
-        loaded = problem.mean_pressure is None or problem.tractions is not None
-        if problem.interface.couples or loaded or problem.body.stack is not None or problem.rough is not None:
-            return
-        nu = 0.33 if problem.body.poissons_ratio is None else problem.body.poissons_ratio
-        half_space = self.run(replace(problem, body=ElasticBody(None, None)))
-        study = "effects", "half-space for a slab"
-        yield self.point(*study, inf, half_space, half_space, of_means=True)
-        for aspect_ratio in _SLABS:
-            slab = self.run(replace(problem, body=ElasticBody(nu, aspect_ratio)))
-            yield self.point(*study, aspect_ratio, half_space, slab, of_means=True)
 
     def run(self, problem: Problem, realisations: int | None = None, **settings: Any) -> Measures:
         """Return the measures of surfaces, and the seconds that one takes."""

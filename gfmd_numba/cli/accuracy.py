@@ -37,8 +37,8 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
 
     The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
     processor time: solver and residual, time step and damping, each discretisation, the number of surfaces,
-    the length of the steps of a loading path, the order in the slope of rough bodies, and a slab in place of a
-    half-space. `gfmd plan --target` tells what an error of the limit costs.
+    the length of the steps of a loading path, and the order in the slope of rough bodies. `gfmd plan --target` tells
+    what an error of the limit costs.
     """
     from gfmd_numba.analysis import plot_accuracy
     from gfmd_numba.campaign import work_precision

@@ -146,10 +146,9 @@ def _check_scene(document: Document) -> tuple[str, str]:
     doubts: list[str] = []
     if isinstance(file, BoundaryFile):
         if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
-            from gfmd_numba.contact.contact_input import with_measured
+            from gfmd_numba.contact.contact_input import with_measured_surfaces
 
-            scene, measured = with_measured(file.scene, document)
-            file = file.model_copy(update={"scene": scene})
+            file, measured = with_measured_surfaces(file, document)
             doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
         check_combination(document, file.scene, file.numerics)
         return "a loaded body", "\n".join((*implausible(file.scene), *doubts))

@@ -22,25 +22,20 @@ from gfmd_numba.contact.dataset import (
     refuse_nonfinite,
 )
 from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.evaluation import gap, measure, recorded_of
-from gfmd_numba.contact.load_path import PathRecord
-from gfmd_numba.contact.observables import (
-    OF_PUNCH,
-    OF_SUM,
-    ROUGH_BODY_OBSERVABLES,
-    recorded_along,
-)
+from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.load_path import PathRecord, recorded_of
+from gfmd_numba.contact.observables import ROUGH_BODY_OBSERVABLES, recorded_along
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, Sliding, elastic_body, reduced_pressure, times_of
+from gfmd_numba.contact.scales import SLIDING, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS, Scene
+from gfmd_numba.scene import COMPONENTS
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import RMS_GRADIENT_TARGET
 from gfmd_numba.solvers.status import Status
@@ -66,7 +61,7 @@ def path_dataset(
             _add_followed(steps[-1], given, at_load, contact, contact.followed)
         if not is_ok:
             break
-    dataset = _with_loads(_joined(steps) if file.path else steps[0], given)
+    dataset = _with_loads(_joined(steps) if file.path else steps[0], given, problem)
     if file.path:
         _add_record(dataset, given, record)
     if file.scene.interface.reaches_across:
@@ -99,7 +94,7 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     scene, unit = given.file.scene, given.units
     displacement = contact.equilibrium.displacement[0]
     if problem.displacement is None and not any(problem.ends):
-        displacement = displacement - displacement.mean() - _uniform_compression(scene, problem) / contact.change.factor
+        displacement = displacement - displacement.mean() - _uniform_compression(given, problem) / contact.change.factor
     if contact.change.out is not None:
         displacement = displacement + contact.change.out[0]
     fields = {
@@ -125,9 +120,8 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     variables: dict[str, Any] = {
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
-    measures = measure(contact)
-    for name, row in recorded_of(contact).items():
-        variables[name] = unit.measure(name, row, measures[name][0])
+    rows = recorded_of(problem)
+    variables |= {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
     if contact.equilibrium.growing_wave is not None:
         attributes = cf_attributes("index of the wave that grew most before it was unstable")
         variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)
@@ -137,8 +131,8 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     return dataset
 
 
-def _uniform_compression(scene: Scene, problem: Problem) -> float:
-    uniform = float(elastic_body(scene.body, scene.length).condensed_stiffness(np.zeros(1))[0])
+def _uniform_compression(given: ContactInput, problem: Problem) -> float:
+    uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
     return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
 
 
@@ -171,9 +165,6 @@ def _add_bodies(
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
-    for name in ("rms_gradient", "rms_gradient_contact", "nayak"):
-        attributes = found[name].attrs
-        attributes["long_name"] = attributes["long_name"].replace(OF_PUNCH, OF_SUM)
     dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = given.units, given.surfaces.rms_gradient
@@ -286,12 +277,15 @@ def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
     )
 
 
-def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
+def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> xr.Dataset:
     """Return the dataset with the loading of each step of a path as coordinates; a load also as p/(g E*)."""
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
-    for scene, sliding in given.steps:
-        for name, value in _prescribed(scene, sliding, given.surfaces.rms_gradient).items():
+    for (scene, sliding), load in zip(given.steps, (problem.step, *problem.path), strict=True):
+        own = {} if problem.displacement is not None else {"reduced_pressure": load.load * given.scales.stiffness}
+        own[scene.loading.control] = float(getattr(scene.loading, scene.loading.control))
+        own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
+        for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if given.file.scene.body.relaxation is not None and given.file.scene.loading.speed is None:
         found["time"] = times_of(scene for scene, _ in given.steps)
@@ -300,11 +294,3 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput) -> xr.Dataset:
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     n = dataset.sizes["step"]
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
-
-
-def _prescribed(scene: Scene, sliding: Sliding, rms_gradient: float) -> dict[str, float]:
-    load = reduced_pressure(scene, rms_gradient)
-    reduced = {} if load is None else {"reduced_pressure": load}
-    own = {scene.loading.control: float(getattr(scene.loading, scene.loading.control))}
-    own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
-    return reduced | own | dict(zip(SLIDING, map(float, sliding), strict=False))

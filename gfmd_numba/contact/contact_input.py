@@ -12,13 +12,13 @@ from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
-from gfmd_numba.contact.scales import Sliding, passing, reduced_pressure, reduced_step, steps_of
+from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Document, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene import BoundaryFile, Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from gfmd_numba.contact.dataset import Units
 
 Described = TypeVar("Described", Scene, LoadedBody)
+Given = TypeVar("Given", SceneFile, BoundaryFile)
 
 
 @dataclass(frozen=True)
@@ -44,6 +45,11 @@ class ContactInput:
     def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
         """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
         return tuple(steps_of(self.file.scene, self.file.path))
+
+    @property
+    def scales(self) -> Scales:
+        """What its numbers count in, and its bodies in these units."""
+        return scales_of(self.file.scene)
 
     @cached_property
     def units(self) -> "Units":
@@ -77,8 +83,8 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return given
 
 
-def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
-    """A scene file with the dimension and the period that its measured surfaces tell, and these surfaces.
+def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, MeasuredSurfaces]:
+    """A file of a scene with the dimension and the period that its measured surfaces tell, and these surfaces.
 
     Raises InputError for surfaces that cannot be used or do not fit each other, and for what does not fit the period.
     """
@@ -107,7 +113,7 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
     """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness."""
     for place, scene in loaded:
         try:
-            reduced_pressure(scene, surfaces.rms_gradient)
+            reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
             raise document.refused(place, str(error)) from None
 
@@ -141,8 +147,5 @@ def check_room(
     room = float(heights.max() - heights.mean()) * gradient * (scene.length or 1.0)
     for place, displacement in displacements.items():
         if displacement is not None and displacement > room:
-            most, reason = (
-                in_unit_of(displacement, room),
-                "as an incompressible body has no room for more of this punch",
-            )
-            raise document.refused(place, f"at most {most}, {reason}")
+            reason = "as an incompressible body has no room for more of this punch"
+            raise document.refused(place, f"at most {in_unit_of(displacement, room)}, {reason}")

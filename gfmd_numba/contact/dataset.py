@@ -11,7 +11,7 @@ import xarray as xr
 from gfmd_numba.contact.evaluation import finite_status
 from gfmd_numba.contact.observables import Observable
 from gfmd_numba.contact.problem import Effect
-from gfmd_numba.contact.scales import contact_modulus, stiffness_scale
+from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.scene import LoadedBody, Scene
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import (
@@ -45,17 +45,17 @@ class Units:
     @classmethod
     def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
         """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
-        modulus = contact_modulus(scene)
-        height, pressure = rms_gradient * (scene.length or 1.0), rms_gradient * modulus
+        scales = scales_of(scene)
+        height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
         metre, pascal = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
         both = [unit for unit in (pascal, metre) if unit != "1"]
         each = {
             "1": (1.0, "1"),
-            "E*/stiffness": (1.0 / stiffness_scale(scene), "1"),
+            "E*/stiffness": (1.0 / scales.stiffness, "1"),
             "gradient": (rms_gradient, "1"),
-            "length": (scene.length or 1.0, metre),
+            "length": (scales.length, metre),
             "height": (height, metre),
-            "E*": (modulus, pascal),
+            "E*": (scales.modulus, pascal),
             "pressure": (pressure, pascal),
             "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
             "s": (1.0, "s"),
@@ -97,9 +97,9 @@ def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
         return {}
-    modulus = contact_modulus(scene) / stiffness_scale(scene)
+    scales = scales_of(scene)
     whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
-    return {"effective_modulus": f"{modulus:.17g} Pa: E* is that of {whose}"}
+    return {"effective_modulus": f"{scales.modulus / scales.stiffness:.17g} Pa: E* is that of {whose}"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:

@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import forming_tractions
-from gfmd_numba.contact.contact_input import with_measured
+from gfmd_numba.contact.contact_input import with_measured_surfaces
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
     Units,
@@ -22,15 +22,14 @@ from gfmd_numba.contact.observables import OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, RoughBody, check_drawn, ensemble_of_rough_bodies
-from gfmd_numba.contact.scales import contact_modulus, elastic_body
+from gfmd_numba.contact.rough_surfaces import RoughBody, pressed_bodies
+from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.tractions import balanced, read_boundary
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document
 from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
-from gfmd_numba.scene.document import located
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
@@ -72,12 +71,11 @@ class BoundaryValueProblem:
 
 def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
     """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
-    scene, measured = with_measured(file.scene, document)
-    file = file.model_copy(update={"scene": scene})
-    with located(document):
-        file.check_period()
+    file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics)
-    rough = _rough_body(file, measured, document)
+    rough = None
+    if file.scene.follows_topography:
+        (rough,) = pressed_bodies(file, measured, document).bodies or ()
     body, dimension = file.scene.body, file.scene.dimension
     needed = arrays_of_a_loaded_body(dimension, file.slope_order)
     shape = None if file.points is None else (file.points,) * dimension
@@ -105,31 +103,20 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
 
 def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
     """Dimensionless problem of what is prescribed."""
-    file, prescribed = given.file, given.prescribed
+    file, prescribed, scales = given.file, given.prescribed, scales_of(given.file.scene)
     free, components = np.full(next(iter(prescribed.values())).shape, np.nan), COMPONENTS[file.scene.dimension]
     traction, displacement = (
         np.stack([prescribed.get(component.key(quantity), free) for component in components])
         for quantity in ("traction", "displacement")
     )
     return BoundaryValueProblem(
-        elastic_body(file.scene.body, file.scene.length),
-        np.nan_to_num(traction, nan=0.0) / contact_modulus(file.scene),
-        displacement / (file.scene.length or 1.0),
+        scales.bodies[0],
+        np.nan_to_num(traction, nan=0.0) / scales.modulus,
+        displacement / scales.length,
         solver_options(file.numerics, able(["prescribed"])[0]),
         None if given.rough is None else given.rough.heights,
         file.slope_order or 0,
     )
-
-
-def _rough_body(file: BoundaryFile, measured: MeasuredSurfaces, document: Document) -> RoughBody | None:
-    """The body with its topography, None for a flat one; raises InputError for heights that cannot be used."""
-    scene = file.scene
-    if not scene.follows_topography:
-        return None
-    order = file.numerics.slope_order(scene)
-    ensemble = ensemble_of_rough_bodies(scene, file.discretisation, file.seed, order, measured, document)
-    (body,) = check_drawn(scene, *ensemble, file.realisation, document)
-    return body
 
 
 @dataclass(frozen=True)

@@ -1,16 +1,13 @@
 """Numbers of a scene that are implausible for what they are: as a rule a unit was left out, or mistaken."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
-
-from pydantic import BaseModel
+from typing import NamedTuple
 
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
-from gfmd_numba.scene.records import Boundary
 from gfmd_numba.scene.surface_file import SurfaceFile
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, quantities
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, numbers_in
 from gfmd_numba.text.numbers import si_prefix
 
 
@@ -24,7 +21,7 @@ class Common(NamedTuple):
     units: tuple[str, ...]
 
 
-class Scales(NamedTuple):
+class Compared(NamedTuple):
     """What numbers of a file are compared with: its period and a Young's modulus, if it has them, and E* (or 1)."""
 
     length: float | None
@@ -100,29 +97,23 @@ def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = (
     return [*sentences, *loads.values(), *lengths.values()]
 
 
-def _scales(file: Scene | LoadedBody | SurfaceFile) -> Scales:
+def _scales(file: Scene | LoadedBody | SurfaceFile) -> Compared:
     if isinstance(file, SurfaceFile):
-        return Scales(file.length, None, 1.0)
-    # as contact_modulus has it but for plane stress: checking a file loads no numpy
+        return Compared(file.length, None, 1.0)
+    # as `Scales` has it but for plane stress: checking a file loads no numpy
     softness = sum((1.0 - body.surface_poissons_ratio**2) / (body.surface_modulus or 1.0) for body in file.deformable)
-    return Scales(file.length, file.body.surface_modulus if file.has_moduli else None, 1.0 / softness)
+    return Compared(file.length, file.body.surface_modulus if file.has_moduli else None, 1.0 / softness)
 
 
-def _numbers(record: Any, at: Location = ()) -> Iterator[Given]:
+def _numbers(record: object, at: Location = ()) -> Iterator[Given]:
     """Numbers of a record that are quantities, and their places in it."""
-    if isinstance(record, BaseModel):
-        of_record = quantities(type(record)) | (_OF_BOUNDARIES if isinstance(record, Boundary) else {})
-        for name, value in record:
-            if name in of_record and isinstance(value, float):
-                yield (*at, name), value, of_record[name]
-            else:
-                yield from _numbers(value, (*at, name))
-    elif isinstance(record, tuple):
-        for i, value in enumerate(record):
-            yield from _numbers(value, (*at, i))
+    for place, value, quantity in numbers_in(record, at):
+        found = _OF_BOUNDARIES.get(str(place[-1])) if "boundary" in place else quantity
+        if found is not None:
+            yield place, value, found
 
 
-def _uncommon(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:
+def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:
     """Places of numbers without a unit that are not common in SI units, and what they are."""
     for place, value, quantity in given:
         common, size = COMMON.get(str(place[-1])), abs(value)
@@ -134,7 +125,7 @@ def _uncommon(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[Location
             yield place, f"{_told(place, value, quantity, scales)}, {what}{meant}"
 
 
-def _against_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
+def _against_modulus(scales: Compared, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
     """Names of loads, tractions and hardnesses far from what the contact modulus bears, and a sentence about each."""
     whole = f" (E* = {_readable(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
     for place, value, quantity in given:
@@ -150,7 +141,7 @@ def _against_modulus(scales: Scales, given: Iterable[Given], of_its_own: bool) -
             yield name, f"{told}, which makes {ratio:.2g} E*{whole}{meant}: write the unit you mean"
 
 
-def _against_period(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[str, str]]:
+def _against_period(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[str, str]]:
     """Names of lengths beyond the period that should be far below it, and a sentence about each."""
     for place, value, quantity in given:
         name, periods = str(place[-1]), abs(value) / (scales.length or 1.0)
@@ -158,7 +149,7 @@ def _against_period(scales: Scales, given: Iterable[Given]) -> Iterator[tuple[st
             yield name, f"{_told(place, value, quantity, scales)}, {periods:.3g} periods L_x: check the units of both"
 
 
-def _told(place: Location, value: float, quantity: Quantity, scales: Scales) -> str:
+def _told(place: Location, value: float, quantity: Quantity, scales: Compared) -> str:
     """Say what a number is: in SI units, if it has any."""
     if not scales.in_si(quantity):
         return f"{dotted(place)} is {value:.6g}"

@@ -19,20 +19,16 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES, Observable
 from gfmd_numba.contact.state import LoadStep, Process
-from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
+from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness import generators, statistics
+from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, LoadedBody, Random, Scene
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.table import SOLVERS, Options
-
-WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that its ends do not meet
 
 
 @dataclass(frozen=True)
@@ -223,43 +219,6 @@ def _interface_content(interface: Interactions) -> dict[str, Any]:
     if interface.hardness is None:
         del content["hardness"]
     return content
-
-
-def random_surface(
-    record: Random, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int
-) -> tuple[RandomSurface, float]:
-    """Ensemble that a record of a scene describes at a discretisation, and the rms gradient asked of it.
-
-    Raises ValueError for lengths that do not go with the period.
-    """
-    period, cut_from = scene.length or 1.0, 1 if scene.periodic else WIDER_THAN_A_PATCH
-    return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
-
-
-def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
-    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
-
-    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
-    """
-    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
-    if smooth is None:
-        assert rough is not None  # a scene has one of the two
-        return rough
-    if rough is None:
-        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
-        return SummedSurface((smooth,), gradient), gradient
-    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
-
-
-def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
-    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
-    if isinstance(scene, LoadedBody) or scene.form is None:
-        return None
-    if shape is None:
-        assert scene.form.points is not None  # the promise of a scene without roughness
-        shape = (scene.form.points,) * scene.dimension
-    form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
-    return Topography(SmoothSurface(form, shape), 1.0, False)
 
 
 def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:

@@ -12,14 +12,12 @@ import numpy as np
 
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
 from gfmd_numba.contact.scales import (
-    compliance_share,
-    contact_modulus,
-    elastic_body,
+    Scales,
     reduced_duration,
     reduced_load,
     reduced_speed,
     relaxation,
-    stiffness_scale,
+    scales_of,
     wear_rate,
 )
 from gfmd_numba.contact.surfaces import Surface
@@ -51,24 +49,19 @@ def reduce(
     `rough` are its bodies where topographies are followed: the surface is then the sum of theirs. Raises ValueError
     for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot carry.
     """
-    loading = scene.loading
-    period, modulus = scene.length or 1.0, contact_modulus(scene)
-    load = reduced_load(scene, rms_gradient)
-    displacement, pressure = (None, load) if loading.displacement is None else (load, None)
-    given = elastic_body(scene.body, scene.length)
-    facing = None
-    if scene.counter_body is not None:
-        share = compliance_share(scene, scene.counter_body)
-        facing = CounterBody(elastic_body(scene.counter_body, scene.length), share)
+    scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
+    displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
+    given = scales.bodies[0]
+    facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
     may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
-    interface, interactions = _interface(scene.interface, given, facing, may_slip, period, modulus, rms_gradient)
+    interface, interactions = _interface(scene.interface, given, facing, may_slip, scales, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
-    needs = *interface.abilities, *(() if loading.speed is None else ("speed",))
+    needs = *interface.abilities, *(() if scene.loading.speed is None else ("speed",))
     options = _options(numerics, scene.dimension, needs)
     counter = None
     if facing is not None:
@@ -99,7 +92,7 @@ def reduce(
         wear_rate=wear_rate(scene, rms_gradient),
     )
     interactions += _slow_effects(scene)
-    return problem, _all_effects(elasticity, interactions, tractions is not None, stiffness_scale(scene))
+    return problem, _all_effects(elasticity, interactions, tractions is not None, scales.stiffness)
 
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
@@ -184,11 +177,10 @@ def _interface(
     body: ElasticBody,
     counter: CounterBody | None,
     may_slip: bool,
-    period: float,
-    modulus: float,
+    scales: Scales,
     rms_gradient: float,
 ) -> tuple[Interactions, tuple[Effect, ...]]:
-    laws = {name: in_reduced_units(law, period, modulus) for name, law in asked.laws.items()}
+    laws = {name: in_reduced_units(law, scales.length, scales.modulus) for name, law in asked.laws.items()}
     interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
     reason = "" if interactions.friction is None or may_slip else _why_nothing_slips(body, counter)

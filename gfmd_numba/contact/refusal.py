@@ -7,7 +7,7 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
-from gfmd_numba.scene.document import Location, nearest
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
@@ -32,10 +32,8 @@ def check_combination(
 
     `grid` is what a campaign varies, None for a scene on its own.
     """
-    if numerics.solver not in ("auto", *SOLVERS):
-        names = ["auto", *SOLVERS]
-        listed, hint = "one of " + ", ".join(map(repr, names)), nearest(numerics.solver, names)
-        raise document.error(("numerics", "solver"), numerics.solver, listed, hint)
+    if numerics.solver not in (known := ("auto", *SOLVERS)):
+        raise document.unknown(("numerics", "solver"), known)
     _raise(document, refusals(scene, numerics, path, grid))
     if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
         from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without

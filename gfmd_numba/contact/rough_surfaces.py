@@ -7,16 +7,27 @@ from math import hypot, prod
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import problem
-from gfmd_numba.contact.problem import DeformableBody, RoughBodies
-from gfmd_numba.contact.scales import compliance_share, elastic_body
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface, Surface, Topography
+from gfmd_numba.contact.problem import DeformableBody, RoughBodies, given_surface, scaled_gradient
+from gfmd_numba.contact.scales import scales_of
+from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
+from gfmd_numba.roughness import generators
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import Discretisation, Document, InputError, LoadedBody, Measured, Random, Scene, SceneFile
+from gfmd_numba.scene import (
+    BoundaryFile,
+    Discretisation,
+    Document,
+    InputError,
+    LoadedBody,
+    Measured,
+    Random,
+    Scene,
+    SceneFile,
+)
+from gfmd_numba.scene.units import in_reduced_units
 
 Place = tuple[str, ...]  # of a roughness in the scene
 MeasuredSurfaces = Mapping[Place, MeasuredSurface]
@@ -24,6 +35,7 @@ MeasuredSurfaces = Mapping[Place, MeasuredSurface]
 BODIES = ("body", "counter_body")
 _UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
+_WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that its ends do not meet
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
 
 
@@ -75,17 +87,54 @@ def measured_surfaces(
 def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
-        return _of_rough_bodies(file, measured, document)
+        return pressed_bodies(file, measured, document)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+
+
+def random_surface(
+    record: Random, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int
+) -> tuple[RandomSurface, float]:
+    """Ensemble that a record of a scene describes at a discretisation, and the rms gradient asked of it.
+
+    Raises ValueError for lengths that do not go with the period.
+    """
+    period, cut_from = scene.length or 1.0, 1 if scene.periodic else _WIDER_THAN_A_PATCH
+    return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
+
+
+def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
+    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
+
+    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
+    """
+    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
+    if smooth is None:
+        assert rough is not None  # a scene has one of the two
+        return rough
+    if rough is None:
+        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
+        return SummedSurface((smooth,), gradient), gradient
+    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
+
+
+def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
+    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
+    if isinstance(scene, LoadedBody) or scene.form is None:
+        return None
+    if shape is None:
+        assert scene.form.points is not None  # the promise of a scene without roughness
+        shape = (scene.form.points,) * scene.dimension
+    form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
+    return Topography(SmoothSurface(form, shape), 1.0, False)
 
 
 def punch_on_its_form(
     scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
 ) -> tuple[Surface, float]:
-    """Surface of a rigid punch and its rms gradient g, as `problem.rigid_punch` has it; raises InputError."""
+    """Surface of a rigid punch and its rms gradient g, as `rigid_punch` has it; raises InputError."""
     try:
-        return problem.rigid_punch(scene, rough)
+        return rigid_punch(scene, rough)
     except ValueError as error:
         place = ("scene", "form")
         raise document.error(place, document.value(place), f"a form that is not flat, not {error}") from None
@@ -97,13 +146,14 @@ def _of_the_punch(
     scene = file.scene
     if isinstance(scene.roughness, Measured):
         try:
-            return problem.given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
+            return given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
         except ValueError as error:
             raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     return _random(("roughness",), scene, file.discretisation, file.seed, document)
 
 
-def _of_rough_bodies(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_bodies(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+    """Surfaces of a scene whose topographies are followed, with its bodies; raises InputError for unusable ones."""
     order = file.numerics.slope_order(file.scene)
     summed, rough = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
     bodies = check_drawn(file.scene, summed, rough, file.realisation, document)
@@ -138,19 +188,19 @@ def ensemble_of_rough_bodies(
         if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
-    gradient, smooth = _asked_for(asked, parts), problem.smooth_part(scene, shape)
+    gradient, smooth = _asked_for(asked, parts), smooth_part(scene, shape)
     if smooth is not None:
         parts["form",] = smooth
         gradient = gradient or smooth.rms_gradient
-    places = list(parts)
+    places, scales = list(parts), scales_of(scene)
     bodies = tuple(
         DeformableBody(
-            elastic_body(body, scene.length),
-            compliance_share(scene, body),
+            body,
+            share,
             places.index((name, "roughness")) if (name, "roughness") in parts else None,
             1 if name == "body" else -1,
         )
-        for name, body in zip(BODIES, scene.deformable, strict=False)
+        for name, body, share in zip(BODIES, scales.bodies, scales.shares, strict=False)
     )
     return SummedSurface(tuple(parts.values()), gradient), RoughBodies(bodies, order)
 
@@ -180,7 +230,7 @@ def check_drawn(
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
         raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
     try:
-        problem.given_surface(together, summed.rms_gradient)
+        given_surface(together, summed.rms_gradient)
     except ValueError as error:
         allowed = "surfaces whose roughness is finite and not 0"
         raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
@@ -194,7 +244,7 @@ def _asked_for(asked: Mapping[Place, float], parts: Mapping[Place, Topography]) 
     what they are, so that their heights do.
     """
     measured = [part.drawn(0) for place, part in parts.items() if place not in asked]
-    own = [prod(problem.scaled_gradient(np.sum(measured, axis=0)))] if measured else []
+    own = [prod(scaled_gradient(np.sum(measured, axis=0)))] if measured else []
     return hypot(*asked.values(), *own)
 
 
@@ -209,7 +259,7 @@ def _random(
     record = scene.surfaces[place]
     assert isinstance(record, Random)  # any other is measured
     try:
-        return problem.random_surface(record, scene, discretisation, seed)
+        return random_surface(record, scene, discretisation, seed)
     except ValueError as error:
         raise _unusable(document, ("scene", *place), error) from None
 

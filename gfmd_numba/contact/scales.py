@@ -5,6 +5,7 @@ A hardness bears less mean pressure than that at which every node would be plast
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate
 
@@ -55,23 +56,37 @@ def elastic_body(body: Body, length: float | None) -> ElasticBody:
     )
 
 
-def contact_modulus(scene: Scene | LoadedBody) -> float:
-    """Contact modulus E* in Pa of all that deforms: under one pressure compliances 1/E* add up."""
-    own = [effective_modulus(body, scene.has_moduli) for body in scene.deformable]
-    return own[0] if len(own) == 1 else 1.0 / sum(1.0 / each for each in own)
+@dataclass(frozen=True)
+class Scales:
+    """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
+
+    `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
+    Both are 1 where the scene has none. `stiffness` is the factor by which all that deforms is stiffer than its moduli
+    say. Each of the `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units.
+    """
+
+    length: float
+    modulus: float
+    stiffness: float
+    bodies: tuple[ElasticBody, ...]
+    shares: tuple[float, ...]
 
 
-def compliance_share(scene: Scene | LoadedBody, body: Body) -> float:
-    """Part E*/E_i* that a body of a scene has in the compliance 1/E*, to 12 digits: it is the same in all units."""
-    return rounded(contact_modulus(scene) / effective_modulus(body, scene.has_moduli))
+def scales_of(scene: Scene | LoadedBody) -> Scales:
+    """Return the scales of a scene."""
+    return _scales(scene.deformable, scene.length, scene.has_moduli)
 
 
-def stiffness_scale(scene: Scene | LoadedBody) -> float:
-    """Factor by which all that deforms is stiffer than its moduli say."""
-    if len(scene.deformable) == 1:
-        return scene.body.stiffness_scale
-    softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in scene.deformable)
-    return rounded(contact_modulus(scene) * softness)
+@lru_cache(maxsize=4096)
+def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
+    own = [effective_modulus(body, in_pascal) for body in bodies]
+    modulus, stiffness = own[0], bodies[0].stiffness_scale
+    if len(bodies) > 1:
+        modulus = 1.0 / sum(1.0 / each for each in own)
+        softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in bodies)
+        stiffness = rounded(modulus * softness)
+    elastic = tuple(elastic_body(body, length) for body in bodies)
+    return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
 
 
 def longest_time(scene: Scene) -> float:
@@ -107,7 +122,7 @@ def relaxation(scene: Scene) -> PronySeries | None:
 def wear_rate(scene: Scene, rms_gradient: float) -> float | None:
     """Rate at which the punch wears in 1 / g E*, None if it does not."""
     wear = scene.interface.wear
-    return None if wear is None else rounded(rounded(wear.rate * contact_modulus(scene)) * rms_gradient)
+    return None if wear is None else rounded(rounded(wear.rate * scales_of(scene).modulus) * rms_gradient)
 
 
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
@@ -115,37 +130,25 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 SLIDING = ("sliding", "sliding_y")
 
 
-def reduced_pressure(scene: Scene, rms_gradient: float) -> float | None:
-    """Mean pressure p/(g E*) that the loading of a scene prescribes; None if it prescribes a displacement.
+def reduced_load(scene: Scene, rms_gradient: float) -> float:
+    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
 
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
     """
-    loading = scene.loading
+    loading, scales = scene.loading, scales_of(scene)
     if loading.displacement is not None:
-        return None
-    true_modulus = contact_modulus(scene) / stiffness_scale(scene)
+        return reduced_length(loading.displacement, scene, rms_gradient)
+    true_modulus = scales.modulus / scales.stiffness
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
-    unit = 1.0 if quantity is None else quantity.scale(scene.length or 1.0, true_modulus) * rms_gradient
+    unit = 1.0 if quantity is None else quantity.scale(scales.length, true_modulus) * rms_gradient
     found = load / unit
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
     plastic = plastic_pressure(scene.interface)
     if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
         raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
-    return rounded(found)
-
-
-def reduced_load(scene: Scene, rms_gradient: float) -> float:
-    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
-
-    Raises ValueError as `reduced_pressure` does.
-    """
-    if scene.loading.displacement is not None:
-        return reduced_length(scene.loading.displacement, scene, rms_gradient)
-    pressure = reduced_pressure(scene, rms_gradient)
-    assert pressure is not None  # a load is prescribed
-    return pressure / stiffness_scale(scene)
+    return rounded(found) / scales.stiffness
 
 
 def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
@@ -156,7 +159,7 @@ def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
 def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
     """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
 
-    Raises ValueError as `reduced_pressure` does.
+    Raises ValueError as `reduced_load` does.
     """
     ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
     return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
@@ -221,8 +224,8 @@ def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid:
     gradients = grid.get("rms_gradient", () if own is None else (own,))
     if not gradients:
         return
-    stiffest = max(contact_modulus(each) for each in _bodies(scene, grid.get("poissons_ratio", ())))
-    most = plastic * stiffness_scale(scene) / (max(gradients) * stiffest)
+    stiffest = max(scales_of(each).modulus for each in _bodies(scene, grid.get("poissons_ratio", ())))
+    most = plastic * scales_of(scene).stiffness / (max(gradients) * stiffest)
     for location, pressure in _prescribed("reduced_pressure", scene, path, grid):
         if pressure >= most:
             raise document.error(location, pressure, f"below {most:.6g}, at which {at_most(scene.interface)}")

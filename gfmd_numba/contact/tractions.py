@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.scales import contact_modulus
+from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.roughness.surface_files import read_values
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError, Scene
 from gfmd_numba.scene.quantities import LARGEST
@@ -45,7 +45,7 @@ def tractions_on_the_body(
     if scene.body.is_half_space:
         for name in tangential:
             arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = rms_gradient * contact_modulus(scene)
+    scale = rms_gradient * scales_of(scene).modulus
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
     return tractions(np.stack(found[:-1]), found[-1])
 

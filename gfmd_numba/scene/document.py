@@ -86,6 +86,11 @@ class Document:
         """InputError about the value that stands at a location."""
         return self.error(location, self.value(location), allowed, suggestion)
 
+    def unknown(self, location: Location, names: Iterable[str]) -> InputError:
+        """InputError about a value at a location that is none of some names."""
+        given, names = self.value(location), list(names)
+        return self.error(location, given, _listed(names), nearest(given, names))
+
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""
         location = self.elsewhere.get(location, location)

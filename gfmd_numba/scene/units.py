@@ -177,16 +177,27 @@ MEMORY = Quantity("memory", ("B", "MB", "GB"))
 QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, PRESSURE_RATE, SPEED, WEAR_RATE, MEMORY)
 
 
-def given_with_units(record: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[tuple[str | int, ...], WithUnit]]:
-    """Numbers of a record that were given with units, and their places in it."""
-    if isinstance(record, WithUnit):
-        yield at, record
+Keys = tuple[str | int, ...]  # that lead to a place in a record
+
+
+def numbers_in(
+    record: Any, at: Keys = (), quantity: Quantity | None = None
+) -> Iterator[tuple[Keys, float, Quantity | None]]:
+    """Numbers of a record, their places in it, and the quantities that its fields say they are."""
+    if isinstance(record, float):
+        yield at, record, quantity
     elif isinstance(record, BaseModel):
+        of_fields = quantities(type(record))
         for name, value in record:
-            yield from given_with_units(value, (*at, name))
+            yield from numbers_in(value, (*at, name), of_fields.get(name))
     elif isinstance(record, tuple):
         for i, value in enumerate(record):
-            yield from given_with_units(value, (*at, i))
+            yield from numbers_in(value, (*at, i))
+
+
+def given_with_units(record: Any, at: Keys = ()) -> Iterator[tuple[Keys, WithUnit]]:
+    """Numbers of a record that were given with units, and their places in it."""
+    return ((place, value) for place, value, _ in numbers_in(record, at) if isinstance(value, WithUnit))
 
 
 @lru_cache

@@ -9,7 +9,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, Units, cf_attributes
-from gfmd_numba.contact.scales import effective_modulus, elastic_body
+from gfmd_numba.contact.scales import effective_modulus, scales_of
 from gfmd_numba.elasticity import fields, free_fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import (
@@ -133,7 +133,7 @@ def body_fields(
     asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
     assert asked is not None  # described's promise
     length = scene.length or 1.0
-    elastic = elastic_body(asked, scene.length)
+    elastic = scales_of(scene).bodies[0 if body == "body" else 1]
     if z is not None and planes is not None:
         raise InputError(f"planes: you gave {brief(planes)} in addition to z; gfmd allows either of them")
     name, given = ("z", z) if planes is None else ("planes", planes)

@@ -47,10 +47,10 @@ def _paths():
 def _studies():
     return xr.Dataset(
         {
-            "study": ("point", ["eps_c"] * 2 + ["effects"] * 2),
-            "curve": ("point", ["counted"] * 2 + ["half-space for a slab"] * 2),
-            "setting": ("point", [0.5, 0.25, 0.1, np.inf]),
-            "error": ("point", [0.2, 0.1, 0.01, 0.0]),
+            "study": ("point", ["eps_c"] * 2 + ["surfaces"] * 2),
+            "curve": ("point", ["counted"] * 2 + ["reference discretisation"] * 2),
+            "setting": ("point", [0.5, 0.25, 4, 16]),
+            "error": ("point", [0.2, 0.1, 0.02, 0.01]),
             "seconds": ("point", [1.0, 1.2, 1.0, 1.0]),
             "failed": ("point", [0, 0, 0, 0]),
         }
@@ -174,10 +174,9 @@ def test_the_studies_of_accuracy_leave_no_panel_empty_and_no_default_colour():
     figure = plot_accuracy(_studies())
     assert [axis.get_title() for axis in figure.axes] == [
         r"Continuum: $1/\varepsilon_c$",
-        "Half-space in place of a slab",
+        "Number of surfaces",
     ]
     assert all(axis.lines for axis in figure.axes)
-    assert figure.axes[1].lines[0].get_xdata().tolist() == [0.1]  # the half-space itself has no error
 
 
 def test_every_curve_of_a_study_is_drawn_however_many_there_are():

@@ -131,25 +131,41 @@ DANGERS = {
 }
 
 
+IN_EACH = """
+import os, sys
+import numba  # which takes longer than to compile
+for folder in sys.argv[1:]:
+    child = os.fork()
+    if child == 0:
+        os.environ["GFMD_CACHE_DIR"] = folder
+        for stream, name in ((1, ".out"), (2, ".err")):
+            os.dup2(os.open(folder + name, os.O_WRONLY | os.O_CREAT), stream)
+        exec(COMPILE)
+    print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), flush=True)
+"""
+
+
 @pytest.mark.long
-@pytest.mark.parametrize("danger", DANGERS)
-def test_nothing_is_run_that_somebody_else_may_have_put_there(compiled, tmp_path, danger):
-    """The seal is no secret: who can write a file can seal it, too."""
-    cache, witness = copied(compiled, tmp_path / "open" / "cache"), tmp_path / "witness"
-    (file,) = files(cache)
-    code = pickle.dumps(Witness(witness))
-    file.write_bytes(kernel_cache._seal(file.name, code) + code)
-    DANGERS[danger](cache, file)
-    if danger == "nothing":
-        with pytest.raises(AssertionError):
-            compile_in(cache)
-        assert witness.exists()
-        return
-    hits, said = compile_in(cache)
-    assert not witness.exists()
-    assert hits == 0
-    whole = "cache" in danger or "inside" in danger
-    assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole
+def test_nothing_is_run_that_somebody_else_may_have_put_there(compiled, tmp_path):
+    """The seal is no secret: who can write a file can seal it, too. Each danger has a process of its own."""
+    caches = [copied(compiled, tmp_path / danger / "cache") for danger in DANGERS]
+    for (danger, endangered), cache in zip(DANGERS.items(), caches, strict=True):
+        (file,) = files(cache)
+        code = pickle.dumps(Witness(tmp_path / f"{danger} ran"))
+        file.write_bytes(kernel_cache._seal(file.name, code) + code)
+        endangered(cache, file)
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA")}
+    script = f"COMPILE = {COMPILE!r}\n{IN_EACH}"
+    done = subprocess.run([sys.executable, "-c", script, *caches], env=environment, capture_output=True, text=True)
+    ended = dict(zip(DANGERS, done.stdout.split(), strict=True))
+    assert ended == dict.fromkeys(DANGERS, "0") | {"nothing": "1"}
+    assert [path.name for path in tmp_path.glob("* ran")] == ["nothing ran"]
+    for danger, cache in zip(DANGERS, caches, strict=True):
+        if danger != "nothing":
+            hits, said = (cache.with_name(f"cache{end}").read_text() for end in (".out", ".err"))
+            whole = "cache" in danger or "inside" in danger
+            assert int(hits) == 0
+            assert ("is not used: it belongs to somebody else, or others may write to it" in said) == whole, danger
 
 
 def test_a_link_to_a_cache_is_followed_once(tmp_path):

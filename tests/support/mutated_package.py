@@ -1,15 +1,25 @@
 """Tests of a copy of the package with a mistake in it, in a process that finds the libraries already imported."""
 
+import gc
 import multiprocessing
 import os
-import shutil
 import sys
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parents[2]
-_LIBRARIES = ["matplotlib.figure", "netCDF4", "numba", "pydantic", "pytest", "scipy.optimize", "scipy.stats", "xarray"]
+_LIBRARIES = [
+    "hypothesis",
+    "matplotlib.figure",
+    "netCDF4",
+    "numba",
+    "pydantic",
+    "pytest",
+    "scipy.optimize",
+    "scipy.stats",
+    "xarray",
+]
 _SECONDS = 600
 
 
@@ -32,19 +42,19 @@ def lives(folder, file, there, instead, options):
 
 
 def _copy(folder, file, there, instead):
-    """The package in links, but for the room with the mistake."""
-    changed = Path(file)
-    (folder / changed.parts[0]).mkdir(parents=True)
-    for path in (ROOT / changed.parts[0]).iterdir():
-        if path.name == changed.parts[1]:
-            shutil.copytree(path, folder / changed.parts[0] / path.name, ignore=shutil.ignore_patterns("__pycache__"))
-        else:
-            (folder / changed.parts[0] / path.name).symlink_to(path)
-    text = (folder / file).read_text(encoding="utf-8")
-    (folder / file).write_text(text.replace(there, instead), encoding="utf-8")
+    """The package in links, with its compiled files, but for the file with the mistake."""
+    changed = ROOT / file
+    room = (folder / file).parent
+    room.mkdir(parents=True)
+    for original, copy in ((changed.parent.parent, room.parent), (changed.parent, room)):
+        for path in original.iterdir():
+            if path not in (changed.parent, changed):
+                (copy / path.name).symlink_to(path)
+    (folder / file).write_text(changed.read_text(encoding="utf-8").replace(there, instead), encoding="utf-8")
 
 
 def _test(folder, options):
+    gc.freeze()  # pytest collects garbage twice, and that of libraries takes longer than a test
     sys.dont_write_bytecode = True
     sys.path.insert(0, str(folder))
     silence = os.open(os.devnull, os.O_WRONLY)
@@ -54,4 +64,5 @@ def _test(folder, options):
 
     found = Path(gfmd_numba.__file__).parents[1] == folder
     alone = ["-x", "-q", "-p", "no:cacheprovider", "-n", "0", "-m", ""]  # long ones as well
-    sys.exit(pytest.main([*alone, *options]) if found else 0)  # 0: nothing was killed
+    imported = ["-p", "no:hypothesispytest", "-W", "ignore:Module already imported"]
+    sys.exit(pytest.main([*alone, *imported, *options]) if found else 0)  # 0: nothing was killed

@@ -60,10 +60,8 @@ def command_after(recipes, files, tmp_path):
 
 
 def copied(tmp_path):
-    """Copy of the package."""
-    package = tmp_path / "copy" / "gfmd_numba"
-    shutil.copytree(PACKAGE, package, ignore=shutil.ignore_patterns("__pycache__"))
-    return package
+    """Copy of the package, with its compiled files."""
+    return shutil.copytree(PACKAGE, tmp_path / "copy" / "gfmd_numba")
 
 
 def run_on_copy(package, script, given):

@@ -107,7 +107,7 @@ class Things:
     @cache  # noqa: B019
     def accuracy(self):
         points = {
-            "study": ["eps_c", "eps_c", "effects"],
+            "study": ["eps_c", "eps_c", "surfaces"],
             "curve": ["kappa", "kappa", "kappa"],
             "setting": [0.5, 0.25, 1.0],
             "error": [0.1, 0.05, 0.2],

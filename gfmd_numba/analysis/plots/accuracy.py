@@ -23,10 +23,8 @@ TITLES = {
     "surfaces": "Number of surfaces",
     "load steps": "Parts of each step of the path",
     "topography order": "Order in the slope of rough bodies",
-    "effects": "Half-space in place of a slab",
 }
 _EQUAL = {"solver residual": 1e-10, "topography order": 1e-16}  # errors below are drawn there
-_SETTINGS = {"damping of Verlet": "Damping over critical damping", "effects": "Thickness over period of the slab"}
 _AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings next to the points, and those of one over eps:
 _WRITTEN = {"eps_c", "eps_f", "eps_t"} | _AS_THEY_ARE
 _SYMBOLS = {"kappa": r"$\kappa$", "contact_area_fraction": "contact area"}
@@ -67,7 +65,7 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
             _write_settings(axis, x, y, points["setting"].values, name)
     axis.set(xscale="log", yscale="log", title=TITLES[name])
     axis.title.set_fontsize(11)
-    axis.set_xlabel(_SETTINGS.get(name, "Processor time (s)"))
+    axis.set_xlabel("Damping over critical damping" if name == "damping of Verlet" else "Processor time (s)")
     axis.set_ylabel(_YLABELS.get(name, f"Relative error of {_symbol(study)}"))
     axis.margins(x=0.12, y=0.12)
     for each in (axis.xaxis, axis.yaxis):
@@ -99,8 +97,6 @@ def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
     """What is drawn against what, of the points of one curve."""
     setting, seconds = points["setting"].values, points["seconds"].values
     error = np.maximum(np.abs(points["error"].values), _EQUAL.get(name, 1e-5))
-    if name == "effects":
-        return setting[np.isfinite(setting)], error[np.isfinite(setting)]  # the half-space itself has no error
     return (setting, seconds) if name == "damping of Verlet" else (seconds, error)
 
 

@@ -103,25 +103,28 @@ def _in_time() -> Iterator[Refusal]:
     not_yet = {
         "rough bodies": "a rigid punch on one smooth body",
         "hardness": "a hard_wall without hardness",
-        "normal law": "a hard_wall alone",
-        "cohesive law": "a hard_wall alone",
+        "cohesive law": "another law",
         "friction": "no friction",
         "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
+    of_punches = {"normal law": "a hard_wall alone"}
     of_bodies = {
         "prescribed": "a contact",
         "boundary": "no boundary",
         "layers": "a body of one material",
     }
-    for feature, allowed in not_yet.items():
+    for feature, allowed in (not_yet | of_punches).items():
         yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
     for feature, allowed in (not_yet | of_bodies).items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    for feature, allowed in (("no period", "true"), ("period along y", "true"), ("wear", "no wear")):
+    of_sliding = {"no period": "true", "period along y": "true", "wear": "no wear"} | of_punches
+    for feature, allowed in of_sliding.items():
         told = f"{allowed} with a sliding speed: this is not built yet"
         yield Refusal("speed", feature, told, "not built yet")
+    told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
+    yield Refusal("normal law", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
     for feature in ("no period", "period along y"):
         told = "nothing without a period over a viscoelastic body: this is not built yet"

@@ -70,7 +70,8 @@ class PathRecord:
         pressure = float(mean_pressure(contact)[0])
         self._loads.append(problem.load)
         self._pressures.append(pressure)
-        self._least.append(pressure if contact.followed is None else contact.followed.least_pressure)
+        on_the_way = contact.least_pressure if contact.followed is None else contact.followed.least_pressure
+        self._least.append(min(pressure, on_the_way))
         if not is_ok:
             for values in (*self.steps.values(), self._certain):
                 values.append(nan)

@@ -266,17 +266,20 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     """The rows for a path of a scene, followed to an order in the slope of its bodies: those of effects that it has.
 
     The energy is known of flat bodies, and of rough or two elastic bodies where order 0 is all there is. What a
-    hardness takes where nothing attracts is plastic work, which is always known.
+    hardness takes where nothing attracts is plastic work, which is always known. What a body that creeps loses is known
+    where nothing jumps.
     """
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
+    slow = any(body.relaxation is not None for body in scene.deformable)
     has = {
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": (scene.loading.speed is None and any(body.relaxation is not None for body in scene.deformable))
-        or ((interface.couples or attracts) and not higher_orders)
+        "loss": scene.loading.speed is None and not attracts
+        if slow
+        else ((interface.couples or attracts) and not higher_orders)
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,
     }
@@ -289,8 +292,8 @@ def needed_for(name: str) -> str:
         "drag": "a punch is dragged against friction or a law that holds sideways",
         "drag of maps": "a punch is dragged along y on a map, against friction or a law that holds sideways",
         "friction": "nodes stick or slip where there is friction",
-        "loss": "energy is lost by friction or attraction, and not known with a boundary or at a topography_order "
-        "above 0",
+        "loss": "energy is lost by friction, attraction or creep, and not known with a boundary, at a topography_order "
+        "above 0, or with attraction and creep together",
         "tension": "a punch is pulled off against attraction by a prescribed displacement",
     }[PATH_OBSERVABLES[name].needs]
 

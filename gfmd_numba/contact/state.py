@@ -192,7 +192,8 @@ class Contact:
     `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
     displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
     it is empty with a period. `time_error` is the relative error by the divisions of time of all steps so far, 0 where
-    no step takes time. `found` is what observables have found.
+    no step takes time. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite
+    without any. `found` is what observables have found.
     """
 
     heights: Reals
@@ -206,6 +207,7 @@ class Contact:
     approach: Reals | None = None
     ends: tuple[bool, ...] = ()
     time_error: float = 0.0
+    least_pressure: float = np.inf
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property

@@ -6,7 +6,7 @@ the punch passes over the body, all are alike.
 """
 
 from dataclasses import replace
-from math import expm1, log1p
+from math import expm1, inf, log1p
 from typing import Any
 
 from gfmd_numba.contact import solution
@@ -50,7 +50,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
     start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
     if state.last is not None and state.last.step is not None:
         start = state.last.step
-    series, gone, spent = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0)
+    series, gone, spent, least = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0), inf
     assert series is not None
     slides = problem.passing is not None and start.sliding != problem.step.sliding
     growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
@@ -61,8 +61,8 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
         spent = {name: spent[name] + getattr(solved.equilibrium, name) for name in _COUNTED}
         if solved.equilibrium.status[0] != Status.ok:
             break
-        state, gone = solved.after, share
-    return solved, spent
+        state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
+    return replace(solved, least_pressure=least), spent
 
 
 def difference(coarse: Contact, fine: Contact, before: State) -> float:

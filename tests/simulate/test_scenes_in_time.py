@@ -83,9 +83,33 @@ REFUSED = {
         changed(CREEP, "scene", "body", roughness=CREEP["scene"]["roughness"]),
         "scene.body.roughness: you gave ... gfmd allows a rigid punch on one smooth body with a viscoelastic body",
     ),
-    "creep with adhesion": (
-        changed(CREEP, "scene", "interface", exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"}),
-        "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a viscoelastic body",
+    "creep with a law of gap and slip": (
+        changed(
+            CREEP,
+            "scene",
+            "interface",
+            cohesive={"work_of_adhesion": "1 J/m^2", "normal_length": "10 um", "tangential_length": "10 um"},
+        ),
+        "scene.interface.cohesive: you gave ... gfmd allows another law with a viscoelastic body",
+    ),
+    "a speed with adhesion": (
+        changed(
+            changed(CREEP, "scene", "loading", speed="1 mm/s"),
+            "scene",
+            "interface",
+            exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"},
+        )
+        | {"path": []},
+        "scene.interface.exponential: you gave ... gfmd allows a hard_wall alone with a sliding speed",
+    ),
+    "a way with adhesion": (
+        changed(
+            changed(CREEP, path=[{"sliding": "1 mm", "duration": 1.0}]),
+            "scene",
+            "interface",
+            exponential={"work_of_adhesion": "1 mJ/m^2", "range": "10 um"},
+        ),
+        "path[0].sliding: you gave '1 mm'; gfmd allows no sliding over a viscoelastic body, or a hard_wall alone",
     ),
     "a rate and a duration": (
         changed(CREEP, path=[{"pressure": "10 kPa", "pressure_rate": "1 kPa/s", "duration": "1 s"}]),

@@ -176,11 +176,14 @@ def equilibrate(
     unstable = result.status == Status.unstable
     if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
-    if not unstable.any():
-        return result
+    return _with_growing_waves(result, unstable, elastic) if unstable.any() else result
+
+
+def _with_growing_waves(result: Equilibrium, unstable: Flags, response: SpectralResponse) -> Equilibrium:
+    """Equilibrium that tells which wave grew in unstable realisations."""
     sideways = None if result.tangential is None else result.tangential.displacement[unstable]
-    growing = np.full(realisations, -1, dtype=np.int64)
-    growing[unstable] = _growing_wave(result.displacement[unstable], sideways, elastic)
+    growing = np.full(unstable.size, -1, dtype=np.int64)
+    growing[unstable] = _growing_wave(result.displacement[unstable], sideways, response)
     return replace(result, growing_wave=growing)
 
 

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from itertools import product
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 
@@ -95,3 +96,26 @@ def test_the_tables_compile_nothing():
     code = "import sys, gfmd_numba.contact.refusal; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "numba", "dask", "scipy", "xarray"} & set(done.stdout.split())
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ({"dimension": 1}, "with dimension 1, as a profile is solved by one thread"),
+        ({"interface": {"hard_wall": {"hardness": 0.5}}}, "with a hardness"),
+        ({"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}, "with solver frictional_newton"),
+    ],
+)
+def test_threads_that_have_nothing_to_share_are_refused(change, said):
+    scene = {
+        "dimension": 2,
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05},
+        "interface": {"hard_wall": {}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+    file = {"scene": scene, "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1.0}}
+    together = gfmd_numba.solve({**file, "numerics": {"threads": 2}})
+    np.testing.assert_array_equal(together["pressure"], gfmd_numba.solve(file)["pressure"])
+    with pytest.raises(gfmd_numba.InputError, match=said):
+        gfmd_numba.solve({**file, "scene": scene | change, "numerics": {"threads": 2}})

@@ -34,6 +34,7 @@ COMMANDS = {
         "file": things.file("scene.yaml", SCENE),
         "loads": "0.1:0.2:2",
         "realisations": "1",
+        "threads": "1",
         "times": None,
         "speeds": None,
         "output": things.new("l.nc"),
@@ -94,7 +95,11 @@ COMMANDS = {
         "budget": None,
     },
     "schema": lambda things: {"kind": "scene"},
-    "solve": lambda things: {"file": things.file("scene.yaml", SCENE), "output": things.new("s.nc")},
+    "solve": lambda things: {
+        "file": things.file("scene.yaml", SCENE),
+        "threads": "1",
+        "output": things.new("s.nc"),
+    },
     "statistics": lambda things: {
         "file": things.file("map.nc", things.map()),
         "output": things.new("t.nc"),

@@ -25,7 +25,7 @@ _NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed o
 _EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
-_DENSE = 0.4  # share of tiles in contact beyond which the exact compliance costs less than that between tiles
+_DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
@@ -115,7 +115,7 @@ class MapContact:
         kernels.mark_contact(self.contact, self.tiles, self._marks)
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
-        self._exact = self.tiles.size * TILE**2 > _DENSE * self.transform.n
+        self._exact = not any(level.ends) and self.tiles.size > _DENSE * self._marks.size
         before = level.count_transforms()
         level.inverse.place(self.tiles, self._around)
         error = self._error()

@@ -1,8 +1,7 @@
 """A contact without a period, as the solvers see it: the window of the punch in a padded grid that nothing touches.
 
-The elastic body is free around the window (`elasticity/free_body.py`). The padding is part of the solver's grid,
-so that every solver and its certificate runs as it is. The punch is far away there, and nobody else knows of it: what
-is found is cut back to the window.
+The elastic body is free around the window (`elasticity/free_body.py`), where the punch is flat and far away. Most
+solvers see the whole grid, and run as they are. That of maps sees the window alone, of which all results are.
 """
 
 from dataclasses import replace

@@ -34,7 +34,7 @@ def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
     if steepest <= STEEPEST:
         return ""
     return (
-        f"a deformable surface has an rms gradient of up to {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
+        f"a deformable surface has an rms gradient of up to {steepest:.3g}, above {STEEPEST:g}: "
         "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
     )
 

@@ -62,8 +62,7 @@ def companion(output: Path, kind: str, suffix: str) -> Path:
         )
     if clause := foreign(file):
         raise InputError(
-            f"{file}: you gave a path {clause}, where the {kind} would go; "
-            "gfmd allows no such file, or one as gfmd wrote it (move it away, or choose another --output)"
+            f"{file}: the {kind} would go here, {clause}; gfmd allows another --output, or to move the file away"
         )
     return file
 

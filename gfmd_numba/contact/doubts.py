@@ -11,6 +11,7 @@ from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
+from gfmd_numba.contact.scales import relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import TIME_TOLERANCE
@@ -69,7 +70,9 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / given.units.worth["E*"]
+    series = relaxation(scene)
+    stiffest = given.units.worth["E*"] * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
+    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, bool(scene.periodic)).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
@@ -81,7 +84,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     return (
         f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
         f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
-        "linear elasticity is off by as much: check load, moduli and heights"
+        "linear elasticity is wrong by about these fractions: check load, moduli and heights"
     )
 
 
@@ -175,7 +178,7 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     largest = float(abs(found[displacement]).max()) or 1.0
     off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
     return (
-        f"a deformable surface has an rms gradient of {steepest:.3g}, above the {STEEPEST:g} of the thesis; "
+        f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}: "
         f"the next order in the slope would change displacements by up to {off}, and the error is of that size"
     )
 

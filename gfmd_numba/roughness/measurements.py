@@ -154,7 +154,8 @@ def _example(axes: list[str]) -> str:
     return "{" + ", ".join(f"{axis}: {'um' if axis == 'z' else 'mm'}" for axis in axes) + "}"
 
 
-UNEVEN = 1e-3  # of the spacing, by which positions in a file may be rounded
+UNEVEN = 1e-3  # of the spacing, by which neighbours in a file may be nearer or further than others
+_ROUNDED = 1e-2  # of the spacing, by which positions may be off even ones, as numbers of few digits are
 _EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
 _ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
 _FEWEST = 4  # values that make an axis on their own
@@ -180,7 +181,8 @@ def laid_out(
     rounding = 4.0 * float(np.finfo(positions.dtype).eps) * abs(x).max() if positions.dtype.kind == "f" else 0.0
     steps = np.diff(x)
     off = abs(steps - mean) > UNEVEN * abs(mean) + rounding
-    if mean != 0.0 and not off.any():
+    even = x[0] + mean * np.arange(len(x))
+    if mean != 0.0 and (not off.any() or (abs(x - even) <= _ROUNDED * abs(mean)).all()):
         if mean > 0.0:
             return heights, mean * len(x), ()
         return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
@@ -197,7 +199,11 @@ def laid_out(
         sign = np.sign(steps)
         turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
         wrong = f"positions {name} that are in no order from index {turn} on"
-    remedy = "interpolate the map to a regular grid" if of_map else "give points to have them sorted and interpolated"
+    remedy = (
+        "interpolate the map to a regular grid"
+        if of_map
+        else f"`points: {len(x)}`, or twice as many with `periodic: mirror`, has them sorted and interpolated"
+    )
     raise ValueError(f"{wrong}; {remedy}")
 
 

@@ -4,6 +4,7 @@ A viscoelastic body creeps under the load of its scene, which is looked at after
 slides over it, at one speed after another.
 """
 
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import islice, pairwise
@@ -333,8 +334,19 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
         values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
-    worst = max(counted, key=lambda step: float(step["peak_pressure"]))  # whose validity speaks for all
-    return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=worst.attrs)
+    hardest = sorted(counted, key=lambda step: -float(step["peak_pressure"]))
+    attributes = hardest[0].attrs
+    if said := _of_all(step.attrs.get("validity", "") for step in hardest):
+        attributes = attributes | {"validity": said}
+    return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=attributes)
+
+
+def _of_all(validities: Iterable[str]) -> str:
+    """Return the sentences of several contacts, a line each; of those that differ in their numbers alone the first."""
+    found: dict[str, str] = {}
+    for line in (line for validity in validities for line in validity.splitlines()):
+        found.setdefault(re.sub(r"[-+.\de]*\d", "", line), line)
+    return "\n".join(found.values())
 
 
 def load_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> xr.Dataset:

@@ -180,6 +180,6 @@ def test_an_edited_table_of_a_curve_stays(tmp_path, scene):
     code, said = gfmd(*asked)
     assert code == 2
     changed = "which gfmd did not write, or somebody has changed since"
-    assert f"{table}: you gave a path {changed}, where the table would go; gfmd allows no such file" in said
+    assert f"{table}: the table would go here, {changed}; gfmd allows another --output" in said
     assert table.read_text() == edited
     assert (tmp_path / "c.nc").read_bytes() == before

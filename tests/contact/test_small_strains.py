@@ -74,3 +74,11 @@ def test_scenes_without_any_scale_are_solved_without_a_word():
     found = gfmd_numba.solve({"scene": scene}, wave(0.4) / 100.0)
     assert (found["pressure"] > 0.2).any()
     assert found.validity == ""
+
+
+def test_fast_pressures_count_in_the_modulus_that_bears_them():
+    body = SCENE["body"] | {"relaxation": [{"modulus": "30 GPa", "time": "1 s"}]}
+    loading = {"pressure": f"{0.5 * MODULUS} Pa", "duration": "1 ms"}
+    found = gfmd_numba.solve({"scene": SCENE | {"body": body, "loading": loading}}, wave(0.1))
+    assert found["pressure"].max() > 0.2 * MODULUS
+    assert "strains" not in found.validity

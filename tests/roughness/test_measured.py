@@ -33,6 +33,12 @@ def test_positions_that_agree_with_the_length_are_read(tmp_path, x):
         assert found.done == (("turned round along x, as its positions descend",) if turned else ())
 
 
+def test_positions_of_few_digits_are_read(tmp_path):
+    x = np.round(X * 1e6, 2) * 1e-6  # as an instrument prints them, by up to half a percent of a spacing
+    assert 1e-3 < abs(np.diff(x) / np.diff(X) - 1.0).max() < 1e-2
+    np.testing.assert_array_equal(read(netcdf(tmp_path, x), None).heights, HEIGHTS)
+
+
 def test_a_mirrored_field_has_half_the_period_whoever_tells_its_size(tmp_path):
     own = read(netcdf(tmp_path), 2 * LENGTH, periodic="mirror")
     np.save(tmp_path / "p.npy", HEIGHTS)
@@ -49,8 +55,8 @@ def test_a_mirrored_field_has_half_the_period_whoever_tells_its_size(tmp_path):
 @pytest.mark.parametrize(
     ("x", "problem"),
     [
-        (X**2, "not equidistant; give points"),
-        (np.where(np.arange(N) == 7, X + 1e-4 * LENGTH, X), "at index [67], where .* is the mean: not equidistant"),
+        (X**2, "not equidistant; `points: 64`, or twice as many with"),
+        (np.where(np.arange(N) == 7, X + 1e-3 * LENGTH, X), "at index [67], where .* is the mean: not equidistant"),
         (np.roll(X, 5), "positions x that are in no order from index 4 on"),
         (np.zeros(N), "in no order from index 0 on"),
         (np.full(N, np.nan), "position x = nan at index 0, not a finite number"),

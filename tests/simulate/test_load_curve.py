@@ -277,3 +277,8 @@ def test_no_name_of_a_result_is_that_of_a_method_of_xarray():
     for found in (load_curve(scene_file(), [0.05, 0.1], 2), solve(scene_file())):
         for name in found.variables:
             xr.testing.assert_identical(getattr(found, name), found[name])
+
+
+def test_what_speaks_against_any_load_is_said_once():
+    said = curve._of_all(["off by 1e-3\nat the edge", "", "too coarse by 20 %\noff by 0.2"])
+    assert said.splitlines() == ["off by 1e-3", "at the edge", "too coarse by 20 %"]

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import gfmd_numba
 
-ways = np.geomspace(1.0, 1000.0, 7)  # sliding distance in m
+distances = np.geomspace(1.0, 1000.0, 7)  # that the punch has slid, in m
 scene = {
     "scene": {
         "length": "1 mm",
@@ -20,7 +20,7 @@ scene = {
         "interface": {"hard_wall": {}, "wear": {"rate": "1e-15 m^2/N"}},
         "loading": {"pressure": "1 MPa"},
     },
-    "path": [{"sliding": way} for way in ways],
+    "path": [{"sliding": f"{distance} m"} for distance in distances],
     "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 64, "eps_t": 1 / 4},
     "seed": 1,
 }
@@ -32,7 +32,7 @@ colours = ["#BBBBBB", "#56B4E9", "#0072B2", "#D55E00"]
 first = surfaces[0]
 x = 1e3 * first["x"]
 for colour, step in zip(colours, (0, 3, 5, 6), strict=True):
-    label = "new" if step == 0 else f"after {ways[step - 1]:.0f} m"
+    label = "new" if step == 0 else f"after {distances[step - 1]:.0f} m"
     worn = first["height"][step] - first["worn_depth"][step]
     profile.plot(x, 1e6 * worn, color=colour, lw=1.2, label=label)
     every = np.concatenate([1e6 * (each["height"][step] - each["worn_depth"][step]) for each in surfaces])
@@ -45,8 +45,8 @@ for axis, name, unit, label in (
     (peak, "peak_pressure", 1e-6, "Peak pressure (MPa)"),
 ):
     for each in surfaces:
-        axis.plot(ways, unit * each[name][1:], color="0.8", lw=0.8)
-    axis.plot(ways, unit * sum(each[name][1:] for each in surfaces) / len(surfaces), "o-", color="#0072B2", ms=4)
+        axis.plot(distances, unit * each[name][1:], color="0.8", lw=0.8)
+    axis.plot(distances, unit * sum(each[name][1:] for each in surfaces) / len(surfaces), "o-", color="#0072B2", ms=4)
     axis.set(xscale="log", xlabel="Sliding distance (m)", ylabel=label)
 profile.legend(loc="lower left")
 figure.savefig("run_in.png", dpi=80)

@@ -5,9 +5,16 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.campaign.decision import Fit, UnknownExponentsError, decide, judge
+from gfmd_numba.campaign.decision import (
+    Fit,
+    UnknownExponentsError,
+    decide,
+    judge,
+    price_of_realisations,
+    whole_price,
+)
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import Fitted, after
+from gfmd_numba.campaign.next_round import Fitted, _Doubt, _hopeless, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
@@ -99,6 +106,25 @@ def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
         with pytest.raises(UnusableDataError, match=told) as refused:
             decided(found, target)
         assert str(refused.value).endswith("; gfmd allows a larger target, or levels further from the reference")
+
+
+def test_a_round_makes_the_best_of_a_budget():
+    found = results(crossed(*CROSS))
+    free = decided(found, 0.01)
+    spent = whole_price(found, price_of_realisations(found), found["realisations"].values)
+    most = (spent + free.price) / 2
+    bounded = decided(found, 0.01, most=most)
+    assert spent < 0.8 * most < bounded.price <= most
+    assert bounded.predicted_error > free.predicted_error
+    assert (bounded.is_last, bounded.target_price) == (True, free.target_price)
+    assert spent < free.price <= 4.0 * spent < free.target_price  # no round is much larger than all before
+
+
+def test_the_group_that_leaves_most_open_says_why_levels_do_not_suffice():
+    doubts = [_Doubt(size, "eps_f", 0.0, size) for size in (0.01, 0.2, np.inf)]
+    fitted = xr.Dataset({"message": ("group", ["", "", ""]), "fit_status": ("group", ["ok"] * 3)})
+    assert "leaves 20.00% open, mostly that of eps_f" in _hopeless(fitted, doubts, False, 0.1)
+    assert _hopeless(fitted, doubts[:1], False, 0.1) == ""
 
 
 def test_a_run_ends_with_the_advice_that_helps():

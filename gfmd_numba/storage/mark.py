@@ -91,8 +91,8 @@ def _is_marked(content: Content, form: _Form) -> bool:
     if end < 0 or content[: len(form.beginning)] != form.beginning:
         return False
     tail = content[end:]
-    with memoryview(content) as whole:
-        return bytes(tail) == form.mark(_digest(whole[:end])) + form.ending
+    with memoryview(content) as whole, whole[:end] as part:  # an interrupt leaves no view of a file that is closed
+        return bytes(tail) == form.mark(_digest(part)) + form.ending
 
 
 def _digest(content: bytes | memoryview) -> bytes:

@@ -7,7 +7,7 @@ import uuid
 import pytest
 
 from gfmd_numba.scene import InputError
-from gfmd_numba.storage import atomic_file, json_file
+from gfmd_numba.storage import atomic_file, json_file, mark
 from gfmd_numba.storage.atomic_file import is_temporary, opened, read, replace, temporary
 
 
@@ -79,3 +79,14 @@ def test_a_link_to_a_folder_is_none_of_ours(tmp_path):
     (tmp_path / "shards").symlink_to(tmp_path / "elsewhere")
     with pytest.raises(InputError, match="you gave a link or a file; gfmd allows a folder of that name"):
         atomic_file.make_folder(tmp_path / "shards")
+
+
+def test_an_interrupt_while_a_mark_is_compared_stays_an_interrupt(tmp_path, monkeypatch):
+    def interrupted(content):
+        raise KeyboardInterrupt
+
+    path = tmp_path / "results.nc"
+    path.write_bytes(mark.marked(b"\x89HDF\r\n\x1a\n" + bytes(100)))
+    monkeypatch.setattr(mark, "_digest", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        atomic_file.foreign(path)

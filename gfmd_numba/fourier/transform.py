@@ -2,6 +2,7 @@
 
 import math
 import sys
+from collections.abc import Callable
 from copy import copy
 from importlib import import_module
 from importlib.machinery import PathFinder
@@ -227,38 +228,41 @@ class _Blocks:
     def coarsen(self, ky: Indices, found: npt.NDArray[Any], filled: bool) -> None:
         """Fill the transform `[row, column]` with some rows and the first columns of that of the map."""
         rows, columns = self._filled if filled else len(self._waves), found.shape[1]
-        self._along_x(rows, False)
 
-        def some(worker: int, first: int, last: int) -> None:
-            own = self._workers[worker]
-            for x in range(first * _COLUMNS, min(last * _COLUMNS, columns), _COLUMNS):
-                kernels.take_columns(self._waves, rows, x, own.block)
-                own.along_y.execute()
-                end = min(x + _COLUMNS, columns)
-                found[:, x:end] = own.block[: end - x, ky].T
+        def take(own: "_Worker", x: int) -> None:
+            end = min(x + _COLUMNS, columns)
+            found[:, x:end] = own.block[: end - x, ky].T
 
-        team().share(some, -(-columns // _COLUMNS))
+        self._along_both(rows, columns, take)
 
     def power(self, symbol: Reals) -> float:
         """Sum of the squares of the transform of the map times a symbol `[ky, kx]`, the mean left out."""
-        rows, nx = self._samples.shape
-        parts = np.zeros(-(-self._waves.shape[1] // _COLUMNS))
-        self._along_x(rows, False)
+        (rows, nx), columns = self._samples.shape, self._waves.shape[1]
+        parts = np.zeros(-(-columns // _COLUMNS))
 
-        def some(worker: int, first: int, last: int) -> None:
-            own = self._workers[worker]
-            for i in range(first, last):
-                kernels.take_columns(self._waves, rows, i * _COLUMNS, own.block)
-                own.along_y.execute()
-                parts[i] = kernels.power_of_columns(own.block, symbol, i * _COLUMNS, nx)
+        def add_up(own: "_Worker", x: int) -> None:
+            parts[x // _COLUMNS] = kernels.power_of_columns(own.block, symbol, x, nx)
 
-        team().share(some, parts.size)
+        self._along_both(rows, columns, add_up)
         return float(parts.sum())
 
     def multiply(self, symbol: Reals, n: int, divide: bool, filled: bool) -> None:
         """Multiply the map by a symbol `[ky, kx]`, or `divide` it, where 0 and infinity stand for 0; and by 1/n."""
         rows = self._filled if filled else len(self._waves)
-        columns = self._waves.shape[1]
+
+        def multiply(own: "_Worker", x: int) -> None:
+            kernels.multiply_columns(own.block, symbol, x, n, divide)
+            own.back_along_y.execute()
+            kernels.put_columns(own.block, x, self._waves, rows)
+
+        self._along_both(rows, self._waves.shape[1], multiply)
+        self._along_x(rows, True)
+
+    def _along_both(self, rows: int, columns: int, work: Callable[["_Worker", int], None]) -> None:
+        """Transform so many rows along x, then some columns after others along y, and do some work with these.
+
+        The work is given the worker whose block holds the columns, and the first of them.
+        """
         self._along_x(rows, False)
 
         def some(worker: int, first: int, last: int) -> None:
@@ -266,12 +270,9 @@ class _Blocks:
             for x in range(first * _COLUMNS, min(last * _COLUMNS, columns), _COLUMNS):
                 kernels.take_columns(self._waves, rows, x, own.block)
                 own.along_y.execute()
-                kernels.multiply_columns(own.block, symbol, x, n, divide)
-                own.back_along_y.execute()
-                kernels.put_columns(own.block, x, self._waves, rows)
+                work(own, x)
 
         team().share(some, -(-columns // _COLUMNS))
-        self._along_x(rows, True)
 
     def _along_x(self, rows: int, back: bool) -> None:
         """Transform so many rows along x, or back."""

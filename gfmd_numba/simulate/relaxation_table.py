@@ -1,6 +1,5 @@
 """The relaxation of a body from a table of dynamic mechanical analysis (DMA): frequency, storage and loss modulus."""
 
-import re
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,12 +8,14 @@ from scipy.optimize import nnls
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.prony import PronySeries
-from gfmd_numba.scene.regular_file import MOST_TEXT, read_regular
+from gfmd_numba.roughness import surface_text
 from gfmd_numba.scene.units import PRESSURE, rounded
 from gfmd_numba.text.input_error import InputError, brief
 
 _NOTHING = 1e-9  # of the glassy modulus
 _A_DECADE = 2  # branches that may have a modulus
+_FEWEST = 3  # frequencies
+_LARGEST = 1e30  # frequency or modulus
 
 
 class Relaxation(NamedTuple):
@@ -28,7 +29,7 @@ class Relaxation(NamedTuple):
 def read_table(path: Path, unit: str = "Pa") -> tuple[Reals, Reals, Reals]:
     """Frequencies in Hz, storage and loss moduli in Pa `[row]` of a text file of three columns.
 
-    Moduli have a unit of pressure there. Lines that do not begin with a number are a header, or comments. Raises
+    Moduli have a unit of pressure there. Separators, decimal commas and headers are those of measured surfaces. Raises
     InputError for what is no such table.
     """
     try:
@@ -38,27 +39,21 @@ def read_table(path: Path, unit: str = "Pa") -> tuple[Reals, Reals, Reals]:
     if scale is None:
         raise InputError(f"unit: you gave {brief(unit)}; gfmd allows a unit of pressure, like MPa")
     try:
-        text = read_regular(path, MOST_TEXT).decode(errors="replace")
+        values = surface_text.read_table(path).values
     except ValueError as error:
         raise InputError(f"{path}: you gave {error}; gfmd allows a text file of three columns") from None
-    rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), 1):
-        cells = re.split(r"\s*[,;\t]\s*|\s+", line.strip())
-        try:
-            values = [float(cell) for cell in cells if cell]
-        except ValueError:
-            if rows and re.match(r"[-+.\d]", line.strip()):
-                raise InputError(f"{path}:{number}: you gave {brief(line)}; gfmd allows three numbers") from None
-            continue
-        if not values:
-            continue
-        if len(values) != 3 or not all(0.0 < value < 1e30 for value in values):
-            allowed = "three numbers above 0: frequency in Hz, storage and loss modulus"
-            raise InputError(f"{path}:{number}: you gave {brief(line)}; gfmd allows {allowed}")
-        rows.append(values)
-    if len({row[0] for row in rows}) < 3:
-        raise InputError(f"{path}: you gave {len(rows)} rows of numbers; gfmd allows at least 3 different frequencies")
-    frequency, storage, loss = np.array(sorted(rows)).T
+    allowed = "three numbers above 0: frequency in Hz, storage and loss modulus"
+    if values.shape[1] != 3:
+        raise InputError(f"{path}: you gave rows of {values.shape[1]} numbers; gfmd allows {allowed}")
+    bad = np.flatnonzero(~((values > 0.0) & (values < _LARGEST)).all(axis=1))
+    if bad.size:
+        row = " ".join(f"{value:g}" for value in values[bad[0]])
+        raise InputError(f"{path}: you gave {row} in row {bad[0] + 1} of numbers; gfmd allows {allowed}")
+    if np.unique(values[:, 0]).size < _FEWEST:
+        raise InputError(
+            f"{path}: you gave {len(values)} rows of numbers; gfmd allows at least {_FEWEST} different frequencies"
+        )
+    frequency, storage, loss = values[np.argsort(values[:, 0], kind="stable")].T
     return frequency, scale * storage, scale * loss
 
 

@@ -54,10 +54,11 @@ def test_the_command_prints_keys_of_a_body(tmp_path, unit, separator):
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("", "you gave 0 rows of numbers; gfmd allows at least 3 different frequencies"),
-        ("1,2\n3,4\n", ":1: you gave '1,2'; gfmd allows three numbers above 0"),
-        ("1,2,3\n1,2,-3\n", ":2: you gave '1,2,-3'; gfmd allows three numbers above 0"),
-        ("1,2,3\n1,2,x\n", ":2: you gave '1,2,x'; gfmd allows three numbers"),
+        ("", "you gave no number; gfmd allows a text file of three columns"),
+        ("1,2,3\n4,5,6\n", "you gave 2 rows of numbers; gfmd allows at least 3 different frequencies"),
+        ("1 2\n3 4\n", "you gave rows of 2 numbers; gfmd allows three numbers above 0"),
+        ("1,2,3\n1,2,-3\n", "you gave 1 2 -3 in row 2 of numbers; gfmd allows three numbers above 0"),
+        ("1,2,3\n1,2,x\n", "you gave 'x' in line 2, not a number; gfmd allows a text file"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path, text, said):
@@ -65,6 +66,12 @@ def test_tables_that_are_none_are_refused(tmp_path, text, said):
     with pytest.raises(InputError) as refused:
         fit_relaxation(*read_table(tmp_path / "dma.csv"))
     assert said in str(refused.value)
+
+
+def test_decimal_commas_are_read(tmp_path):
+    (tmp_path / "dma.csv").write_text("f [Hz];E1 [MPa];E2 [MPa]\n10;6,2;1,9\n0,1;3,0;0,5\n1;4,1;1,2\n")
+    found = read_table(tmp_path / "dma.csv", "MPa")
+    np.testing.assert_allclose(found, [[0.1, 1, 10], [3e6, 4.1e6, 6.2e6], [5e5, 1.2e6, 1.9e6]], rtol=1e-12)
 
 
 def test_a_liquid_has_no_relaxed_modulus():

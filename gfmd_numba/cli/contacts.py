@@ -7,26 +7,17 @@ import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
+from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 from gfmd_numba.cli.arguments import file_argument, output_option, threads_option
-from gfmd_numba.cli.group import SOME_FAILED, main, without_collections
-from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
-from gfmd_numba.cli.tables import column, endings, line, readable
+from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
+from gfmd_numba.cli.outputs import check_output, companion, picture_path, say_written, write, write_picture
+from gfmd_numba.cli.tables import column, endings, line, readable, unit
 from gfmd_numba.cli.terminal import print_table, say, waiting, warn, warn_of_doubts
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-from math import inf
-from typing import TYPE_CHECKING, TypeVar
-
-from gfmd_numba.cli.group import INTERRUPTED
-from gfmd_numba.cli.outputs import companion, say_written
-from gfmd_numba.cli.tables import unit
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -20,31 +20,24 @@ cannot. The command `python benchmarks/peers.py --page docs/peers.md` measured e
 
 {times}
 
-The first column of times is that of gfmd-numba, for one surface. The columns of the other codes say how many times as
-long each takes: the median, and in brackets the range over the {surfaces} surfaces of a row. p\\* is the reduced
-pressure, the mean pressure over E\\* and the rms gradient (which is 1 here). All punches are self-affine with a Hurst
-exponent H. Their longest wavelength is half the period, and the shortest one has four nodes.
+"ms" is the time of gfmd-numba for one surface. The columns of the other codes say how many times as long each takes:
+the median, and in brackets the range over the {surfaces} surfaces of a row. p\\* is the reduced pressure. All punches
+are self-affine with a Hurst exponent H. Their longest wavelength is half the period, and the shortest one has four
+nodes.
 
-- **Task.** Each code gets the heights and the load, and gives the pressure. Setting up its grid and its transforms
-  counts; importing it and compiling it do not. Each code solves one surface at a time, although gfmd-numba would share
-  some fixed work among the surfaces of a campaign.
+- **Task.** From the heights and the load to the pressure, one surface at a time. Setting up grids and transforms
+  counts; importing and compiling do not.
 - **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
-  of another code stands between two solves of gfmd-numba, and its ratio is to their mean. Solves shorter than 0.05 s
-  are repeated up to five times, and the median counts.
-- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose number of iterations
-  grows with the number of nodes in contact and with the load. gfmd-numba uses its active-set Newton method, which needs
-  few transforms. That is why the ratios grow with the grid, and why they are small for small maps.
+  of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
+- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose iterations grow with
+  the nodes in contact and the load. gfmd-numba uses an active-set Newton method, which needs few transforms.
 - **Versions.** {versions}, Python {python}.
 
 ## Equal accuracy
 
-Each code has a stopping criterion of its own, and they are not comparable. So we compute one residual for all of them,
-from the pressure alone, by a formula that belongs to none of the codes (`residual` in `benchmarks/peers.py`). The
-pressure leaves a gap. Where there is pressure the gap is set to zero, and elsewhere it may not be negative. The
-displacement that follows has a traction. The residual is the largest traction that violates the contact conditions,
-divided by the largest pressure (or the error of the mean, divided by the load). We tighten the tolerance of every
-code, also that of gfmd-numba, until its residual is at most {target}. A tolerance that was sufficient for one surface
-is the first one for the next.
+Stopping criteria of different codes are not comparable. So we compute one residual for all of them from the pressure
+alone: the largest traction that violates the contact conditions over the largest pressure, or the error of the load
+(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}.
 
 {residuals}
 
@@ -53,39 +46,30 @@ are in contact in one code and open in another. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 
-[What can be combined](combinations.md) lists what gfmd-numba refuses. Some of it, and more, is in the other codes:
-
 - **Tamaas**: more laws of adhesion (squared exponential, Maugis); plastic flow inside the body with isotropic
-  hardening; viscoelastic bodies (generalised Maxwell); several threads
-  (OpenMP), and many machines (MPI) when built from source.
-- **ContactMechanics**: contacts that are periodic along one axis alone; many machines (MPI). Its companions are
-  Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
+  hardening; several threads (OpenMP), and many machines (MPI) when built from source.
+- **ContactMechanics**: many machines (MPI). Its
+  companions are Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
 
 In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
 materials. The [README](../README.md#how-it-compares) has a table of both sides.
 
 ## Contacts without a period
 
-Contacts that end are compared by another command, `python benchmarks/free_peers.py`. It presses a rough ball on
-512 x 512 nodes under [three loads](free_contacts.md#other-codes), from heights to pressure, with the kernel.
-gfmd-numba takes 0.24, 0.26 and 0.37 s, Tamaas takes 21, 23 and 24 times as long, and ContactMechanics takes 22, 24 and
-25 times as long. On 128 and 256 nodes a side they take 4 to 14 times as long. ASPHER is compared on that page, too.
+`python benchmarks/free_peers.py` presses a rough ball on 512 x 512 nodes under [three
+loads](free_contacts.md#other-codes). gfmd-numba takes 0.24, 0.26 and 0.37 s, Tamaas takes 21, 23 and 24 times as long,
+and ContactMechanics takes 22, 24 and 25 times as long. On 128 and 256 nodes a side they take 4 to 14 times as long.
 
 ## Programs that stop at an error
 
-Stopping at an error is not new. QMCPy and drivers of multilevel Monte Carlo also add samples until a tolerance is met.
-The drivers also add finer levels of one discretisation, and estimate the order with which it converges. Multi-index
-Monte Carlo has several discretisations. A run of gfmd-numba differs in what it knows of the limits. There are three,
-and each has a law of its own. Their interactions and the covariance of all levels are part of the error, and so is the
-distance from the finest level to the limit.
+QMCPy and drivers of multilevel and multi-index Monte Carlo also add samples, and finer levels, until a tolerance is
+met. A run of gfmd-numba differs in what it knows of the limits: there are three with a law each, and their
+interactions, the covariance of all levels, and the distance from the finest level to the limit are part of the error.
 
 ## Codes that are not compared
 
-- **slippy** 0.5.2 asks for NumPy below 1.21 and uses a part of SciPy that was since removed, so it cannot be imported
-  with the NumPy that gfmd-numba needs. pip installs its release 0.2.0 instead. Both turn pressure into displacement
-  by influence coefficients of loaded rectangles, not wave by wave. Their solution on the same nodes is therefore
-  another one, and equal residuals cannot be had.
-- **tribology** 0.5.16 asks for NumPy 1.16 or older, which has no wheels for Python 3.11.
+**slippy** 0.5.2 asks for NumPy below 1.21, and **tribology** 0.5.16 for NumPy 1.16 or older, which do not go with the
+NumPy that gfmd-numba needs.
 """
 
 

@@ -1,4 +1,4 @@
-"""The page that `peers.py` writes: its two tables, and the sentences around them."""
+"""The page that `peers.py` writes: its table, and the sentences around it."""
 
 import platform
 import textwrap
@@ -37,19 +37,15 @@ nodes.
 
 Stopping criteria of different codes are not comparable. So we compute one residual for all of them from the pressure
 alone: the largest traction that violates the contact conditions over the largest pressure, or the error of the load
-(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}.
-
-{residuals}
-
-The table shows the largest residual of each row{unreached}. The last column counts the nodes, over all surfaces, which
-are in contact in one code and open in another. {agreement}
+(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}. The largest
+that is left is {worst}. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 
 - **Tamaas**: more laws of adhesion (squared exponential, Maugis); plastic flow inside the body with isotropic
   hardening; several threads (OpenMP), and many machines (MPI) when built from source.
-- **ContactMechanics**: many machines (MPI). Its
-  companions are Adhesion, for adhesive contacts, and SurfaceTopography, which analyses measured surfaces.
+- **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
+  which analyses measured surfaces.
 
 In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
 materials. The [README](../README.md#how-it-compares) has a table of both sides.
@@ -112,15 +108,6 @@ def times(rows, peers):
     return table(["contact", "H", "p\\*", "ms", *peers], [cells(*row) for row in rows])
 
 
-def residuals(rows, peers):
-    def cells(case, results):
-        largest = [f"{max(results[name].residuals):.0e}" for name in ("here", *peers)]
-        differing = sum(results[name].differing for name in peers)
-        return [label(case), str(case.hurst), str(case.load), *largest, str(differing)]
-
-    return table(["contact", "H", "p\\*", "gfmd-numba", *peers, "differ"], [cells(*row) for row in rows])
-
-
 def summary(rows, peers):
     """Range of the medians, for profiles and for maps."""
     sentences = []
@@ -154,12 +141,11 @@ def text(rows, peers, target):
     return PAGE.format(
         summary=textwrap.fill(summary(rows, peers), 110),
         times=times(rows, peers),
-        residuals=residuals(rows, peers),
         surfaces=f"{min(counts)} to {max(counts)}" if min(counts) < max(counts) else counts[0],
         processor=processor(),
         versions=versions(peers),
         python=platform.python_version(),
         target=f"{target:g}",
-        unreached="" if worst <= target else "; those above the target are the best that any tolerance reached",
-        agreement="All codes find the same contacts." if differing == 0 else "So the contacts are not all the same.",
+        worst=f"{worst:.0e}",
+        agreement=f"Of all nodes, {differing} are in contact in one code and open in another.",
     )

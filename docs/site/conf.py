@@ -5,7 +5,8 @@ import gfmd_numba
 project = "gfmd-numba"
 author = "gfmd-numba maintainers"
 version = release = gfmd_numba.__version__
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.viewcode"]
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+napoleon_google_docstring = False
 html_theme = "furo"
 html_title = f"gfmd-numba {release}"
 default_role = "code"  # docstrings write code in single backticks

@@ -17,7 +17,7 @@ from gfmd_numba.cli.inspection import schemas
 
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
-PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "CODE_OF_CONDUCT.md", "SECURITY.md")
 FOLDERS = ("docs", "campaigns", "benchmarks", "tests")  # the pages, and what they link to
 
 

@@ -227,19 +227,17 @@ REFUSALS = (
 _INTRODUCTION = """\
 # What can be combined
 
-This page tells you which parts of a scene go together. Read it before you write a scene file that combines several
-effects, or when `gfmd` has refused one. The command `gfmd schema combinations` prints the page from the tables that
-`gfmd` itself reads: `gfmd_numba/contact/combinations.py` and `gfmd_numba/solvers/table.py`.
+This page is for those who combine several effects in a scene, or whose scene `gfmd` has refused. `gfmd schema
+combinations` prints it from the tables that `gfmd` itself reads.
 
 Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
-all three. `gfmd check FILE` tells you within a second, and names the line and the column of each refused value.
+all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
 """
 _REASONS = {
     "physics": """\
 ## Pairs that make no physical sense
 
-No version of `gfmd` will accept these pairs. Each entry names two things that do not go together, and what is
-allowed in place of the first.
+No version of `gfmd` will accept these pairs. Each entry says what is allowed in place of the last.
 """,
     "solver": """\
 ## Pairs that no solver can do
@@ -254,16 +252,14 @@ These pairs make sense, and a later version may accept them.
     "without effect": """\
 ## Options without effect
 
-The refused option would change nothing in such a scene. `gfmd` refuses it, so that you do not take it for the cause of
-anything.
+The refused option would change nothing in such a scene.
 """,
 }
 _SOLVERS = """\
 ## What each solver can do
 
-`auto` takes the first solver of the first line that can do all that a scene asks for. If you name a solver that cannot,
-`gfmd` refuses it and names those that can. The options `time_step` and `damping` are refused with a solver without
-them.
+`auto` takes the first solver of the first line that can do all that a scene asks for. If you name one that cannot,
+`gfmd` names those that can.
 """
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
@@ -336,13 +332,16 @@ def combinations_page() -> str:
 
 
 def _section(reason: str) -> str:
-    rows = (row for row in REFUSALS if row.because == reason)
-    return "\n".join((_REASONS[reason], *map(_row, rows), ""))
-
-
-def _row(row: Refusal) -> str:
-    allowed = row.allowed.replace("*", r"\*")
-    return _item(f"**{_capital(_phrase(row.refused))} with {_phrase(row.present)}.** Allowed: {allowed}.")
+    groups: dict[tuple[str, str], list[str]] = {}
+    for row in REFUSALS:
+        if row.because == reason:  # what a later version may accept needs no substitute
+            allowed = "" if reason == "not built yet" else f" Allowed: {row.allowed}.".replace("*", r"\*")
+            groups.setdefault((row.present, allowed), []).append(_phrase(row.refused))
+    items = (
+        _item(f"**{_capital(_phrase(present))}** with {'; '.join(refused)}.{allowed}")
+        for (present, allowed), refused in groups.items()
+    )
+    return "\n".join((_REASONS[reason], *items, ""))
 
 
 def _solvers() -> Iterator[str]:

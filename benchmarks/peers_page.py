@@ -61,11 +61,6 @@ and ContactMechanics takes 22, 24 and 25 times as long. On 128 and 256 nodes a s
 QMCPy and drivers of multilevel and multi-index Monte Carlo also add samples, and finer levels, until a tolerance is
 met. A run of gfmd-numba differs in what it knows of the limits: there are three with a law each, and their
 interactions, the covariance of all levels, and the distance from the finest level to the limit are part of the error.
-
-## Codes that are not compared
-
-**slippy** 0.5.2 asks for NumPy below 1.21, and **tribology** 0.5.16 for NumPy 1.16 or older, which do not go with the
-NumPy that gfmd-numba needs.
 """
 
 

@@ -4,6 +4,9 @@ import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from math import prod
+
+_FEWEST = 2**19  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
 
 class Team:
@@ -13,12 +16,13 @@ class Team:
         self.size = size
         self._pool = ThreadPoolExecutor(size - 1) if size > 1 else None
 
-    def share(self, work: Callable[[int, int, int], None], pieces: int) -> None:
+    def share(self, work: Callable[[int, int, int], None], pieces: int, nodes: int) -> None:
         """Call `work` with the number of a thread and the first and last but one of its pieces, for all of these.
 
-        Results are the same for any number of threads if each piece is made by itself. Raises what `work` raises.
+        One thread alone works on few `nodes`. Results are the same for any number of threads if each piece is made by
+        itself. Raises what `work` raises.
         """
-        if self._pool is None or pieces < self.size:
+        if self._pool is None or pieces < self.size or nodes < _FEWEST:
             work(0, 0, pieces)
             return
         ends = [pieces * i // self.size for i in range(self.size + 1)]
@@ -27,9 +31,9 @@ class Team:
         for other in others:
             other.result()
 
-    def by_rows(self, work: Callable[[slice], None], rows: int) -> None:
-        """Call `work` with some of the rows after others, for all of these."""
-        self.share(lambda _, first, last: work(slice(first, last)), rows)
+    def by_rows(self, work: Callable[[slice], None], shape: tuple[int, ...]) -> None:
+        """Call `work` with some of the rows of an array of a shape after others, for all of these."""
+        self.share(lambda _, first, last: work(slice(first, last)), shape[0], prod(shape))
 
     def close(self) -> None:
         """End the threads."""

@@ -8,6 +8,7 @@ from gfmd_numba.cli import (  # noqa: F401 - these are its commands
     inspection,
     output_directory,
     planning,
+    report,
     solved_contact,
 )
 from gfmd_numba.cli.group import main

@@ -12,9 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from gfmd_numba.cli.arguments import (
-    LIMITS,
     NEW_FILE,
-    OF_PATHS,
     budget_option,
     conditions_option,
     file_argument,
@@ -25,8 +23,9 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
-from gfmd_numba.cli.tables import duration, endings, show_fit, show_goal, show_means, show_paths
-from gfmd_numba.cli.terminal import progress_bar, say, show_queue, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.tables import duration, endings
+from gfmd_numba.cli.terminal import progress_bar, say, show_queue, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.told import has_limits, of_campaign
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
@@ -121,12 +120,13 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
         rest = "a run without --only takes the other cases" if of_some else "the same command resumes"
         of_all = f"{to_do} of the {asked} simulations of the whole campaign"
         say("note", f"{of_all} have not run yet: {rest}")
-    elif LIMITS.keys() & set(dataset["limit"].values):
-        drawn = _show_limit(dataset, results.with_suffix(".png"))
-    elif "step" in dataset.dims:
-        show_paths(dataset)
+    elif has_limits(dataset):
+        with waiting("fitting"):
+            fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset))
+        tell(of_campaign(dataset, fitted))
+        drawn = _draw(dataset, fitted, results.with_suffix(".png"))
     else:
-        show_means(dataset, fit_options(dataset).get("variable", "kappa"))
+        tell(of_campaign(dataset, None))
     for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
     _show_endings(dataset)
@@ -136,25 +136,6 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
             f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
         )
     return drawn and not not_ok
-
-
-def _show_limit(dataset: xr.Dataset, picture: Path) -> bool:
-    """Fit the results to their limit, print and draw it; return False if the disk refuses the picture."""
-    import gfmd_numba
-
-    options = fit_options(dataset)
-    with waiting("fitting"):
-        fitted = shown = gfmd_numba.fit_tfc(dataset, **options)
-    if "step" in dataset.dims:
-        show_paths(dataset)
-        whole = {name: value for name, value in options.items() if name != "step"}
-        for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
-            show_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
-        if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
-            shown = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
-    show_fit(shown)
-    show_goal(dataset, fitted)
-    return _draw(dataset, fitted, picture)
 
 
 def _show_endings(dataset: xr.Dataset) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import warnings
 from collections.abc import Callable
@@ -16,8 +15,9 @@ import click
 from gfmd_numba.cli.arguments import file_argument, output_option, threads_option
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, companion, picture_path, say_written, write, write_picture
-from gfmd_numba.cli.tables import column, endings, line, readable, unit
-from gfmd_numba.cli.terminal import print_table, say, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.tables import endings, unit
+from gfmd_numba.cli.terminal import say, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.told import named, of_contact, of_curve, of_numbers, of_steps, over, prescribed
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,33 +26,6 @@ if TYPE_CHECKING:
     from gfmd_numba.scene.units import Quantity
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
-
-
-_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
-    "mean_pressure",
-    "contact_area_fraction",
-    "approach",
-    "mean_gap",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-    "kappa",
-    "kappa_r",
-    "plastic_area_fraction",
-    "mean_plastic_depth",
-    "mean_worn_depth",
-    "mean_tangential_traction",
-    "mean_tangential_traction_y",
-    "stick_fraction",
-    "energy_lost",
-    "hysteretic_friction",
-    "hysteretic_friction_error",
-    "time_error",
-)
-_PRESCRIBED = (
-    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y", "speed", "time"),
-)
 
 
 @main.command()
@@ -79,9 +52,9 @@ def solve(file: Path, threads: int | None, output: Path) -> None:
     write(output, dataset)
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     if "step" in dataset.dims:
-        _show_steps(dataset)
+        tell(of_steps(dataset))
     else:
-        _show_one(dataset)
+        tell(of_contact(dataset))
     warn_of_doubts(dataset)
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
@@ -100,36 +73,6 @@ def _with_threads(described: File, document: Document, threads: int | None) -> t
     numerics = {**(document.data.get("numerics") or {}), "threads": threads}
     asked = described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
     return asked, replace(document, data=document.data | {"numerics": numerics})
-
-
-def _show_one(dataset: xr.Dataset) -> None:
-    """Print what came of one loading, a line each."""
-    prescribed = [name for name in _PRESCRIBED if name in dataset.coords]
-    for name in (*prescribed, *(name for name in _SHOWN if name in dataset)):
-        words, number, unit = line(dataset, name)
-        click.echo(f"{words:24}{number:<14}{unit}".rstrip())
-    click.echo(f"{'residual':24}{float(dataset['residual']):.1e}")
-
-
-def _show_steps(dataset: xr.Dataset) -> None:
-    """Print the steps of a path: what was prescribed, and what came of it."""
-    prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
-    steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
-    view = _with_stiffness(dataset)
-    found = dict(column(view, name) for name in (*_SHOWN[:4], "contact_stiffness", *_SHOWN[4:]) if name in view)
-    found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
-    print_table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
-
-
-def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
-    interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
-    if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
-        return dataset
-    closed = dataset["approach"] if "approach" in dataset else -dataset["mean_gap"]
-    rise, fall = dataset["mean_pressure"].diff("step"), closed.diff("step")
-    stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
-    return dataset.assign(contact_stiffness=stiffness)
 
 
 def _ending(step: xr.Dataset) -> str:
@@ -164,17 +107,10 @@ def surface(file: Path, output: Path) -> None:
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
-    for name, variable in dataset.data_vars.items():
-        if not variable.dims:
-            figures, unit = readable(float(variable), _surface_unit(str(name), variable.attrs["units"]))
-            click.echo(f"{name!s:24}{figures} {unit}".rstrip())
+    tell(of_numbers(dataset))
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
     warn_of_doubts(dataset)
-
-
-def _surface_unit(name: str, unit: str) -> str:
-    return {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(name, "") if unit == "1" else unit
 
 
 _MOST = 10_000
@@ -336,7 +272,7 @@ def curve(
     write_table(table, columns(dataset))
     say_written("table", table)
     _draw(dataset, picture)
-    show(dataset)
+    tell(of_curve(dataset))
     warn_of_doubts(dataset)
     _end(dataset, realisations)
 
@@ -350,7 +286,7 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
         remove(picture, is_product)  # that of an earlier curve
         warn("no load has a result that could be drawn")
         return
-    draw = {"time": plot_creep, "speed": plot_friction}.get(_over(dataset), plot_curve)
+    draw = {"time": plot_creep, "speed": plot_friction}.get(over(dataset), plot_curve)
     write_picture(picture, lambda: draw(dataset))
 
 
@@ -358,9 +294,9 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
     """Say which loads are not to be used, or that the curve was interrupted; exit with 3 or 130 then."""
     failed = dataset["status"].values != 0
     if failed.any():
-        loads = ", ".join(f"{load:.4g}" for load in dataset[_over(dataset)].values[failed])
+        loads = ", ".join(f"{load:.4g}" for load in dataset[over(dataset)].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
-        warn(f"not ok at {_over(dataset).removeprefix('prescribed_')} {loads}: {left}")
+        warn(f"not ok at {over(dataset).removeprefix('prescribed_')} {loads}: {left}")
         for _, sentence in endings(dataset["status"]):
             warn(sentence)
     if "interrupted" in dataset.attrs:
@@ -371,48 +307,13 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
         sys.exit(SOME_FAILED)
 
 
-def show(dataset: xr.Dataset) -> None:
-    """Print the curve, one line a load, time or speed."""
-    from gfmd_numba.simulate.curve import SHOWN
-
-    view, load = _named(dataset), _prescribed(dataset)
-    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
-    shown = [name for name in SHOWN if name in view and name not in same]
-    values = dict(column(view, name) for name in shown)
-    states = dataset["status"].attrs["flag_meanings"].split()
-    if dataset["status"].any():
-        values["status"] = [states[int(status)] for status in dataset["status"]]
-    if int(dataset["n_realisations"].max()) > 1:
-        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
-    heading, loads = column(view, load)
-    print_table(dataset.attrs["title"], {heading: loads}, values)
-
-
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
-    view = _named(dataset)
-    over = _over(dataset)
-    names = [str(name) for name in (over, *dataset.data_vars)]
+    view = named(dataset)
+    load = over(dataset)
+    names = [str(name) for name in (load, *dataset.data_vars)]
     units = {
-        name: unit(view, _prescribed(dataset) if name == over else name.removesuffix("_standard_error"))
+        name: unit(view, prescribed(dataset) if name == load else name.removesuffix("_standard_error"))
         for name in names
     }
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
-
-
-def _prescribed(dataset: xr.Dataset) -> str:
-    """Return the name of the variable that the loading prescribes."""
-    from gfmd_numba.contact.dataset import PRESCRIBED
-
-    given = str(dataset.attrs["prescribed"])
-    return PRESCRIBED.get(given, given)
-
-
-def _named(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the dataset whose load has the name of what is prescribed."""
-    return dataset.assign({_prescribed(dataset): dataset[_over(dataset)]})
-
-
-def _over(dataset: xr.Dataset) -> str:
-    """Return the dim of a curve."""
-    return next((name for name in ("time", "speed") if name in dataset.dims), "prescribed_load")

@@ -21,8 +21,8 @@ from gfmd_numba.cli.arguments import (
 )
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, picture_path, picture_suffixes, pictures, write, write_picture
-from gfmd_numba.cli.tables import show_fit, show_goal
-from gfmd_numba.cli.terminal import say, waiting
+from gfmd_numba.cli.tables import of_fit, of_goal
+from gfmd_numba.cli.terminal import say, tell, waiting
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
@@ -57,9 +57,9 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     dataset = read_results(file)
     with naming(file):
         fitted = _fit(dataset, **asked)
-    show_fit(fitted)
+    tell(of_fit(fitted))
     if fitted.attrs["variable"] in {fit_options(dataset).get("variable"), *targets_of(dataset)}:
-        show_goal(dataset, fitted)
+        tell(of_goal(dataset, fitted))
     if output is not None:
         write(output, fitted, "fit")
     if function is not None:

@@ -35,7 +35,7 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
     if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
         raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
     if output.suffix.lower() not in suffixes:
-        kind = "netCDF file" if suffixes is _NETCDF else "picture"
+        kind = {".nc": "netCDF file", ".html": "page"}.get(suffixes[0], "picture")
         raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
     if clause := foreign(output):
         raise InputError(

@@ -6,7 +6,7 @@ from math import floor, inf, isnan, log10, nan
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
-from gfmd_numba.cli.terminal import print_table, say
+from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import si_prefix, with_error
 
 if TYPE_CHECKING:
@@ -146,8 +146,8 @@ _SHOWN = (
 )
 
 
-def show_fit(fitted: xr.Dataset) -> None:
-    """Print the variable in the limit, what separates it from the reference, and the sum of these there."""
+def of_fit(fitted: xr.Dataset) -> Told:
+    """Yield the variable in the limit, what separates it from the reference, and the sum of these there."""
     import numpy as np
 
     from gfmd_numba.analysis.fit_dataset import in_the_limit
@@ -168,34 +168,34 @@ def show_fit(fitted: xr.Dataset) -> None:
         values["together"] = _with_errors(together, np.sqrt((shown["interaction_error"] ** 2).sum("pair")))
     whole = limits + shown["correction"].fillna(0.0).sum("limit") + together
     values["reference"] = _with_errors(whole.fillna(factor * fitted["reference"]), shown["reference_error"])
-    print_table(title, _cells(fitted, _shown_parameters(fitted)), values)
+    yield Table(title, _cells(fitted, _shown_parameters(fitted)), values)
     for limit in varied:
         laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)
         found = f"{laws}, exponent {_exponent_found(fitted, limit)}, extrapolated {_distance(fitted, limit)}"
-        say(LIMITS[limit], f"{limit}: {found}", width=14)
+        yield Line(LIMITS[limit], f"{limit}: {found}", width=14)
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
-        say("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
+        yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
     if (fitted["error_budget"] > 0).any():
-        say("error", _sources(fitted, factor, unit))
+        yield Line("error", _sources(fitted, factor, unit))
     messages = [str(message).splitlines() for message in fitted["message"].values]
     for line in dict.fromkeys(line for lines in messages for line in lines):
         having = [i for i, lines in enumerate(messages) if line in lines]
         whose = "" if len(having) == len(messages) else _whose(fitted, having)
-        say("note", f"{whose}{line}")
+        yield Line("note", f"{whose}{line}")
 
 
-def show_means(dataset: xr.Dataset, variable: str) -> None:
-    """Print the ensemble mean of every case, for a campaign without limits."""
+def of_means(dataset: xr.Dataset, variable: str) -> Told:
+    """Yield the ensemble mean of every case, for a campaign without limits."""
     from gfmd_numba.analysis import ensemble_mean
 
     shown = dataset.isel(case=slice(MOST_ROWS))
     means = {variable: _with_errors(*ensemble_mean(shown, variable))}
-    _print_means(variable, shown, dataset, means)
+    yield from _of_means(variable, shown, dataset, means)
 
 
-def show_paths(dataset: xr.Dataset) -> None:
-    """Print the means of every case: hysteresis and pull-off of its path, and the contact after the last step.
+def of_paths(dataset: xr.Dataset) -> Told:
+    """Yield the means of every case: hysteresis and pull-off of its path, and the contact after the last step.
 
     For a campaign with limits only the references are shown.
     """
@@ -210,23 +210,25 @@ def show_paths(dataset: xr.Dataset) -> None:
         mean, error = ensemble_mean(shown, name)
         means[name], means[f"{name}_standard_error"] = ("case", mean, dataset[name].attrs), ("case", error)
     steps = dataset.sizes["step"] - 1
-    _print_means(f"end of the path of {steps} steps", shown, dataset, dict(column(means, name) for name in names))
+    yield from _of_means(
+        f"end of the path of {steps} steps", shown, dataset, dict(column(means, name) for name in names)
+    )
 
 
-def show_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> None:
-    """Print how near a campaign came to its target, round by round if it ran in rounds; nothing without a target."""
+def of_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> Told:
+    """Yield how near a campaign came to its target, round by round if it ran in rounds; nothing without a target."""
     from gfmd_numba.analysis.arguments import targets_of
 
     targets = targets_of(dataset)
     if "round" in dataset.dims:
-        _show_rounds(dataset, fitted, targets)
+        yield from _of_rounds(dataset, fitted, targets)
     elif fitted.attrs["variable"] in targets:
-        show_target(fitted, targets[fitted.attrs["variable"]])
+        yield from of_target(fitted, targets[fitted.attrs["variable"]])
     if others := [name for name in targets if name != fitted.attrs["variable"]]:
-        say("note", f"`gfmd fit --variable NAME` shows the limit of {' or '.join(others)}")
+        yield Line("note", f"`gfmd fit --variable NAME` shows the limit of {' or '.join(others)}")
 
 
-def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> None:
+def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> Told:
     known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
     for number in dataset["round"].values.tolist():
         errors, asked = [], "finer levels" if number else "the pilot"
@@ -238,10 +240,10 @@ def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, flo
                 asked = f"{expected:.2%}{f' of {name}' if len(targets) > 1 else ''} expected"
         seconds = float(dataset["round_cpu_seconds"].sel(round=number))
         spent = "not finished" if isnan(seconds) else f"{duration(seconds)} of processor time for the contacts so far"
-        say("round", f"{number}: {', '.join(errors)}, {asked}; {spent}")
+        yield Line("round", f"{number}: {', '.join(errors)}, {asked}; {spent}")
     reached = dataset.attrs.get("reached", "").split(", ")
     for name, target in targets.items():
-        say("until", f"{name} to {target:.2%}: {'reached' if name in reached else dataset.attrs['ended']}")
+        yield Line("until", f"{name} to {target:.2%}: {'reached' if name in reached else dataset.attrs['ended']}")
     of_fitted = known.get(fitted.attrs["variable"])
     error = nan if of_fitted is None else float(of_fitted["round_error"][-1])
     if isnan(error) or isnan(seconds):
@@ -251,20 +253,22 @@ def _show_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, flo
         price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
     else:
         price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
-    say("price", f"the next digit, {digit:.2%}, {price}")
+    yield Line("price", f"the next digit, {digit:.2%}, {price}")
 
 
-def show_target(fitted: xr.Dataset, target: float) -> None:
-    """Print the error each group was meant to have, and the one it has."""
+def of_target(fitted: xr.Dataset, target: float) -> Told:
+    """Yield the error each group was meant to have, and the one it has."""
     from gfmd_numba.analysis.fit_dataset import in_the_limit
 
     limit, error = in_the_limit(fitted)
     reached = (error / abs(limit)).values
     missed = [f"{error:.2%}" for error in reached if not error <= target]
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
-    say("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
+    yield Line("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
     if missed:
-        say("note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it")
+        yield Line(
+            "note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it"
+        )
 
 
 def said_of_error(error: float, factor: float) -> str:
@@ -298,12 +302,12 @@ def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
     return factor / float(power or 1.0), " ".join(filter(None, (power, unit.removeprefix("1"))))
 
 
-def _print_means(what: str, shown: xr.Dataset, dataset: xr.Dataset, means: dict[str, list[str]]) -> None:
-    """Print the means of the cases that are shown, by heading, and how many more the dataset has."""
+def _of_means(what: str, shown: xr.Dataset, dataset: xr.Dataset, means: dict[str, list[str]]) -> Told:
+    """Yield the means of the cases that are shown, by heading, and how many more the dataset has."""
     title = f"{what}, mean of the realisations (one standard error)"
-    print_table(title, cells_of_parameters(shown, dataset), means)
+    yield Table(title, cells_of_parameters(shown, dataset), means)
     if dataset.sizes["case"] > MOST_ROWS:
-        say("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
+        yield Line("note", f"{dataset.sizes['case'] - MOST_ROWS} more cases are in the file")
 
 
 def cells_of_parameters(shown: xr.Dataset, dataset: xr.Dataset) -> dict[str, list[str]]:

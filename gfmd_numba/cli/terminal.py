@@ -19,7 +19,7 @@ import time
 from collections.abc import Callable
 from contextlib import contextmanager, suppress
 from threading import Timer
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -39,6 +39,34 @@ def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
     click.echo(f"{label:<{width}}{lines[0]}".rstrip(), err=err)
     for line in lines[1:]:
         click.echo(f"{'':{width}}{line}", err=err)
+
+
+class Table(NamedTuple):
+    """Parameters and values of cases, cells by heading, under a title."""
+
+    title: str
+    parameters: Mapping[str, list[str]]
+    values: Mapping[str, list[str]]
+
+
+class Line(NamedTuple):
+    """A text next to its label, and how many columns that has on the terminal."""
+
+    label: str
+    text: str
+    width: int = 9
+
+
+Told = Iterator[Table | Line]
+
+
+def tell(told: Told) -> None:
+    """Print tables and lines as they come."""
+    for each in told:
+        if isinstance(each, Table):
+            print_table(*each)
+        else:
+            say(each.label, each.text, width=each.width)
 
 
 def warn(text: str) -> None:

@@ -272,7 +272,7 @@ class _Blocks:
                 own.along_y.execute()
                 work(own, x)
 
-        team().share(some, -(-columns // _COLUMNS))
+        team().share(some, -(-columns // _COLUMNS), rows * columns)
 
     def _along_x(self, rows: int, back: bool) -> None:
         """Transform so many rows along x, or back."""
@@ -286,7 +286,7 @@ class _Blocks:
                 plan.update_arrays(*((waves, samples) if back else (samples, waves)))
                 plan.execute()
 
-        team().share(some, rows // self._lines)
+        team().share(some, rows // self._lines, rows * self._samples.shape[1])
 
 
 class _Worker(NamedTuple):

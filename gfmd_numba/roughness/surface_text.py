@@ -1,5 +1,6 @@
 """Numbers in text: one or two columns or a map, however they are separated, and the units their header states."""
 
+import csv
 import io
 import re
 import warnings
@@ -22,6 +23,7 @@ _WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*)", r
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
+_QUOTED_CELL = re.compile(r'(?:^|,)"([^"]*)"(?=,|$)')
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _STATED = re.compile(r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;]{1,12})")
 _HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
@@ -46,7 +48,7 @@ class Layout:
         """Cells of a row."""
         if not self.separator:
             return [line]
-        return line.split() if self.separator == BLANKS else line.split(self.separator)
+        return line.split() if self.separator == BLANKS else next(csv.reader([line], delimiter=self.separator))
 
     def columns(self, line: str) -> int:
         """Number of cells of a row."""
@@ -83,6 +85,8 @@ def layout_of(rows: list[str], header: str) -> Layout:
             return Layout(separator, "," if any("," in row for row in looked_at) else ".")
     if not any("," in row for row in looked_at):
         return Layout(BLANKS if any(len(row.split()) > 1 for row in looked_at) else "", ".")
+    if any("," in cell for row in looked_at for cell in _QUOTED_CELL.findall(row)):
+        return Layout(",", ",")
     tokens = [token for row in looked_at for token in row.split()]
     decimal = all(_DECIMAL_COMMA.fullmatch(token) for token in tokens if "," in token)
     if not decimal or any("." in token for token in tokens) or max(row.count(",") for row in looked_at) > 1:
@@ -102,6 +106,9 @@ def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
     """
     wanted = columns if columns <= 3 else 1
     for line in reversed(header):
+        bare = [length_unit(cell) for cell in _cells(line)]
+        if wanted > 1 and len(bare) == wanted and None not in bare:
+            return tuple(bare)
         found = _found(line, line is header[-1])
         heights = [unit for label, unit in found if _HEIGHT.search(label)]
         if found and len(found) == wanted:
@@ -125,6 +132,28 @@ def heights_first(header: list[str]) -> bool:
             of_z = _HEIGHT.search(first) is not None and _POSITION.search(second) is not None
             return of_x or of_z
     return False
+
+
+def columns_by_label(header: list[str], columns: int) -> tuple[list[int], tuple[str | None, ...]] | None:
+    """Columns of positions and heights, in this order, and their units, of a table that has others too.
+
+    None where the header does not name all columns, or positions and heights not once each.
+    """
+    for number, line in enumerate(header):
+        cells = _cells(line)
+        labels = [_STATED.sub("", cell).strip() for cell in cells]
+        heights = [i for i, label in enumerate(labels) if _HEIGHT.search(label)]
+        along = [[i for i, label in enumerate(labels) if _axis(label) == axis] for axis in "xy"]
+        along[0] = along[0] or [i for i, label in enumerate(labels) if _NO_HEIGHT.search(label)]
+        if len(cells) != columns or len(heights) != 1 or len(along[0]) != 1 or len(along[1]) > 1:
+            continue
+        chosen = [*along[0], *along[1], *heights]
+        below = [row for row in map(_cells, header[number + 1 :]) if len(row) == columns]
+        units = [next((unit for _, unit in _found(cells[i], True)), None) for i in chosen]
+        for row in below:
+            units = [unit or length_unit(row[i].strip("[]() ")) for i, unit in zip(chosen, units, strict=True)]
+        return chosen, tuple(units)
+    return None
 
 
 def axis_units(header: list[str]) -> dict[str, str]:
@@ -166,7 +195,7 @@ def read_table(path: Path) -> Table:
     if first is None:
         begin = next((line for line in lines if line.strip()), "")
         raise ValueError(f"no row of numbers, but {_short(begin)}" if begin else "no number")
-    header = [line.lstrip(_COMMENTS + "/ ").strip() for line in lines[:first]]
+    header = [line.lstrip(_COMMENTS + "/ ").rstrip() for line in lines[:first]]
     rows = [_FORTRAN.sub("e", line) for line in lines[first:] if not _is_comment(line)]
     while not rows[-1].strip():
         rows.pop()
@@ -180,6 +209,12 @@ def read_table(path: Path) -> Table:
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
     done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
+    found = columns_by_label(header, values.shape[1])
+    if found is not None and len(found[0]) < values.shape[1]:
+        done += (
+            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
+        )
+        return Table(values[:, found[0]], found[1], done, line=first + 1)
     units = stated_units(header, values.shape[1])
     if values.shape[1] == 2 and heights_first(header):
         values, units = values[:, ::-1], units[::-1]
@@ -226,6 +261,13 @@ def _one_comma(rows: list[str], header: str) -> Layout:
         f"rows like {rows[0]!r} that are one column with a decimal comma or two columns: begin the file with the line "
         "`z [um]` or `x [mm], z [um]`, in its units"
     )
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line of the header, without quotes: between semicolons, tabs or commas, or else between blanks."""
+    separator = next((each for each in ";\t," if each in line), None)
+    parts = line.split() if separator is None else line.split(separator)
+    return [part.strip("\"' ") for part in parts]
 
 
 def _axis(label: str) -> str | None:

@@ -242,7 +242,7 @@ def _fill(result: Equilibrium, row: int, displacement: Reals, pressure: Reals) -
         result.pressure[row][part] = pressure[part]
         np.greater(pressure[part], 0.0, out=result.touching[row][part])
 
-    team().by_rows(some, len(pressure))
+    team().by_rows(some, pressure.shape)
 
 
 def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices) -> None:

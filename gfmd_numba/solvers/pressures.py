@@ -158,4 +158,4 @@ def refine(pressure: Reals, fine: Reals, rows: int | None = None) -> None:
     def some(part: slice) -> None:
         kernels.refine_pressure(pressure, above[part], down[part], left, right, fine[part])
 
-    team().by_rows(some, len(fine))
+    team().by_rows(some, fine.shape)

@@ -43,13 +43,14 @@ _PRODUCTS = (
     _Form(b"%PDF", b"", lambda text: b"% " + text + b"\n"),
     _Form(b"%!PS", b"", lambda text: b"% " + text + b"\n"),
     _Form(b"<?xml", b"", lambda text: b"<!-- " + text + b" -->\n"),
+    _Form(b"<!doctype html>", b"", lambda text: b"<!-- " + text + b" -->\n"),
 )
 _NOTE = _Form(b"{", b"}", lambda text: b', "mark": "' + text + b'"')
 _IN_TABLES = b"# " + _WORDS
 
 
 def marked(content: bytes | memoryview) -> bytes:
-    """Return the content of a dataset, picture or note with its mark; other kinds have none, and are never replaced."""
+    """Return the content of a dataset, picture, page or note with its mark; other kinds have none, and always stay."""
     for form in (*_PRODUCTS, _NOTE):
         if content[: len(form.beginning)] == form.beginning:
             body = content[: len(content) - len(form.ending)]
@@ -70,7 +71,7 @@ def has_mark(content: Content) -> bool:
 
 
 def is_product(content: Content) -> bool:
-    """Return whether this is a dataset, picture or table as gfmd wrote it."""
+    """Return whether this is a dataset, picture, page or table as gfmd wrote it."""
     if content[: len(_IN_TABLES)] == _IN_TABLES:
         return content[:] == marked_table(bytes(content[len(_IN_TABLES) + _HEX_DIGITS + 1 :]))
     return any(_is_marked(content, form) for form in _PRODUCTS)

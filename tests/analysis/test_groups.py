@@ -5,7 +5,8 @@ import pytest
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc, plot_campaign
 from gfmd_numba.analysis.selection import axes
-from gfmd_numba.cli.tables import show_fit
+from gfmd_numba.cli.tables import of_fit
+from gfmd_numba.cli.terminal import tell
 from support.synthetic_campaigns import ALPHA, campaign, noisy, with_axes
 
 TOY = {"long_name": "toy parameter", "units": "m", "symbol": "tau", "label": r"$\tau$", "axis": "physics"}
@@ -31,7 +32,7 @@ def test_a_parameter_unknown_to_analysis_is_drawn_and_printed_by_its_symbols(toy
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels[:2] == [r"$\tau = 2\,\mathrm{µm}$", r"$\tau = 5\,\mathrm{µm}$"]
     assert figure.axes[-1].get_xlabel() == r"$\tau$ (m)"
-    show_fit(fitted)
+    tell(of_fit(fitted))
     assert "tau (m)" in capsys.readouterr().out
 
 

@@ -104,8 +104,8 @@ def test_a_parameter_of_one_value_is_no_dim():
 def fitted(monkeypatch, tmp_path):
     """A campaign whose fit is known."""
     monkeypatch.setattr("gfmd_numba.cli.fits._fit", lambda *given, **asked: fit())
-    monkeypatch.setattr("gfmd_numba.cli.fits.show_fit", lambda fitted: None)
-    monkeypatch.setattr("gfmd_numba.cli.fits.show_goal", lambda *given: None)
+    monkeypatch.setattr("gfmd_numba.cli.fits.of_fit", lambda fitted: iter(()))
+    monkeypatch.setattr("gfmd_numba.cli.fits.of_goal", lambda *given: iter(()))
     file = tmp_path / "x.nc"
     fit().to_netcdf(file)
     monkeypatch.setattr("gfmd_numba.campaign.results.read_results", lambda given: fit())

@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba import fit_tfc
-from gfmd_numba.cli.tables import show_fit, show_target
+from gfmd_numba.cli.tables import of_fit, of_target
+from gfmd_numba.cli.terminal import tell
 from support.command_line import unfolded
 from support.synthetic_campaigns import ALPHA, campaign, noisy
 
@@ -20,7 +21,7 @@ def exponent_line(alphas, capsys):
     fit = fitted(noisy(campaign(), np.random.default_rng(1))).isel(group=[0] * len(alphas))
     fit["alpha"].loc[{"limit": "eps_f"}] = alphas
     fit["alpha_error"].loc[{"limit": "eps_f"}] = np.nan
-    show_fit(fit)
+    tell(of_fit(fit))
     said = unfolded(capsys.readouterr().out)
     return re.search("fractal eps_f: power, exponent (.*?), extrapolated from", said)[1].replace(",", "")
 
@@ -49,14 +50,14 @@ def test_a_problem_that_cases_share_is_paid_for_once(capsys):
     shared = fitted(dataset.assign_coords(case_id=("case", [f"problem-{i % half}" for i in range(2 * half)])))
     assert apart.attrs["cpu_seconds"] == 2 * shared.attrs["cpu_seconds"] == 20.0 * half
     np.testing.assert_array_equal(apart["seconds"], shared["seconds"])
-    show_fit(shared)
+    tell(of_fit(shared))
     assert f"{10 * half} s of processor time" in unfolded(capsys.readouterr().out)
 
 
 def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
     fit = fitted(noisy(campaign((0.3, 0.8)), np.random.default_rng(1)))
     assert "cpu_seconds" not in fit.attrs
-    show_fit(fit)
+    tell(of_fit(fit))
     assert "processor time" not in capsys.readouterr().out
 
 
@@ -64,20 +65,20 @@ def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
     dataset = noisy(campaign((0.3, 0.8)), np.random.default_rng(1))
     dataset["mean_gap"] = (1e-6 * dataset["kappa"]).assign_attrs(units="m")
     of_gap, of_kappa = (fit_tfc(dataset, name, fixed=ALPHA | {"eps_f": (0.5, 1.0)}) for name in ("mean_gap", "kappa"))
-    show_fit(of_gap)
+    tell(of_fit(of_gap))
     said = unfolded(capsys.readouterr().out)
     assert "mean_gap (µm) and its limit" in said
     sampling = 1e6 * float(of_gap["error_budget"].sel(source="sampling").max())
     assert f"sampling {sampling:.2g}" in said
     assert "(in µm)" in said
     assert "nm: add `cross` to the limits" in said
-    show_fit(of_kappa)
+    tell(of_fit(of_kappa))
     assert "(in " not in capsys.readouterr().out
 
 
 def test_a_missed_target_is_told_with_what_reaches_it(capsys):
     limits = {"kappa_tfc": ("group", [2.0, 2.0]), "kappa_tfc_error": ("group", [0.1, 0.2])}
-    show_target(xr.Dataset(limits, attrs={"variable": "kappa"}), 0.08)
+    tell(of_target(xr.Dataset(limits, attrs={"variable": "kappa"}), 0.08))
     said = unfolded(capsys.readouterr().out)
     assert "5.00%, 10.00%; missed by 1 of 2 groups" in said
     assert "`gfmd run --until` goes on" in said

@@ -40,6 +40,8 @@ plan campaign.yaml --pilot=0.1
 plan campaign.yaml --target=3% --workers=0
 plot small
 relaxation dma.csv
+report small
+report contact.nc
 run broken.yaml --workers=0
 run campaign.yaml --workers=0
 run means.yaml --workers=0

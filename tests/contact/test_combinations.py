@@ -106,7 +106,8 @@ def test_the_tables_compile_nothing():
         ({"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}, "with solver frictional_newton"),
     ],
 )
-def test_threads_that_have_nothing_to_share_are_refused(change, said):
+def test_threads_that_have_nothing_to_share_are_refused(monkeypatch, change, said):
+    monkeypatch.setattr("gfmd_numba.arrays.threads._FEWEST", 0)
     scene = {
         "dimension": 2,
         "body": {"poissons_ratio": 0.3, "aspect_ratio": 1},

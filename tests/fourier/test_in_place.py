@@ -73,6 +73,7 @@ def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(
     coarse = tuple(n // 2 for n in shape)
     whole, pieces, fewer = Transform(1, *shape, in_place=True), Transform(1, *shape, in_place=True, filled=filled), []
     monkeypatch.setattr(threading, "cores", lambda: 3)
+    monkeypatch.setattr(threading, "_FEWEST", 0)
     with threading.shared_by(threads):
         for field in (whole, pieces):
             field.samples[0] = samples
@@ -86,3 +87,12 @@ def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(
     alone.samples[0] = samples
     alone.stiffen(stiffness)
     np.testing.assert_array_equal(pieces.samples, alone.samples)
+
+
+@pytest.mark.parametrize(("nodes", "busy"), [(2**18, 1), (2**20, 2)])
+def test_small_work_is_not_shared(monkeypatch, nodes, busy):
+    monkeypatch.setattr(threading, "cores", lambda: 2)
+    used = set()
+    with threading.shared_by(2):
+        threading.team().share(lambda thread, first, last: used.add((thread, first, last)), 8, nodes)
+    assert used == ({(0, 0, 8)} if busy == 1 else {(0, 0, 4), (1, 4, 8)})

@@ -80,6 +80,11 @@ COMMANDS = {
         "file": things.file("dma.csv", "1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n"),
         "unit": "Pa",
     },
+    "report": lambda things: {
+        "results": things.file("results.nc", things.results()),
+        "output": things.new("r.html"),
+        "watch": False,
+    },
     "run": lambda things: {
         "file": things.file("tiny.yaml", TINY),
         "output": things.new("run"),
@@ -185,7 +190,9 @@ def test_a_command_given_anything_many_times_ends_or_says_why(things, tmp_path, 
     fuzzed(lines(name, COMMANDS[name](things)), ends_well, MANY, derandomize=True)
 
 
-@pytest.mark.parametrize("command", ["surface", "solve", "curve", "statistics", "accuracy", "fields", "plot", "fit"])
+@pytest.mark.parametrize(
+    "command", ["surface", "solve", "curve", "statistics", "accuracy", "fields", "plot", "fit", "report"]
+)
 def test_an_output_without_a_name_is_refused(things, tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     line = words(command, COMMANDS[command](things) | {"output": ""})

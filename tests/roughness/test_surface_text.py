@@ -196,3 +196,53 @@ def test_a_binary_file_named_like_text_is_an_instruments_or_none(tmp_path):
     (tmp_path / "p.dat").write_bytes(b"\x88\x1b\x03\x6f\0\0" + bytes(4000))
     with pytest.raises(ValueError, match="SurfaceTopography"):
         measurement(read_content(tmp_path / "p.dat"))
+
+
+@pytest.mark.parametrize(
+    ("header", "separator"),
+    [("X;Z\nmm;µm\n", ";"), ("Distance\tHeight\n[mm]\t[um]\n", "\t"), ("x,z\nmm,um\n", ","), ("x z\nmm um\n", " ")],
+)
+def test_a_row_of_units_below_the_names_states_them(tmp_path, header, separator):
+    decimal = "." if separator == "," else ","
+    table = read_table(written(tmp_path, np.column_stack([X, Z]), separator, decimal, header))
+    assert table.units == ("mm", "um")
+    np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
+
+
+@pytest.mark.parametrize(
+    ("names", "units", "places"),
+    [
+        (["No.", "x (mm)", "z (um)"], None, [1, 2]),
+        (["#", "Position [mm]", "Height [µm]"], None, [1, 2]),
+        (["x/mm", "z/um", "quality"], None, [0, 1]),
+        (["time (s)", "z [um]", "speed", "x [mm]"], None, [3, 1]),
+        (["index", "x", "z"], ["", "mm", "um"], [1, 2]),
+        (["Point", "X", "Y", "Z"], ["-", "mm", "mm", "um"], [1, 2, 3]),
+    ],
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_columns_that_are_neither_positions_nor_heights_are_left_out(tmp_path, names, units, places, separator):
+    others = np.arange(1.0, 1.0 + X.size)
+    columns = [others] * len(names)
+    data = [X, Z] if len(places) == 2 else [X, np.zeros_like(X), Z]
+    for place, each in zip(places, data, strict=True):
+        columns[place] = each
+    header = "".join(separator.join(line) + "\n" for line in (names, units) if line)
+    table = read_table(written(tmp_path, np.column_stack(columns), separator, header=header))
+    np.testing.assert_array_equal(table.values, np.column_stack(data))
+    assert table.units == ("mm", *["mm"] * (len(places) - 2), "um")
+    assert f"took {len(places)} of {len(names)} columns" in table.done[-1]
+
+
+@pytest.mark.parametrize("names", ["a,b,c", "x,z,z", "x,y", "x1,z1,x2"])
+def test_columns_are_left_out_only_where_one_is_named_heights_and_one_positions(tmp_path, names):
+    rows = np.column_stack([X, Z, Z])
+    np.testing.assert_array_equal(read_table(written(tmp_path, rows, header=names + "\n")).values, rows)
+
+
+def test_quoted_cells_may_have_decimal_commas(tmp_path):
+    rows = [[f'"{value:.17g}"'.replace(".", ",") for value in row] for row in np.column_stack([X, Z])]
+    (tmp_path / "p.csv").write_text('"x (mm)","z (um)"\n' + "\n".join(map(",".join, rows)) + "\n")
+    table = read_table(tmp_path / "p.csv")
+    np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
+    assert table.units == ("mm", "um")

@@ -31,6 +31,7 @@ COMMANDS = {
     "plot": "plot out --fixed=eps_c=1 --fixed=eps_f=1 -o plot.png",
     "picture of a contact": "plot contact.nc",
     "collect": "collect out",
+    "report": "report contact.nc",
     "accuracy": "accuracy means.yaml -o accuracy.nc",
     "plan": "plan campaign.yaml --target=kappa=20% --workers=0",
     "init": "init new.yaml",

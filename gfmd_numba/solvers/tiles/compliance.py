@@ -78,7 +78,7 @@ class SplitCompliance:
                 coarse, tiles, self._across, self._weights, *self._coarse_shape, displacement[first:last]
             )
 
-        team().share(some, self._tiles.size)
+        team().share(some, self._tiles.size, displacement.size)
 
 
 def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
@@ -87,7 +87,7 @@ def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> 
     def some(_: int, first: int, last: int) -> None:
         kernels.tile_stencil(values, around[first:last], stencil, product[first:last])
 
-    team().share(some, len(around))
+    team().share(some, len(around), product.size)
 
 
 def _cubic_spline(x: Reals) -> Reals:

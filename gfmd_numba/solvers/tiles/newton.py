@@ -131,7 +131,7 @@ class MapContact:
             each = self.wall[nodes], self.rows[nodes], approach, near, self.gap[nodes], self._marks[tiles]
             kernels.open_map(*each)
 
-        team().share(some, self._tiles_each_way[0])
+        team().share(some, self._tiles_each_way[0], self.wall.size)
 
     def settle(self, error: float, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -212,7 +212,7 @@ class MapContact:
 
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
     """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
-    team().by_rows(lambda some: rows[some].fill(0.0), len(rows))
+    team().by_rows(lambda some: rows[some].fill(0.0), rows.shape)
     kernels.put_tiles(values, tiles, rows, nx)
 
 
@@ -255,7 +255,7 @@ def guess(
         transform.samples[0, some, nx:] = 0.0
         np.subtract(wall[some], around, out=transform.samples[0, some, :nx])
 
-    team().by_rows(begin, ny)
+    team().by_rows(begin, wall.shape)
     transform.coarsen(own, grids[0].is_filled_in_part)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
     spent = guess(grids[1:], smooth, around, own, load, start)
@@ -267,7 +267,7 @@ def guess(
     samples[:, nx:] = 0.0
     if load is not None:
         factor = load * (transform.n / samples.size) / samples.mean()
-        team().by_rows(lambda some: np.multiply(samples[some], factor, out=samples[some]), ny)
+        team().by_rows(lambda some: np.multiply(samples[some], factor, out=samples[some]), samples.shape)
     return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, transform.n)
 
 

@@ -1,0 +1,195 @@
+"""The command that writes one page of results: what was asked, what came out, how sure that is, what it cost."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from time import sleep, strftime
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import click
+
+from gfmd_numba.cli.arguments import NEW_FILE, results_argument
+from gfmd_numba.cli.fits import fit_options, naming
+from gfmd_numba.cli.group import main
+from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written
+from gfmd_numba.cli.tables import duration, endings
+from gfmd_numba.cli.terminal import Line, Told, waiting
+from gfmd_numba.cli.told import has_limits, of_results
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from gfmd_numba.campaign.status import Progress
+
+_SECONDS_BETWEEN = 10
+_UNFINISHED = ("unfinished", "not_asked")
+_PROVENANCE = ("seed", "solver", "versions", "git_commit", "fft_plans", "campaign_sha256", "content_sha256")
+
+
+@main.command()
+@results_argument
+@click.option("-o", "--output", type=NEW_FILE, help="HTML file to write [next to RESULTS]")
+@click.option("--watch", is_flag=True, help="Write the page again every ten seconds until the run has ended")
+def report(results: Path, output: Path | None, watch: bool) -> None:
+    """Write one HTML page of RESULTS that needs no other file.
+
+    RESULTS is the output directory of a campaign, also of one that runs, or a netCDF file that gfmd wrote. The page
+    has the numbers with their errors, the pictures, all warnings, the cost, and the YAML that gives them again. While
+    a campaign runs, the page in a browser reloads itself.
+    """
+    from gfmd_numba.campaign.results import read_results
+
+    while True:
+        file, now = _collected(results)
+        page = output or companion(file, "report", ".html")
+        check_output(page, file, file.parent / "campaign.yaml", suffixes=[".html"])
+        running = now if now is not None and now.running else None
+        with waiting("writing the report"), naming(file):
+            _write(page, read_results(file), file, running)
+        if not watch or running is None:
+            break
+        sleep(_SECONDS_BETWEEN)
+    say_written("report", page)
+
+
+def _collected(results: Path) -> tuple[Path, Progress | None]:
+    """Return the file of results, with all that a campaign that runs has finished, and how far that is."""
+    from gfmd_numba.campaign.collection import collect
+    from gfmd_numba.campaign.results import results_file
+    from gfmd_numba.campaign.status import campaign_in, progress
+
+    if not (results / "campaign.yaml").is_file():
+        return results_file(results), None
+    now = progress(results)
+    return (collect(campaign_in(results), results) if now.running else results_file(results)), now
+
+
+def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None) -> None:
+    """Write the page of a dataset."""
+    import jinja2
+
+    import gfmd_numba
+    from gfmd_numba.storage import mark
+    from gfmd_numba.storage.atomic_file import replace
+
+    fitted = None
+    if "case" in dataset.dims and has_limits(dataset) and running is None:
+        fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset))
+    loader = jinja2.PackageLoader("gfmd_numba", "cli")
+    template = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
+    versions = json.loads(dataset.attrs.get("versions", "{}"))
+    known = {**dataset.attrs, "versions": ", ".join(f"{name} {number}" for name, number in versions.items())}
+    content = template.render(
+        title=dataset.attrs.get("title", file.stem),
+        subtitle=f"gfmd-numba, from {file.name}, {strftime('%Y-%m-%d %H:%M')}",
+        seconds_to_reload=_SECONDS_BETWEEN if running else None,
+        running=_state(running) if running else None,
+        told=list(_parts(of_results(dataset, fitted))) if running is None else [],
+        pictures=list(_drawn(dataset, fitted)),
+        warnings=list(_warnings(dataset)),
+        left_out=[("left out", each) for each in dataset.attrs.get("dropped_effects", "").splitlines()],
+        asked=_asked(dataset),
+        cost=list(_cost(dataset)),
+        provenance=[(name.replace("_", " "), known[name]) for name in _PROVENANCE if known.get(name, "") != ""],
+    )
+    replace(page, mark.marked(content.encode()), mark.is_product)
+
+
+class _Table(NamedTuple):
+    """A table by rows."""
+
+    title: str
+    headings: list[str]
+    rows: list[tuple[str, ...]]
+
+
+def _parts(told: Told) -> Iterator[_Table | list[tuple[str, str]]]:
+    """Yield what is told, tables by rows, and lines that follow each other as one list."""
+    lines: list[tuple[str, str]] = []
+    for each in told:
+        if isinstance(each, Line):
+            lines.append((each.label, each.text))
+            continue
+        if lines:
+            yield lines
+        lines = []
+        shared = {heading: cells[0] for heading, cells in each.parameters.items() if len(set(cells)) == 1}
+        title = ", ".join((each.title, *(f"{heading} = {cell}" for heading, cell in shared.items() if cell != "-")))
+        columns = {name: cells for name, cells in {**each.parameters, **each.values}.items() if name not in shared}
+        yield _Table(title, list(columns), list(zip(*columns.values(), strict=True)))
+    if lines:
+        yield lines
+
+
+class _Picture(NamedTuple):
+    """A picture: its width in inches and, as text, the PNG."""
+
+    name: str
+    width: float
+    content: str
+
+
+def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[_Picture]:
+    """Yield the pictures of the results."""
+    import base64
+    import io
+
+    for path, draw in pictures(dataset, fitted, Path("picture.png")).items():
+        figure, content = draw(), io.BytesIO()
+        figure.savefig(content, format="png", dpi=150)
+        yield _Picture(path.stem, figure.get_figwidth(), base64.b64encode(content.getvalue()).decode())
+
+
+def _warnings(dataset: xr.Dataset) -> Iterable[str]:
+    """Yield the reasons to doubt the results, and how simulations ended that are not ok."""
+    yield from dataset.attrs.get("validity", "").splitlines()
+    yield from dataset.attrs.get("failures", "").splitlines()
+    if "status" in dataset and "flag_meanings" in dataset["status"].attrs:
+        meanings = dataset["status"].attrs["flag_meanings"].split()
+        for name, sentence in endings(dataset["status"]):
+            if name not in _UNFINISHED:
+                count = int((dataset["status"] == meanings.index(name)).sum())
+                yield f"{count} of {dataset['status'].size} ended as {name}, and stand in no mean. {sentence}"
+
+
+def _asked(dataset: xr.Dataset) -> str:
+    """Return the campaign file, or the scene as YAML, as far as they are known."""
+    import yaml
+
+    if "campaign" in dataset.attrs:
+        return str(dataset.attrs["campaign"])
+    scene = _without_nulls(json.loads(dataset.attrs.get("scene", "{}")))
+    return yaml.safe_dump(scene, sort_keys=False, default_flow_style=False) if scene else "The file does not say."
+
+
+def _without_nulls(given: Any) -> Any:
+    """Return nested mappings without what is null in them."""
+    if isinstance(given, dict):
+        return {key: _without_nulls(each) for key, each in given.items() if each is not None}
+    return [_without_nulls(each) for each in given] if isinstance(given, list) else given
+
+
+def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Yield what the results cost."""
+    attributes = dataset.attrs
+    if "cpu_seconds" in attributes:
+        yield "processor time of the contacts", duration(attributes["cpu_seconds"])
+    if "predicted_cpu_seconds_p50" in attributes:
+        ends = [duration(attributes[f"predicted_cpu_seconds_{end}"]) for end in ("p50", "p90")]
+        yield "predicted", f"{ends[0]}, with 90 % probability below {ends[1]}"
+    if "last_run_seconds" in attributes:
+        yield "the last run", duration(attributes["last_run_seconds"])
+    for name in ("n_iterations", "n_transforms"):
+        if name in dataset:
+            yield name.removeprefix("n_"), f"{int(dataset[name].sum()):,}"
+    for name in ("machine", "threads"):
+        if name in attributes:
+            yield name, str(attributes[name])
+
+
+def _state(now: Progress) -> str:
+    """Return how far a campaign that runs is."""
+    left = "" if now.seconds_left is None else f", about {duration(now.seconds_left)} left"
+    return f"{now.campaign} is running: {now.done} of {now.blocks} blocks are done{left}. This page reloads itself."

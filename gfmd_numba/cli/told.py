@@ -1,0 +1,158 @@
+"""What is told of results, whatever command wrote them: tables and lines, for the terminal and for reports."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from gfmd_numba.cli.arguments import LIMITS, OF_PATHS
+from gfmd_numba.cli.fits import fit_options
+from gfmd_numba.cli.tables import column, line, of_fit, of_goal, of_means, of_paths, readable
+from gfmd_numba.cli.terminal import Line, Table, Told
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_WIDE = 24
+_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "mean_pressure",
+    "contact_area_fraction",
+    "approach",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "kappa",
+    "kappa_r",
+    "plastic_area_fraction",
+    "mean_plastic_depth",
+    "mean_worn_depth",
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+    "stick_fraction",
+    "energy_lost",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
+    "time_error",
+)
+_PRESCRIBED = (
+    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
+    *("sliding", "sliding_y", "speed", "time"),
+)
+
+
+def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
+    """Yield what came out: of a campaign with its fit if it has limits, and of anything else without."""
+    if "case" in dataset.dims:
+        yield from of_campaign(dataset, fitted)
+    elif "prescribed" in dataset.attrs:
+        yield from of_curve(dataset)
+    elif "fit_status" in dataset:
+        yield from of_fit(dataset)
+    elif "step" in dataset.dims and "residual" in dataset:
+        yield from of_steps(dataset)
+    elif "residual" in dataset:
+        yield from of_contact(dataset)
+    else:
+        yield from of_numbers(dataset)
+
+
+def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
+    """Yield limits and how near they are to their target; the means of paths, or of all cases, where there are none."""
+    import gfmd_numba
+
+    options = fit_options(dataset)
+    if "step" in dataset.dims:
+        yield from of_paths(dataset)
+    elif fitted is None:
+        yield from of_means(dataset, options.get("variable", "kappa"))
+    if fitted is None:
+        return
+    shown = fitted
+    if "step" in dataset.dims:
+        whole = {name: value for name, value in options.items() if name != "step"}
+        for variable in (name for name in OF_PATHS if name in dataset and name != fitted.attrs["variable"]):
+            yield from of_fit(gfmd_numba.fit_tfc(dataset, **whole | {"variable": variable}))
+        if not (fitted["fit_status"] == "ok").any() and fitted.attrs["variable"] not in OF_PATHS:  # kappa under tension
+            shown = gfmd_numba.fit_tfc(dataset, **options | {"variable": "contact_area_fraction"})
+    yield from of_fit(shown)
+    yield from of_goal(dataset, fitted)
+
+
+def has_limits(dataset: xr.Dataset) -> bool:
+    """Return whether a campaign varies discretisations, so that a limit can be fitted."""
+    return "limit" in dataset and bool(LIMITS.keys() & set(dataset["limit"].values))
+
+
+def of_contact(dataset: xr.Dataset) -> Told:
+    """Yield what came of one loading, a line each."""
+    prescribed = [name for name in _PRESCRIBED if name in dataset.coords]
+    for name in (*prescribed, *(name for name in _SHOWN if name in dataset)):
+        words, number, unit = line(dataset, name)
+        yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
+    yield Line("residual", f"{float(dataset['residual']):.1e}", _WIDE)
+
+
+def of_steps(dataset: xr.Dataset) -> Told:
+    """Yield the steps of a path: what was prescribed, and what came of it."""
+    prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
+    steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
+    view = _with_stiffness(dataset)
+    found = dict(column(view, name) for name in (*_SHOWN[:4], "contact_stiffness", *_SHOWN[4:]) if name in view)
+    found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
+    yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
+
+
+def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
+    interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
+    if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
+        return dataset
+    closed = dataset["approach"] if "approach" in dataset else -dataset["mean_gap"]
+    rise, fall = dataset["mean_pressure"].diff("step"), closed.diff("step")
+    stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
+    return dataset.assign(contact_stiffness=stiffness)
+
+
+def of_curve(dataset: xr.Dataset) -> Told:
+    """Yield the curve, one line a load, time or speed."""
+    from gfmd_numba.simulate.curve import SHOWN
+
+    view, load = named(dataset), prescribed(dataset)
+    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
+    shown = [name for name in SHOWN if name in view and name not in same]
+    values = dict(column(view, name) for name in shown)
+    states = dataset["status"].attrs["flag_meanings"].split()
+    if dataset["status"].any():
+        values["status"] = [states[int(status)] for status in dataset["status"]]
+    if int(dataset["n_realisations"].max()) > 1:
+        values["surfaces"] = [str(int(count)) for count in dataset["n_realisations"]]
+    heading, loads = column(view, load)
+    yield Table(dataset.attrs["title"], {heading: loads}, values)
+
+
+def prescribed(dataset: xr.Dataset) -> str:
+    """Return the name of the variable that the loading of a curve prescribes."""
+    from gfmd_numba.contact.dataset import PRESCRIBED
+
+    given = str(dataset.attrs["prescribed"])
+    return PRESCRIBED.get(given, given)
+
+
+def named(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the dataset of a curve whose load has the name of what is prescribed."""
+    return dataset.assign({prescribed(dataset): dataset[over(dataset)]})
+
+
+def over(dataset: xr.Dataset) -> str:
+    """Return the dim of a curve."""
+    return next((name for name in ("time", "speed") if name in dataset.dims), "prescribed_load")
+
+
+def of_numbers(dataset: xr.Dataset) -> Told:
+    """Yield all single numbers of a dataset, a line each."""
+    for name, variable in dataset.data_vars.items():
+        if not variable.dims and variable.dtype.kind in "fiu":
+            unit = variable.attrs.get("units", "1")
+            free = {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(str(name), "") if unit == "1" else unit
+            yield Line(str(name), " ".join(readable(float(variable), free)).rstrip(), _WIDE)

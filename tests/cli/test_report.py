@@ -1,0 +1,171 @@
+"""One page of results: all that is told of them, their pictures, and nothing from elsewhere."""
+
+import base64
+import re
+import shutil
+import subprocess
+from html import unescape
+from html.parser import HTMLParser
+
+import pytest
+import xarray as xr
+
+from gfmd_numba.campaign.status import Progress
+from support.campaigns import campaign
+from support.command_line import gfmd, refused, unfolded
+from support.scenes import SCENE
+
+VOID = {"meta", "img", "br"}
+
+
+class Page(HTMLParser):
+    """A page taken apart: its text, where its tags lead, and whether all that opens is closed."""
+
+    def __init__(self, path):
+        super().__init__()
+        self.text, self.sources, self.open = "", [], []
+        self.feed(path.read_text(encoding="utf-8"))
+        assert self.open == []
+        self.text = unfolded(self.text)
+
+    def handle_starttag(self, tag, attrs):
+        self.sources += [value for name, value in attrs if name in ("src", "href")]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data + " "
+
+
+@pytest.fixture(scope="module")
+def folder(undrawn, tmp_path_factory):
+    """Results of several kinds."""
+    folder = tmp_path_factory.mktemp("reports")
+    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: [1, 2], eps_f: [0.5, 1]}}\ngrid:"})
+    (folder / "scene.yaml").write_text(SCENE)
+    (folder / "path.yaml").write_text(SCENE + "path: [{reduced_pressure: 0.2}, {reduced_pressure: 0.1}]\n")
+    (folder / "broken.yaml").write_text(SCENE + "numerics: {max_iterations: 1}\n")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        for command in (
+            "run campaign.yaml --workers=0 -o small",
+            "solve scene.yaml -o contact.nc",
+            "solve path.yaml -o path.nc",
+            "solve broken.yaml -o broken.nc",
+            "curve scene.yaml --loads 0.01:0.1:3 -o curve.nc",
+            "fit small -o fit.nc",
+        ):
+            assert gfmd(*command.split()).exit_code in (0, 3)
+    return folder
+
+
+@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
+def test_a_page_needs_no_other_file(folder, tmp_path, name):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / name, "-o", page).exit_code == 0
+    read = Page(page)
+    assert read.sources
+    for source in read.sources:
+        assert base64.b64decode(source.removeprefix("data:image/png;base64,"), validate=True).startswith(b"\x89PNG")
+    for heading in ("What came out", "How sure that is", "What was asked", "Where it comes from"):
+        assert heading in read.text
+    assert "No warning" in read.text
+    assert "reloads itself" not in read.text
+
+
+def test_a_page_says_what_the_fit_prints(folder, tmp_path):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / "small", "-o", page).exit_code == 0
+    printed = gfmd("fit", folder / "small").output
+    read = Page(page)
+    for value in re.findall(r"\d\.\d+±\d\.\d+", printed):
+        assert value in read.text
+    with xr.open_dataset(folder / "small" / "small.nc") as dataset:
+        assert unfolded(dataset.attrs["campaign"]) in read.text
+        assert dataset.attrs["content_sha256"] in read.text
+
+
+def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folder, tmp_path):
+    page = tmp_path / "page.html"
+    printed = gfmd("solve", folder / "scene.yaml", "-o", tmp_path / "again.nc").output.splitlines()[1:]
+    assert gfmd("report", folder / "contact.nc", "-o", page).exit_code == 0
+    read = Page(page)
+    assert printed
+    for line in printed:
+        assert unfolded(line) in read.text
+    asked = unescape(re.search(r"<pre>(.*?)</pre>", page.read_text(), re.DOTALL)[1])
+    (tmp_path / "same.yaml").write_text(asked)
+    same = gfmd("solve", tmp_path / "same.yaml", "-o", tmp_path / "same.nc")
+    assert same.output.splitlines()[1:] == printed
+
+
+def test_a_contact_that_is_not_ok_is_warned_of(folder, tmp_path):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / "broken.nc", "-o", page).exit_code == 0
+    read = Page(page)
+    assert "1 of 1 ended as steps_used_up" in read.text
+    assert "No warning" not in read.text
+
+
+def test_names_are_text_and_no_markup(folder, tmp_path):
+    with xr.open_dataset(folder / "contact.nc") as dataset:
+        dataset.load().assign_attrs(title="<script>alert(1)</script>", validity="a < b & c").to_netcdf(
+            tmp_path / "x.nc"
+        )
+    assert gfmd("report", tmp_path / "x.nc").exit_code == 0
+    content = (tmp_path / "x.html").read_text()
+    assert "<script" not in content
+    assert "a &lt; b &amp; c" in content
+
+
+def test_a_page_of_ours_is_written_again_and_no_other(folder, tmp_path):
+    page = tmp_path / "page.html"
+    for _ in range(2):
+        assert gfmd("report", folder / "contact.nc", "-o", page).exit_code == 0
+    page.write_text(page.read_text() + "<p>mine</p>")
+    mine = page.read_bytes()
+    assert "somebody has changed since" in refused("report", folder / "contact.nc", "-o", page)
+    assert page.read_bytes() == mine
+    assert "gfmd allows a page, ending in .html" in refused(
+        "report", folder / "contact.nc", "-o", tmp_path / "page.pdf"
+    )
+
+
+def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, tmp_path, monkeypatch):
+    page, seen = tmp_path / "page.html", []
+    states = iter([True, True, False])
+
+    def progress(directory):
+        return Progress("small", next(states), 10, 4, {}, 90.0, {})
+
+    def sleep(seconds):
+        seen.append(page.read_text())
+
+    monkeypatch.setattr("gfmd_numba.campaign.status.progress", progress)
+    monkeypatch.setattr("gfmd_numba.cli.report.sleep", sleep)
+    assert gfmd("report", folder / "small", "-o", page, "--watch").exit_code == 0
+    assert len(seen) == 2
+    for content in seen:
+        assert 'http-equiv="refresh"' in content
+        assert "4 of 10 blocks are done, about 90 s left" in content
+    assert 'http-equiv="refresh"' not in page.read_text()
+    assert "and its limit" in Page(page).text
+
+
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
+@pytest.mark.parametrize("width", [390, 1280])
+def test_no_page_is_wider_than_its_window(folder, tmp_path, width):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / "small", "-o", page).exit_code == 0
+    frame = tmp_path / "frame.html"
+    measure = "<script>onload = () => document.title = document.getElementById('it').contentDocument.documentElement"
+    frame.write_text(
+        f'<iframe id="it" src="page.html" width="{width}" height="900"></iframe>{measure}.scrollWidth</script>'
+    )
+    options = ["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--dump-dom"]
+    done = subprocess.run(["chromium", *options, frame.as_uri()], capture_output=True, text=True, timeout=120)
+    assert int(re.search(r"<title>(\d+)</title>", done.stdout)[1]) <= width

@@ -118,7 +118,7 @@ def cells(n: int) -> Reals:
 
 def bands(n: int) -> Reals:
     """The same of the band-limited kernel."""
-    return np.asarray(np.fft.irfft2(free_body.compliance((n, n)), (2 * n, 2 * n))[:n, :n])
+    return np.asarray(np.fft.irfft2(free_body.compliance((n, n))[0], (2 * n, 2 * n))[:n, :n])
 
 
 def residual(kernel: Reals, heights: Reals, pressure: Reals, load: float) -> float:

@@ -74,7 +74,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     stiffest = given.units.worth["E*"] * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
     touching = dataset["gap"] <= 0.0
-    steep = _slopes(dataset, nodes, bool(scene.periodic)).where(touching, 0.0)
+    steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
@@ -102,14 +102,14 @@ def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _slopes(dataset: xr.Dataset, nodes: list[str], periodic: bool) -> xr.DataArray:
+def _slopes(dataset: xr.Dataset, nodes: list[str], ends: tuple[bool, ...]) -> xr.DataArray:
     """Size of the gradient of the heights between the neighbours of each node."""
     height = dataset["height"]
     squares = [
         ((height.roll({dim: -1}) - height.roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
-        if periodic
+        if not end
         else height.differentiate(dim) ** 2
-        for dim in nodes
+        for dim, end in zip(nodes, ends, strict=True)
     ]
     found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
     return found

@@ -244,8 +244,7 @@ def recorded(
 
     Processes have the names of what is `remembered` of them, `traces` among them.
     """
-    period, window = not ends or not all(ends), any(ends)
-    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
+    has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
     has |= {name: name in remembered for name in ("springs", "worn", "sliding")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 

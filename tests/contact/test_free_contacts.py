@@ -66,7 +66,7 @@ def pressed(heights, pressure, solver="active_set_newton", **more):
 def dense(punch, pressure):
     """Pressures `[node]` of the equilibrium of a punch by linear algebra alone: contact is guessed and revised."""
     shape, n = punch.shape, punch.size
-    kernel = np.fft.irfftn(free_body.compliance(shape), tuple(2 * m for m in shape), axes=range(punch.ndim))
+    kernel = np.fft.irfftn(free_body.compliance(shape)[0], tuple(2 * m for m in shape), axes=range(punch.ndim))
     places = np.stack(np.unravel_index(np.arange(n), shape))
     influence = kernel[tuple(abs(places[:, :, np.newaxis] - places[:, np.newaxis]))]
     contact = np.ones(n, dtype=bool)
@@ -318,7 +318,7 @@ def test_what_is_not_built_or_makes_no_sense_is_refused(change, named):
 def influence_of_all(shape, nu):
     """Displacement `[component, node, component, node]` by unit tractions, from the compliance of each wave."""
     wide, n = tuple(2 * m for m in shape), int(np.prod(shape))
-    response = free_body.response(shape, nu)
+    response = free_body.response(shape, ElasticBody(nu, None), couples=True)
     found = []
     for component in range(len(shape) + 1):
         for place in np.ndindex(shape):
@@ -486,7 +486,7 @@ def test_a_slab_that_keeps_its_volume_bulges_around_the_window_and_touches_nothi
     assert contact.equilibrium.status[0] == 0
     wide = np.zeros((1, 2 * n))
     wide[0, :n] = -contact.equilibrium.pressure[0]
-    expected = free_body.normal_response((n,), body).apply(wide)[0, :n]
+    expected = free_body.response((n,), body).apply(wide)[0, :n]
     np.testing.assert_allclose(contact.equilibrium.displacement[0], expected, atol=1e-9 * depth)
 
 
@@ -538,7 +538,7 @@ def test_a_window_of_a_map_is_solved_as_the_whole_grid_is(load):
     n, body = 52, ElasticBody(None, None)  # a tile ends beyond the window
     punch, around = rough(n, 2)[np.newaxis], np.full((1, 1, 1), 3.0)
     punch -= punch.min() + (0.0 if load else 0.5)
-    response = free_body.normal_response((n, n), body)
+    response = free_body.response((n, n), body)
     found, expected = (
         equilibrate(punch, response, load, Options(solver), around=around)
         for solver in ("active_set_newton", "conjugate_gradients")

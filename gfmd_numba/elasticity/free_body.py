@@ -120,7 +120,7 @@ def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> 
         swapped = _sampled(n, ends[::-1], body, number)
         return np.ascontiguousarray(swapped[_X_FOR_Y[number]].swapaxes(1, 2))
     half = _STRIPS if body.aspect_ratio is None else ceil(0.5 + 0.5 * _HEIGHTS * body.aspect_ratio) + 1
-    q_x = np.arange(half * n + 1) * (np.pi / half)
+    q_x = np.pi / half * np.arange(half * n + 1, dtype=np.float64)
     q_y = np.zeros(1) if len(ends) == 1 else q_x if ends[0] else 2.0 * np.pi * np.arange(n // 2 + 1)
     found = np.empty((number, q_y.size, n + 1))
     for i, each in enumerate(q_y):

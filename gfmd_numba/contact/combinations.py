@@ -74,8 +74,6 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
-    square = "none or window where the scene has a period along one axis: mirrored along that alone, a map is no square"
-    yield Refusal("no period", "mirror along one axis", square, "solver")
 
 
 def _of_threads() -> Iterator[Refusal]:
@@ -291,7 +289,6 @@ PHRASES = {
     "negative displacement": "a negative displacement of the punch",
     "no period": "a scene without a period along both axes or one (`periodic: false`, `x` or `y`)",
     "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
-    "mirror along one axis": "`periodic: mirror` of a measured surface",
     "plane stress": "plane stress",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",

@@ -254,9 +254,8 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
             yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured) and surface.periodic != "none":
-            treated = "treated ends" if all(scene.ends) else f"{surface.periodic} along one axis"
-            yield treated, ("scene", *place, "periodic")
+        if isinstance(surface, Measured) and surface.periodic != "none" and all(scene.ends):
+            yield "treated ends", ("scene", *place, "periodic")
 
 
 def _slabs_without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:

@@ -57,13 +57,10 @@ def _without_a_period() -> Iterator[Refusal]:
         "tall slab": f"a height of at most {TALLEST:g} times the length, or a half-space",
         "rough bodies": "a rough rigid punch on one smooth body",
         "boundary": "no boundary",
-        "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
     for feature, allowed in not_yet.items():
-        yield Refusal(
-            "no period", feature, f"{allowed} where periodic is false: this is not built yet", "not built yet"
-        )
+        yield Refusal("no period", feature, f"{allowed} without a period: this is not built yet", "not built yet")
     yield Refusal(
         "dimension 1",
         "period along one axis",
@@ -72,7 +69,9 @@ def _without_a_period() -> Iterator[Refusal]:
     )
     least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
-    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
+    size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
+    yield Refusal("no period", "thermodynamic limit", f"{size} eps_t is another contact", "physics")
+    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet; with x or y also window"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
@@ -283,11 +282,12 @@ PHRASES = {
     "higher topography_order": "a `topography_order` above 0",
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
+    "thermodynamic limit": "the thermodynamic limit of a campaign (`eps_t` among its `limits`)",
     "line_load": "a load `line_load`",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
-    "no period": "a scene without a period along both axes or one (`periodic: false`, `x` or `y`)",
+    "no period": "a window (`periodic: false`, `x` or `y`)",
     "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
     "plane stress": "plane stress",
     "prescribed": "a body loaded without a punch",

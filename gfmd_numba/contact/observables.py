@@ -154,7 +154,7 @@ OBSERVABLES = {
         "length",
         "half the contact length of a profile, of a map the radius of a disc as large as the contact area",
         needs="form",
-        no_limit="contact_area_fraction, which has one, says the same",
+        held="load",
     ),
     "elastic_energy": Observable(
         "contact",
@@ -180,7 +180,7 @@ OBSERVABLES = {
         "height",
         "displacement of the punch into the body beyond first touch",
         needs="window",
-        no_limit="it is that of a window, which has no thermodynamic limit",
+        held="height",
     ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(

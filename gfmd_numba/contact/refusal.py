@@ -18,7 +18,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy", "limits"]
+Where = Literal["accuracy", "limits", "thermodynamic limit"]
 
 
 def check_combination(
@@ -42,8 +42,8 @@ def check_combination(
 
 
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or has no limits."""
-    at: Location = (where,) if where == "limits" else ()
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or lacks such limits."""
+    at: Location = () if where == "accuracy" else ("limits",)
     _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [at]}))
 
 

@@ -429,11 +429,30 @@ def test_a_campaign_takes_the_means_of_patches(tmp_path):
     assert (found["approach"].diff("case") > 0.0).all()
 
 
-@pytest.mark.parametrize("key", [{"limits": {"eps_c": [1 / 8]}}, {"target": {"kappa": 0.05}}])
-def test_a_campaign_of_patches_has_no_limit(key):
+@pytest.mark.parametrize("key", [{"limits": {"eps_t": [1.0]}}, {"target": {"kappa": 0.05}}])
+def test_a_window_has_no_thermodynamic_limit(key):
     without = {name: value for name, value in CAMPAIGN.items() if "target" not in key or name != "realisations"}
-    with pytest.raises(gfmd_numba.InputError, match="limits"):
+    without = {name: value for name, value in without.items() if "target" not in key or name != "reference"}
+    with pytest.raises(gfmd_numba.InputError, match=r"limits.*eps_c and eps_f alone.*a window has a size"):
         gfmd_numba.run(without | key, "nowhere")
+
+
+def test_the_radius_of_a_rough_roller_has_a_limit_with_an_error(tmp_path):
+    """In eps_c, each level on the same surfaces; a variable that needs a form or a window is refused without."""
+    limits = {"limits": {"eps_c": [1 / 2, 1 / 8]}, "fit": {"variable": "contact_radius", "fixed": {"eps_c": [1, 3]}}}
+    scene = {name: value for name, value in CAMPAIGN["scene"].items() if name != "loading"}
+    scene |= {"form": {"radius": 4.0}, "loading": {"reduced_pressure": 0.05}}
+    campaign = {name: value for name, value in CAMPAIGN.items() if name != "grid"} | limits
+    found = gfmd_numba.run(campaign | {"scene": scene, "realisations": 4}, tmp_path / "rollers")
+    fit = gfmd_numba.fit_tfc(found, "contact_radius", fixed={"eps_c": (1.0, 3.0)}).squeeze()
+    finest = found["contact_radius"].isel(case=int(found["eps_c"].values.argmin())).mean()
+    assert float(fit["contact_radius_tfc"]) == pytest.approx(float(finest), rel=0.02)
+    assert 0.0 < float(fit["contact_radius_tfc_error"]) < 0.2 * float(finest)
+    with pytest.raises(gfmd_numba.InputError, match=r"contact_radius.*this needs a form"):
+        gfmd_numba.run(campaign, tmp_path / "none")
+    periodic = {"scene": campaign["scene"] | {"periodic": True}, "fit": {"variable": "approach"}}
+    with pytest.raises(gfmd_numba.InputError, match=r"approach.*this needs a scene without a period"):
+        gfmd_numba.run(campaign | periodic, tmp_path / "none")
 
 
 LAYERS = ElasticBody.layered((0.02, 0.08), (Material(1.0, 0.3), Material(0.3, 0.4)), None)

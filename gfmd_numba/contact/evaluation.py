@@ -286,8 +286,8 @@ def peak_pressure(contact: Contact) -> Reals:
 @once
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
-    if _is_patch(contact):
-        return statistics.rms_gradient_of_patch(contact.roughness, _periods(contact))
+    if any(contact.ends):
+        return statistics.rms_gradient(contact.roughness, _periods(contact), contact.ends)
     return np.sqrt(_moment(contact, 2))
 
 
@@ -301,21 +301,10 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     for axis in axes:
         for side in (1, -1):
             share -= bias * (elastic & ~beside(contact, now, side, axis))
-    if _is_patch(contact):
-        gradients = statistics.gradients_of_patch(contact.roughness, _periods(contact))
-    else:
-        gradients = [
-            statistics.gradient(contact.roughness.swapaxes(axis, -1)).swapaxes(axis, -1) for axis in axes[::-1]
-        ]
     square = np.zeros(contact.heights.shape)
-    for gradient in gradients:
+    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
         square += gradient**2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
-
-
-def _is_patch(contact: Contact) -> bool:
-    """Whether the punch is not made of waves of a period."""
-    return bool(contact.ends) and all(contact.ends)
 
 
 @once

@@ -32,9 +32,7 @@ _APART = 1.0  # of the size of the punch, at which it is where its displacement 
 
 def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...]) -> SpectralResponse:
     """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
-    if not all(ends):
-        return free_body.response_along_y(shape)
-    return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
+    return free_body.response(shape, body, ends, laws.couples)
 
 
 def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:

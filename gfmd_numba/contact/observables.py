@@ -154,7 +154,7 @@ OBSERVABLES = {
         "length",
         "half the contact length of a profile, of a map the radius of a disc as large as the contact area",
         needs="form",
-        no_limit="contact_area_fraction, which has one, says the same",
+        held="load",
     ),
     "elastic_energy": Observable(
         "contact",
@@ -180,7 +180,7 @@ OBSERVABLES = {
         "height",
         "displacement of the punch into the body beyond first touch",
         needs="window",
-        no_limit="it is that of a window, which has no thermodynamic limit",
+        held="height",
     ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
@@ -244,8 +244,7 @@ def recorded(
 
     Processes have the names of what is `remembered` of them, `traces` among them.
     """
-    period, window = not ends or not all(ends), any(ends)
-    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
+    has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
     has |= {name: name in remembered for name in ("springs", "worn", "sliding")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 

@@ -18,7 +18,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy", "limits"]
+Where = Literal["accuracy", "limits", "thermodynamic limit"]
 
 
 def check_combination(
@@ -42,8 +42,8 @@ def check_combination(
 
 
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or has no limits."""
-    at: Location = (where,) if where == "limits" else ()
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or lacks such limits."""
+    at: Location = () if where == "accuracy" else ("limits",)
     _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [at]}))
 
 
@@ -241,13 +241,12 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
-    yield "no period" if scene.periodic is False else "period along y", ("scene", "periodic")
-    if scene.interface.couples:
-        yield "drag", ("scene", "interface")
-    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
-        yield "slab", ("scene", "body")
+    yield "no period", ("scene", "periodic")
+    if scene.periodic is not False:
+        yield "period along one axis", ("scene", "periodic")
     yield from _slabs_without_a_period(scene, grid)
-    if scene.interface.couples and scene.body.layers is None:
+    is_half_space = scene.body.is_half_space if "aspect_ratio" not in grid else inf in grid["aspect_ratio"]
+    if scene.interface.couples and is_half_space and scene.body.layers is None:
         for i, nu in enumerate(grid.get("poissons_ratio", ())):
             if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
                 yield "stiff sideways", ("grid", "poissons_ratio", i)
@@ -255,7 +254,7 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
             yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured) and surface.periodic != "none":
+        if isinstance(surface, Measured) and surface.periodic != "none" and all(scene.ends):
             yield "treated ends", ("scene", *place, "periodic")
 
 
@@ -274,8 +273,6 @@ def _slabs_without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Loc
         heights = {("scene", "body", "aspect_ratio"): body.aspect_ratio}
     slabs = [at for at, height in heights.items() if not isinf(height)]
     yield from (("tall slab", at) for at in slabs if heights[at] > TALLEST)
-    if slabs and scene.interface.couples:
-        yield "coupled slab", slabs[0]
     if slabs and body.is_incompressible and "poissons_ratio" not in grid:
         yield (
             "incompressible slab",

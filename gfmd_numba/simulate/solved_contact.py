@@ -38,9 +38,6 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     else:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
-    if isinstance(scene, Scene) and scene.periodic == "y":
-        allowed = "a period along both axes or none, as fields inside are not built yet with a period along y alone"
-        raise InputError(f"contact: you gave one of a scene with periodic: y; gfmd allows {allowed}")
     if isinstance(scene, Scene) and scene.body.relaxation is not None:
         given = "one of a viscoelastic body"
         raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")

@@ -59,8 +59,8 @@ and ContactMechanics takes 22, 24 and 25 times as long. On 128 and 256 nodes a s
 ## Programs that stop at an error
 
 QMCPy and drivers of multilevel and multi-index Monte Carlo also add samples, and finer levels, until a tolerance is
-met. A run of gfmd-numba differs in what it knows of the limits: there are three with a law each, and their
-interactions, the covariance of all levels, and the distance from the finest level to the limit are part of the error.
+met. A run of gfmd-numba knows more of its three limits: their laws, their interactions, and the distance from the
+finest level.
 """
 
 

@@ -2,7 +2,8 @@
 
 python benchmarks/hunt_in_time.py KIND [dimension] [number] [first seed]; KIND is `speed` (punches that slide steadily),
 or that of random paths of dwells, loads and sliding at any rate: `friction`, `adhesion`, `both` or `cohesion`. It
-prints a line for each that is not certified, and the percentiles of the transforms that all took.
+prints a line for each that is not certified, how many miss their tolerance in time after 1024 divisions, and the
+percentiles of the transforms that all took.
 """
 
 import argparse
@@ -37,8 +38,8 @@ def history(draw: np.random.Generator, dimension: int, kind: str) -> dict:
     """Four steps at random rates, some at once: dwells, loads that change, on slabs a punch that slides to and fro."""
     body, interface = body_of(draw), {"hard_wall": {}}
     moves = "aspect_ratio" in body and draw.random() < 0.7 and body["poissons_ratio"] < 0.49
-    key = "displacement" if moves else "reduced_pressure"
-    size = (lambda: float(GRADIENT * draw.uniform(-0.02, 0.1))) if moves else (lambda: float(10 ** draw.uniform(-2, 0)))
+    key, least = "displacement" if moves else "reduced_pressure", 0.0 if kind == "friction" else -0.02
+    size = (lambda: float(GRADIENT * draw.uniform(least, 0.1))) if moves else (lambda: float(10 ** draw.uniform(-2, 0)))
     if kind in ("friction", "both"):
         interface["friction"] = {"coefficient": np.inf if draw.random() < 0.1 else float(10 ** draw.uniform(-1.5, 0.2))}
     law = {"work_of_adhesion": GRADIENT**2 * float(10.0 ** draw.uniform(-3.0, -1.5))}
@@ -65,31 +66,32 @@ def scene(kind: str, dimension: int, seed: int) -> dict:
     found = steady(draw, dimension) if kind == "speed" else history(draw, dimension, kind)
     path = found.pop("path", [])
     roughness = {"method": "psd", "hurst": float(draw.uniform(0.2, 1.0)), "rms_gradient": GRADIENT}
-    eps_c, eps_f = {1: (1 / 4, 1 / 64 if kind == "speed" else 1 / 32), 2: (1 / 2, 1 / 16 if kind == "speed" else 1 / 8)}[
-        dimension
-    ]
+    eps_c, eps_f = {1: (1 / 4, 1 / 64), 2: (1 / 2, 1 / 16)}[dimension]
+    if path:  # which is hundreds of contacts
+        eps_f *= 4 if dimension == 1 else 2
     return {
         "scene": {"dimension": dimension, "roughness": roughness, "interface": {"hard_wall": {}}} | found,
         "path": path,
         "discretisation": {"eps_c": eps_c, "eps_f": eps_f, "eps_t": 1 / 2},
-        "numerics": {"time_tolerance": 1e-2} if path else {},
+        "numerics": {"time_tolerance": 2e-2} if path else {},
         "seed": seed,
     }
 
 
 def hunt(kind: str, dimension: int, seeds: range) -> None:
     """Solve all seeds."""
-    costs, failed = [], 0
+    costs, failed, late = [], 0, 0
     for seed in seeds:
         found = gfmd_numba.solve(scene(kind, dimension, seed))
         costs.append(int(found["n_transforms"].sum()))
+        late += kind != "speed" and float(found["time_error"][-1]) > 2e-2
         gains = float(found["hysteretic_friction"]) < -1e-12 if kind == "speed" else False
         if found["status"].any() or not float(found["residual"].max()) <= 1e-8 or gains:
             failed += 1
             print(f"seed {seed}: status {found['status'].values}, residual {float(found['residual'].max()):.1e}")
     shares = dict(zip((0, 50, 95, 100), np.percentile(costs, (0, 50, 95, 100)), strict=True))
     told = ", ".join(f"{share} %: {cost:.0f}" for share, cost in shares.items())
-    print(f"{failed} of {len(seeds)} are not certified; transforms {told}")
+    print(f"{failed} of {len(seeds)} are not certified, {late} need shorter steps; transforms {told}")
 
 
 if __name__ == "__main__":

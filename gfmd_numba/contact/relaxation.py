@@ -165,5 +165,5 @@ def sliding_modulus(series: PronySeries, speed: float, nx: int) -> Complexes:
 
 
 def _over_branches(shares: Reals, stretch: Reals | Complexes) -> Reals:
-    """Shares `[branch]`, ready to broadcast with the branches of a stretch `[spring, realisation, component, (y,) x]`."""
+    """Shares `[branch]`, ready to broadcast with a stretch `[spring, realisation, component, (y,) x]`."""
     return shares.reshape(-1, *(1 for _ in stretch.shape[1:]))

@@ -92,12 +92,10 @@ def _in_time() -> Iterator[Refusal]:
     not_yet = {
         "rough bodies": "a rigid punch on one smooth body",
         "hardness": "a hard_wall without hardness",
-        "cohesive law": "another law",
-        "friction": "no friction",
         "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
-    of_punches = {"normal law": "a hard_wall alone"}
+    of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
     of_bodies = {
         "prescribed": "a contact",
         "boundary": "no boundary",

@@ -139,11 +139,9 @@ def _uniform_compression(given: ContactInput, problem: Problem) -> float:
 def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
     """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
     tangential = contact.equilibrium.tangential
-    if tangential is None:
+    if tangential is None or contact.sideways is None:
         return {}
-    sideways = tangential.displacement[0]
-    if contact.change.along is not None:
-        sideways = sideways + contact.change.along[0]
+    sideways = contact.sideways[0]
     kinds = {
         "displacement": ("height", "tangential displacement of the body", sideways),
         "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),

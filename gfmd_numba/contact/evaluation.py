@@ -195,9 +195,15 @@ def contact_radius(contact: Contact) -> Reals:
         located = unknown == 0.0
     else:
         area, share = _located_area(contact)
-        located = share >= _NEARLY_ALL
+        located = (share >= _NEARLY_ALL) & (not _remembers(contact))
     found = np.where(located & ~_pulled(contact), area, mean)
     return 0.5 * found if profile else np.sqrt(found / np.pi)
+
+
+def _remembers(contact: Contact) -> bool:
+    """Whether a body has crept: a node then bears what it has been through, and not the root of its distance alone."""
+    is_slow = contact.before is not None and "springs" in contact.before.memory
+    return is_slow and contact.change.out is not None and bool(contact.change.out.any())
 
 
 def _pulled(contact: Contact) -> Flags:

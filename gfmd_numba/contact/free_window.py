@@ -89,9 +89,9 @@ def start(
     at_rest = Start.at_rest(displacement)
     if along is None:
         return replace(at_rest, displacement=displacement)
-    anchor = at_rest.anchor.copy()
-    anchor[corner] = window.anchor
-    return Start(displacement, moved[:, :-1], anchor, window.dragged)
+    anchor, sideways = at_rest.anchor.copy(), moved[:, :-1]
+    anchor[corner], sideways[corner] = window.anchor, window.tangential
+    return Start(displacement, sideways, anchor, window.dragged)
 
 
 def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ...]) -> Reals:

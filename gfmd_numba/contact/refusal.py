@@ -212,7 +212,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
         drags = ("sliding",) if scene.interface.wear is None else ()
-        if scene.body.relaxation is not None:  # over which the punch passes
+        if scene.passes:
             drags = ("sliding over creep",)
         if step.sliding is not None:
             yield from ((feature, ("path", i, "sliding")) for feature in drags)

@@ -167,8 +167,7 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
 
 def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
     """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
-    passes = scene.body.relaxation is not None and scene.interface.wear is None
-    return rounded(rms_gradient) if passes and any(any(step.sliding) for step in steps) else None
+    return rounded(rms_gradient) if scene.passes and any(any(step.sliding) for step in steps) else None
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

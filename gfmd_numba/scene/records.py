@@ -151,6 +151,11 @@ class Scene(BaseModel):
         return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
 
     @property
+    def passes(self) -> bool:
+        """Whether a punch that slides passes over the body: over one that creeps, unless it drags that or wears."""
+        return self.body.relaxation is not None and self.interface.wear is None and not self.interface.couples
+
+    @property
     def has_moduli(self) -> bool:
         """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each."""
         return self.counter_body is not None or self.body.has_modulus

@@ -142,8 +142,8 @@ def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, A
     bottoms = np.cumsum(flow.body.waves.thickness)
     own = {
         "equivalent_plastic_strain": ("gradient", "equivalent plastic strain", flow.equivalent),
-        "von_mises": ("pressure", "von Mises stress", von_mises),
-        "stress1": ("pressure", "stress along x, tension above 0", along),
+        "von_mises_stress": ("pressure", "von Mises stress", von_mises),
+        "stress_x": ("pressure", "stress along x, tension above 0", along),
     }
     found = {
         name: unit.variable(("depth", *dims), kind, long_name, values.reshape(len(bottoms), *contact.heights.shape[1:]))

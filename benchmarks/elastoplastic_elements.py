@@ -67,10 +67,10 @@ class PlasticBody(Body):
             flows = added > 0.0
             soft = np.where(flows, 3.0 * self.mu * added / np.maximum(size, 1e-300), 0.0)
             share = np.where(flows, 3.0 * self.mu / (3.0 * self.mu + self.hardening), 0.0) - soft
-            mu, bulk, n = self.mu, self.bulk, way
+            mu, bulk = self.mu, self.bulk
 
             @BilinearForm
-            def tangent(u, v, _, soft=soft, share=share, n=n):
+            def tangent(u, v, _, soft=soft, share=share, n=way, mu=mu, bulk=bulk):
                 of_u, of_v = sym_grad(u), sym_grad(v)
                 deviatoric = of_u - eye(trace(of_u) / 3.0, 2)
                 along = n[0] * of_u[0, 0] + n[1] * of_u[1, 1] + 2.0 * n[2] * of_u[0, 1]

@@ -23,12 +23,11 @@ class Sublayers:
         self.shear = float(moduli.c44(poissons_ratio))
         q_y, q_x = grid.wavevectors(shape, (1.0, 1.0))
         q = grid.magnitudes(shape)
-        with np.errstate(invalid="ignore"):
-            cosine, sine = (np.where(q > 0.0, each / q, 0.0).ravel() for each in (q_x, q_y))
+        angle = np.arctan2(q_y, q_x + 0.0 * q_y).ravel()
         for axis, n in zip((1, 0), shape[::-1], strict=True):
             if n % 2 == 0:
                 np.moveaxis(q, axis, 0)[n // 2] = -1.0
-        self.waves = kernels.Waves(q.ravel(), cosine, sine, thickness, poissons_ratio, self.shear)
+        self.waves = kernels.Waves(q.ravel(), np.cos(angle), np.sin(angle), thickness, poissons_ratio, self.shear)
         self._spectrum = self._found = np.zeros((self.components, thickness.size, q.size), dtype=np.complex128)
         self._surface = np.zeros((3, q.size), dtype=np.complex128)
 

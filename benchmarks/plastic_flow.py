@@ -43,17 +43,18 @@ def parabola(nodes, dimension):
     return -0.5 * x**2 if dimension == 1 else -0.5 * (x[:, np.newaxis] ** 2 + x**2)
 
 
-def first_yield():
+def first_yield(forms=("ball", "cylinder")):
     """Largest von Mises stress of elastic contacts that are far apart, in Hertz's pressure p0."""
-    a = 0.05
-    p0 = 2.0 * a / np.pi
-    ball = pressed(parabola(512, 2), [2.0 / 3.0 * np.pi * a**2 * p0], Plasticity(Hardening(1.0), 0.06, 48, 1))[0]
-    print(f"ball      p0/Y at first yield {p0 / flow_measures.largest_von_mises(ball)[0]:.3f}  (Johnson 6.1: 1.60)")
-    a = 0.004
-    p0 = 0.5 * a
-    line = pressed(parabola(8192, 1), [0.5 * np.pi * a * p0], Plasticity(Hardening(1.0), 0.008, 96, 1))[0]
-    von_mises = flow_measures.largest_von_mises(line)[0]
-    print(f"cylinder  p0/Y at first yield {p0 / von_mises:.3f}  (Johnson 6.1, von Mises, nu = 0.3: 3.1 k = 1.79 Y)")
+    for name in forms:
+        is_ball = name == "ball"
+        a, nodes, depth = (0.05, 512, 0.06) if is_ball else (0.004, 8192, 0.008)
+        p0 = 2.0 * a / np.pi if is_ball else 0.5 * a
+        load = 2.0 / 3.0 * np.pi * a**2 * p0 if is_ball else 0.5 * np.pi * a * p0
+        plasticity = Plasticity(Hardening(1.0), depth, 48, 1)
+        found = pressed(parabola(nodes, 2 if is_ball else 1), [load], plasticity)[0]
+        told = p0 / flow_measures.largest_von_mises(found)[0]
+        known = "1.60" if is_ball else "von Mises, nu = 0.3: 3.1 k = 1.79"
+        print(f"{name:9} p0/Y at first yield {told:.3f}  (Johnson 1985, 6.1: {known})")
 
 
 def hardness():
@@ -96,13 +97,13 @@ def residual():
         )
 
 
-def elements():
+def elements(meshes=((32, 24), (64, 44))):
     """A sinusoid with a plastic body in plane strain, on the grid and by finite elements, under equal loads."""
     from elastoplastic_elements import PlasticBody
     from finite_elements import graded
 
     stress, slope, amplitude = 0.008, 0.01, 0.01
-    for columns, rows in ((32, 24), (64, 44)):
+    for columns, rows in meshes:
         body = PlasticBody(columns, graded(1.0, rows, 0.5 / columns), NU, stress, slope)
         punch = amplitude * (1.0 - np.cos(2.0 * np.pi * (body.x - 0.5)))
         steps = [body.step(punch - depth * amplitude) for depth in (0.125, 0.25, 0.375, 0.5)]

@@ -123,6 +123,32 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 
+def _flowing() -> Iterator[Refusal]:
+    """What bodies that flow inside do not go with yet."""
+    not_yet = {
+        "rough bodies": "a rigid punch on one smooth body",
+        "slab": "a half-space of one material",
+        "relaxation": "no relaxation",
+        "normal law": "a hard_wall alone",
+        "cohesive law": "a hard_wall alone",
+        "friction": "no friction",
+        "wear": "no wear",
+        "no period": "true",
+        "period along y": "true",
+        "boundary": "no boundary",
+        "prescribed": "a contact",
+        "plane stress": "'plane_strain'",
+        "limits": "no limits",
+        "accuracy": "no `gfmd accuracy`",
+    }
+    for feature, allowed in not_yet.items():
+        yield Refusal(
+            "plasticity", feature, f"{allowed} with plasticity of the body: this is not built yet", "not built yet"
+        )
+    twice = "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself"
+    yield Refusal("plasticity", "hardness", twice, "physics")
+
+
 REFUSALS = (
     Refusal(
         "dimension 2",
@@ -181,6 +207,7 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     *_in_time(),
+    *_flowing(),
     *_of_threads(),
     Refusal(
         "smooth bodies",
@@ -284,6 +311,7 @@ PHRASES = {
     "no period": "a window (`periodic: false`, `x` or `y`)",
     "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
     "plane stress": "plane stress",
+    "plasticity": "a body that flows inside (`plasticity`)",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",

@@ -20,6 +20,7 @@ from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
+FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
@@ -35,7 +36,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_coarse_times, _beyond_small_strains, _few_nodes, _at_the_edge, _past_asperities, _overlap)
+    each = (_coarse_times, _coarse_flow, _beyond_small_strains, _few_nodes, _at_the_edge, _past_asperities, _overlap)
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
@@ -51,6 +52,31 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
         f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
         f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
     )
+
+
+def _coarse_flow(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return warnings about plastic flow that leaves its layer, or that sublayers or increments do not resolve."""
+    if "equivalent_plastic_strain" not in dataset:
+        return ""
+    flows = dataset["equivalent_plastic_strain"] > 0.0
+    deep, error = int(flows.sum("depth").max()), float(dataset["increment_error"].max())
+    found = []
+    if bool(flows.isel(depth=-1).any()):
+        found.append(
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth, "
+            "or none"
+        )
+    if 0 < deep < FEWEST_SUBLAYERS:
+        found.append(
+            f"what has flown is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
+        )
+    if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
+        known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
+        found.append(
+            f"pressures or residual displacements {known}, because strains turn within an increment: give more "
+            "body.plasticity.increments"
+        )
+    return "\n".join(found)
 
 
 def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:

@@ -22,6 +22,7 @@ from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
@@ -103,6 +104,7 @@ class Problem:
     time_tolerance: float | None = None
     wear_rate: float | None = None
     passing: float | None = None
+    plasticity: Plasticity | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -167,7 +169,7 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.periodic is not True:
             content["periodic"] = self.periodic
-        for name in ("relaxation", "time_tolerance", "wear_rate", "passing"):
+        for name in ("relaxation", "time_tolerance", "wear_rate", "passing", "plasticity"):
             if getattr(self, name) is not None:
                 content[name] = repr(getattr(self, name))
         if self.processes:

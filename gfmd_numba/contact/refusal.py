@@ -108,6 +108,8 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     if not of_time:
         yield "elastic bodies", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
+        if body.plasticity is not None:
+            yield "plasticity", ("scene", name, "plasticity")
         if body.layers is not None:
             yield "layers", ("scene", name, "layers")
     for place, surface in scene.surfaces.items():
@@ -141,6 +143,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     if scene.boundary is not None:
         yield "boundary", ("scene", "boundary")
     yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
+    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
+        yield "slab", ("scene", "body")
     yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):

@@ -41,6 +41,9 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     if isinstance(scene, Scene) and scene.body.relaxation is not None:
         given = "one of a viscoelastic body"
         raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")
+    if isinstance(scene, Scene) and scene.body.plasticity is not None:
+        allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"
+        raise InputError(f"contact: you gave one of a body that flows inside; gfmd allows {allowed}")
     names = ["body", "counter_body"][: len(scene.deformable)]
     if not isinstance(body, str) or body not in names:
         raise InputError(f"body: you gave {brief(body)}; gfmd allows {' or '.join(map(repr, names))}")

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
-from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
@@ -28,11 +27,6 @@ _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no mo
 _RANGES = 45.0  # of a law of gap and slip, at which it has as little
 _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
-
-
-def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...]) -> SpectralResponse:
-    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
-    return free_body.response(shape, body, ends, laws.couples)
 
 
 def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:

@@ -22,6 +22,7 @@ from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.solvers.status import Status
 
 RESIDUAL = 100.0  # that of the flow over that of the contact
+_FEWEST = 4  # increments, half of which tell their error: one and two of them often err alike
 _MIXED, _LOOPS, _RISEN = 5, 500, 2.0
 _PROBES, _SHALLOWEST, _DEEPEST = 64, 0.25, 2.0  # sublayers that look for the depth, from (nodes) to (L_x)
 _MARGIN, _NEARLY = 1.25, 0.9  # of the depth to which an elastic body would yield, and of the largest stress
@@ -34,7 +35,7 @@ def follow(problem: Problem, state: State, largest: float) -> Contact:
     if state.memory[NAME] is None:
         state = state.remembering(NAME, _nothing_yet(problem, state, largest))
     found = _divided(problem, state, problem.plasticity.increments)
-    if problem.plasticity.increments > 1 and found.equilibrium.status[0] == Status.ok:
+    if problem.plasticity.increments >= _FEWEST and found.equilibrium.status[0] == Status.ok:
         coarse = _divided(problem, state, problem.plasticity.increments // 2)
         found = _remembering(found, error=_difference(coarse, found))
     spent = np.array([time.perf_counter() - started])

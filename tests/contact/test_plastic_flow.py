@@ -50,12 +50,12 @@ def test_unloading_is_elastic_and_leaves_a_dent_and_compression():
 
 def test_errors_fall_with_the_increments_and_are_told():
     exact = cylinder([1.0], 32)[0].equilibrium.pressure
-    found = [cylinder([1.0], n)[0] for n in (2, 4, 8)]
+    found = [cylinder([1.0], n)[0] for n in (4, 8)]
     errors = [abs(each.equilibrium.pressure - exact).sum() / abs(exact).sum() for each in found]
-    assert errors[0] > 1.4 * errors[1] > 1.4**2 * errors[2]
+    assert errors[0] > 1.4 * errors[1]
     for each, error in zip(found, errors, strict=True):
         assert flow_measures.flow_of(each).error > 0.8 * error
-    assert np.isnan(flow_measures.flow_of(cylinder([1.0], 1)[0]).error)
+    assert np.isnan(flow_measures.flow_of(cylinder([1.0], 2)[0]).error)
 
 
 def test_more_load_flows_deeper_than_the_first_step_of_a_path_alone_would_ask_for():

@@ -311,7 +311,7 @@ PHRASES = {
     "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
     "plane stress": "plane stress",
     "plasticity": "a body that flows inside (`plasticity`)",
-    "slab": "a slab of finite height",
+    "slab": "a slab, or layers",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",

@@ -89,7 +89,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
         told=list(_parts(of_results(dataset, fitted))) if running is None else [],
         pictures=list(_drawn(dataset, fitted)),
         warnings=list(_warnings(dataset)),
-        left_out=[("left out", each) for each in dataset.attrs.get("dropped_effects", "").splitlines()],
+        left_out=list(_treated(dataset)),
         asked=_asked(dataset),
         cost=list(_cost(dataset)),
         provenance=[(name.replace("_", " "), known[name]) for name in _PROVENANCE if known.get(name, "") != ""],
@@ -152,6 +152,12 @@ def _warnings(dataset: xr.Dataset) -> Iterable[str]:
             if name not in _UNFINISHED:
                 count = int((dataset["status"] == meanings.index(name)).sum())
                 yield f"{count} of {dataset['status'].size} ended as {name}, and stand in no mean. {sentence}"
+
+
+def _treated(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
+    """Yield what was done to measured surfaces, and which effects were left out."""
+    for label, name in (("measured surface", "processing"), ("left out", "dropped_effects")):
+        yield from ((label, each) for each in str(dataset.attrs.get(name, "")).splitlines() if each)
 
 
 def _asked(dataset: xr.Dataset) -> str:

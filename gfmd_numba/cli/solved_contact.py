@@ -16,7 +16,8 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, picture_path, pictures, write, write_picture
 from gfmd_numba.cli.tables import readable
-from gfmd_numba.cli.terminal import print_table, say, waiting, warn_of_doubts
+from gfmd_numba.cli.terminal import say, tell, waiting, warn_of_doubts
+from gfmd_numba.cli.told import of_measures
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
@@ -24,22 +25,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     import xarray as xr
-
-
-_SHOWN = {  # words, and the unit of a contact without units
-    "contact_area_fraction_persson": ("Persson's contact area", ""),
-    "mean_gap": ("mean gap over rms height", ""),
-    "perimeter": ("perimeter", "L_x"),
-    "gap_connects": ("channel", ""),
-    "contact_connects": ("contact bridges", ""),
-    "critical_gap": ("critical gap", "L_x"),
-    "largest_gap_fraction": ("largest connected gap", ""),
-    "largest_contact_fraction": ("largest contact cluster", ""),
-    "n_gaps": ("separate gaps", ""),
-    "hydraulic_gap": ("hydraulic gap", "L_x"),
-    "flow_factor": ("flow factor", ""),
-    "conductance": ("conductance", "1/L_x"),
-}
 
 
 _files_option = click.option(
@@ -152,7 +137,7 @@ def _measure(
         fields = {"x", "y"} & set(map(str, dataset.dims))
         click.echo(json.dumps(_for_programs(dataset.drop_dims(fields).to_dict()), default=str))
     else:
-        _show(dataset)
+        tell(of_measures(dataset))
     warn_of_doubts(dataset)
 
 
@@ -163,35 +148,6 @@ def _for_programs(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [_for_programs(inner) for inner in value]
     return None if isinstance(value, float) and not isfinite(value) else value
-
-
-def _show(dataset: xr.Dataset) -> None:
-    """Print the numbers of the whole contact, or those of each step of a path."""
-    cells = {words: values for name in _SHOWN if name in dataset for words, values in _cells(dataset, name)}
-    if "step" in dataset.dims:
-        print_table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
-        return
-    for words, (value,) in cells.items():
-        click.echo(printable(f"{words:28}{value}"))
-
-
-def _cells(dataset: xr.Dataset, name: str) -> list[tuple[str, list[str]]]:
-    """Return words and cells of a variable, for each direction if it has them."""
-    words, free = _SHOWN[name]
-    variable = dataset[name]
-    unit = variable.attrs["units"].replace("m-1", "1/m") if variable.attrs["units"] != "1" else free
-    if "direction" in variable.dims:
-        parts = [(f"{words} along {each}", variable.sel(direction=each)) for each in ("x", "y")]
-    else:
-        parts = [(words, variable)]
-    return [(text, [_cell(name, value, unit) for value in part.values.ravel().tolist()]) for text, part in parts]
-
-
-def _cell(name: str, value: float, unit: str) -> str:
-    if name.endswith("_connects"):
-        return "yes" if value else "no"
-    number, shown = readable(value, unit)
-    return f"{float(number):.5g} {shown}".rstrip()
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:

@@ -33,6 +33,7 @@ WORDS = {
     "mean_pressure": "mean pressure",
     "contact_area_fraction": "contact area fraction",
     "contact_area": "contact area",
+    "contact_radius": "contact radius",
     "contact_length": "contact length",
     "approach": "approach",
     "mean_gap": "mean gap",
@@ -62,7 +63,7 @@ _PRESSURES = {"mean_pressure", "peak_pressure", "pull_off_pressure"} | {
     "mean_tangential_traction",
     "mean_tangential_traction_y",
 }
-_LENGTHS = {"punch_displacement", "sliding", "sliding_y", "approach", "mean_gap"} | {
+_LENGTHS = {"contact_radius", "punch_displacement", "sliding", "sliding_y", "approach", "mean_gap"} | {
     "mean_plastic_depth",
     "mean_worn_depth",
 }

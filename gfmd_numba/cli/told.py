@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS
@@ -17,6 +18,7 @@ _WIDE = 24
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_pressure",
     "contact_area_fraction",
+    "contact_radius",
     "approach",
     "mean_gap",
     "peak_pressure",
@@ -35,6 +37,20 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "hysteretic_friction_error",
     "time_error",
 )
+_MEASURES = {  # of a solved contact: words, and the unit of a contact without units
+    "contact_area_fraction_persson": ("Persson's contact area", ""),
+    "mean_gap": ("mean gap over rms height", ""),
+    "perimeter": ("perimeter", "L_x"),
+    "gap_connects": ("channel", ""),
+    "contact_connects": ("contact bridges", ""),
+    "critical_gap": ("critical gap", "L_x"),
+    "largest_gap_fraction": ("largest connected gap", ""),
+    "largest_contact_fraction": ("largest contact cluster", ""),
+    "n_gaps": ("separate gaps", ""),
+    "hydraulic_gap": ("hydraulic gap", "L_x"),
+    "flow_factor": ("flow factor", ""),
+    "conductance": ("conductance", "1/L_x"),
+}
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
     *("sliding", "sliding_y", "speed", "time"),
@@ -53,6 +69,8 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
         yield from of_steps(dataset)
     elif "residual" in dataset:
         yield from of_contact(dataset)
+    elif any(name in dataset for name in _MEASURES):
+        yield from of_measures(dataset)
     else:
         yield from of_numbers(dataset)
 
@@ -98,7 +116,7 @@ def of_steps(dataset: xr.Dataset) -> Told:
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
     view = _with_stiffness(dataset)
-    found = dict(column(view, name) for name in (*_SHOWN[:4], "contact_stiffness", *_SHOWN[4:]) if name in view)
+    found = dict(column(view, name) for name in (*_SHOWN[:5], "contact_stiffness", *_SHOWN[5:]) if name in view)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
 
@@ -147,6 +165,35 @@ def named(dataset: xr.Dataset) -> xr.Dataset:
 def over(dataset: xr.Dataset) -> str:
     """Return the dim of a curve."""
     return next((name for name in ("time", "speed") if name in dataset.dims), "prescribed_load")
+
+
+def of_measures(dataset: xr.Dataset) -> Told:
+    """Yield what was measured of a solved contact as a whole, or of each step of a path."""
+    cells = {words: values for name in _MEASURES if name in dataset for words, values in _measured(dataset, name)}
+    if "step" in dataset.dims:
+        yield Table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
+        return
+    for words, (value,) in cells.items():
+        yield Line(words, value, _WIDE + 4)
+
+
+def _measured(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, list[str]]]:
+    """Yield words and cells of a variable, for each direction if it has them."""
+    words, free = _MEASURES[name]
+    variable = dataset[name]
+    unit = variable.attrs["units"].replace("m-1", "1/m") if variable.attrs["units"] != "1" else free
+    parts = [(words, variable)]
+    if "direction" in variable.dims:
+        parts = [(f"{words} along {each}", variable.sel(direction=each)) for each in ("x", "y")]
+    for text, part in parts:
+        yield text, [_cell(name, value, unit) for value in part.values.ravel().tolist()]
+
+
+def _cell(name: str, value: float, unit: str) -> str:
+    if name.endswith("_connects"):
+        return "yes" if value else "no"
+    number, shown = readable(value, unit)
+    return f"{float(number):.5g} {shown}".rstrip()
 
 
 def of_numbers(dataset: xr.Dataset) -> Told:

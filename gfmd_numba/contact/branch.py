@@ -172,8 +172,8 @@ def _advance(
     lost = 0.5 * (least + most) - gained
     if divisions == _DIVISIONS:
         curved = _CURVED * 0.5 * abs(least + most)
-    negligible = _LOST * (max(start.adhesion, end.adhesion) or np.inf)
-    jumps = least - gained > negligible
+    negligible = _LOST * max(start.adhesion, end.adhesion)
+    jumps = least - gained > (negligible or np.inf)  # surfaces that do not touch attract without a jump
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost + yielded, np.nan)]
     halfway = start.problem.step.towards(problem.step, 0.5)

@@ -20,6 +20,7 @@ from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
+LARGEST_UNLOCATED = 0.1
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
@@ -36,7 +37,16 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_coarse_times, _coarse_flow, _beyond_small_strains, _few_nodes, _at_the_edge, _past_asperities, _overlap)
+    each = (
+        _coarse_times,
+        _coarse_steps,
+        _coarse_flow,
+        _beyond_small_strains,
+        _few_nodes,
+        _at_the_edge,
+        _past_asperities,
+        _overlap,
+    )
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
@@ -51,6 +61,21 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
     return (
         f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
         f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
+    )
+
+
+def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
+    laws, jump = given.file.scene.interface, next((name for name in dataset if str(name).startswith("jump_")), None)
+    if jump is None or laws.friction is not None or given.file.scene.body.relaxation is not None:
+        return ""
+    lost = dataset["energy_lost"].fillna(0.0)
+    whole, apart = float(lost.sum()), float(lost.where(np.isnan(dataset[jump]), 0.0).sum())
+    if not apart > LARGEST_UNLOCATED * whole:
+        return ""
+    return (
+        f"{apart / whole:.0%} of the energy that the path seems to lose belong to steps without a jump, where forces "
+        "between the ends are unknown and little or nothing is lost: take shorter steps there"
     )
 
 

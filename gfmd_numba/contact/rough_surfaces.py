@@ -300,7 +300,7 @@ def _unusable(document: Document, place: Place, error: ValueError) -> InputError
 
 
 def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
-    allowed = "at least 4 equidistant finite heights over one period, in units that are stated, not all equal"
+    allowed = "a table of equidistant heights in units that are stated"
     return InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed))
 
 

@@ -5,9 +5,11 @@ and with it the period: the same, or twice as much if the field is mirrored. Wit
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
+
+import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
@@ -15,7 +17,7 @@ from gfmd_numba.roughness.measurements import Content, Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
-from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import WithUnit
 
@@ -65,7 +67,10 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     Raises ValueError, saying what is wrong and what to do.
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
-    found = measurement(_content(record, read), units, resample=record.points is not None)
+    content = _content(record, read)
+    if record.spacing is not None:
+        content = _spaced(content, record.spacing)
+    found = measurement(content, units, resample=record.points is not None)
     if record.crop == "square":
         found = largest_square(found)
     return Field(record, found, 2.0 if record.periodic == "mirror" else 1.0)
@@ -118,6 +123,15 @@ def _content(record: Measured, read: Reader) -> Content:
     return read(Path(record.file))
 
 
+def _spaced(content: Content, spacing: float) -> Content:
+    """Content with the sizes of a field whose points are a `spacing` in m apart."""
+    if content.positions or content.sizes:
+        raise ValueError("positions or sizes in the file, so that spacing has to be left out")
+    axes = AXES[-np.ndim(content.heights) :]
+    sizes = {axis: n * float(spacing) for axis, n in zip(axes, np.shape(content.heights), strict=True)}
+    return replace(content, sizes=sizes, units={**content.units, **dict.fromkeys(axes, "m")})
+
+
 def _sizes(
     field: Field, length: float | None, in_si: bool, told_by: str
 ) -> tuple[tuple[float, ...], Literal["m", "1"]]:
@@ -133,7 +147,9 @@ def _sizes(
     shape = found.heights.shape
     if found.lengths is None:
         if found.unit == "m" and length is None:
-            raise ValueError("heights in m without positions, so that length is needed, the period along x in m")
+            raise ValueError(
+                "heights without positions: give spacing, the distance of neighbouring points, or length, the period"
+            )
         spacing = (length or 1.0) / field.fields / shape[-1]
         return tuple(n * spacing for n in shape), "m" if found.unit == "m" else "1"
     period = field.fields * found.lengths[-1]

@@ -19,7 +19,7 @@ from gfmd_numba.scene.units import length_unit
 BLANKS = r"\s+"
 _LOOKED_AT = 200  # rows that decide the layout
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
-_WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*)", re.IGNORECASE)
+_WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*{1,3})", re.IGNORECASE)
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
@@ -30,9 +30,13 @@ _HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
 _POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
 _NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)  # as y is, where the other is x
 _VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
+_OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\W*$")  # behind a unit
+_ENTRY = re.compile(
+    r"\W*((?P<axis>[xyz]|heights?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
+)
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_MISSING = ["-", "--", "---", "*", "Bad", "BAD", "bad"]  # in addition to what pandas knows
+_MISSING = ["-", "--", "---", "*", "**", "***", "Bad", "BAD", "bad"]  # in addition to what pandas knows
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -117,7 +121,8 @@ def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
             return _of_one(line, *found[0])
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)
-    return (None,) * wanted
+    named = _entries(header)
+    return tuple(named.get(axis, named.get("")) for axis in ("z", "xz", "xyz")[wanted - 1])
 
 
 def heights_first(header: list[str]) -> bool:
@@ -270,6 +275,17 @@ def _cells(line: str) -> list[str]:
     return [part.strip("\"' ") for part in parts]
 
 
+def _entries(header: list[str]) -> dict[str, str]:
+    """Units of axes that entries such as `Z unit: um` of a protocol state; of all others the key is empty."""
+    found: dict[str, str] = {}
+    for entry in filter(None, map(_ENTRY.match, header)):
+        unit, axis = length_unit(entry["unit"].rstrip(".")), (entry["axis"] or "").lower()
+        if unit is not None:
+            axes = {"lateral": "xy", "height": "z", "heights": "z"}.get(axis, axis)
+            found |= dict.fromkeys(axes, unit) if axes else {"": unit}
+    return found
+
+
 def _axis(label: str) -> str | None:
     found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
     return None if found is None else found.group(1).lower()
@@ -281,7 +297,7 @@ def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
     for match in _STATED.finditer(line):
         square, round_, slashed = match.groups()
         label, rest = line[begin : match.start()], line[match.end() :]
-        if _VALUE.search(label) or re.match(r"\s*[:=]\s*\S", rest):
+        if _VALUE.search(label) or _OF_A_PROTOCOL.match(rest):
             continue  # an entry of a protocol, such as `scan length (mm): 4`
         if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
             continue  # a quotient, such as px/mm
@@ -352,7 +368,9 @@ def _bad_row(lines: list[str], first: int, layout: Layout, columns: int) -> Valu
             return ValueError(f"{layout.columns(line)} columns in line {i}, where line {first + 1} has {columns}")
         for cell in layout.cells(line.partition("#")[0]):
             if _parsed([cell], Layout("", layout.decimal)) is None:
-                return ValueError(f"{_short(cell)} in line {i}, not a number")
+                return ValueError(
+                    f"{_short(cell)} in line {i}, not a number (a missing height is an empty cell, or nan)"
+                )
     return ValueError("rows of numbers that do not make a table")
 
 

@@ -133,6 +133,9 @@ class Measured(BaseModel):
     units: FileUnits | None = Field(
         None, description="Units that the file does not state; None: the file states them all"
     )
+    spacing: Length | None = Field(
+        None, description="Distance of neighbouring points in m, where the file has no positions; None: length tells it"
+    )
     crop: Literal["none", "square"] = Field(
         "none", description="What is cut out of a map before all else: the largest square about its centre"
     )

@@ -99,7 +99,7 @@ def made_surface(file: SurfaceFile, document: Document) -> Made:
     except ValueError as error:
         if isinstance(file.surface, Measured):
             given = f"{file.surface.shown} ({error})"
-            allowed = "at least 4 equidistant finite heights in each direction, in units that are stated, not all equal"
+            allowed = "a table of equidistant heights in units that are stated"
             raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
         raise document.refused(("surface",), f"a usable surface, not {error}") from None
 

@@ -136,7 +136,7 @@ def test_rows_that_are_left_out_are_no_equidistant_positions(tmp_path):
 def test_one_column_needs_a_unit_and_a_period(tmp_path):
     file = one_column(tmp_path, 1e6 * Z, "height (um)")
     np.testing.assert_allclose(read(file, LENGTH).heights, Z, rtol=1e-14)
-    with pytest.raises(ValueError, match=r"heights in m without positions, so that length is needed"):
+    with pytest.raises(ValueError, match=r"heights without positions: give spacing"):
         read(file)
     with pytest.raises(ValueError, match=r"no positions along x in the file, so that units.x has to be left out"):
         read(file, LENGTH, units={"x": "mm"})

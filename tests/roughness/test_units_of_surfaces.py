@@ -70,7 +70,7 @@ def test_the_unit_of_a_header_counts_for_one_column_too(tmp_path):
     assert (found.lengths, found.unit) == ((1e-3,), "m")
     with pytest.raises(ValueError, match=r"heights in nm as the file says, not um as units\.z does"):
         measured_surface(record.model_copy(update={"units": FileUnits(z="um")}), 1e-3)
-    with pytest.raises(InputError, match="heights in m without positions, so that length is needed"):
+    with pytest.raises(InputError, match="heights without positions: give spacing"):
         made(tmp_path / "p.csv")
 
 
@@ -102,7 +102,7 @@ def test_netcdf_is_in_the_units_it_states(tmp_path):
         assert made(netcdf(tmp_path, "um", "mm"))["x"].units == "m"
     with pytest.raises(InputError, match="positions over a period of 4, one spacing for each of the 32 points, not 1"):
         made(netcdf(tmp_path, "1", "1"))
-    with pytest.raises(InputError, match="heights in m without positions, so that length is needed"):
+    with pytest.raises(InputError, match="heights without positions: give spacing"):
         made(netcdf(tmp_path, "m", None, positions=False))
     file = {"surface": {"method": "measured", "file": str(netcdf(tmp_path, "1", None, positions=False))}}
     with pytest.raises(InputError, match="heights in units of the period, so that length has to be left out"):

@@ -1,7 +1,7 @@
 """Creep of a ball against Lee and Radok, and what its steps in time cost; relaxation beside Tamaas.
 
-It presses a ball on a standard linear solid by a sudden load, which then stays (relaxed modulus 1, a branch of
-modulus 3 and relaxation time 1). Its radius and approach are those of Hertz with E* = 1 / J(t).
+It presses a ball on a solid of one branch and on one of three, by a sudden load that then stays, and by one that grows.
+Its radius and approach are those of Hertz under an equivalent load on the relaxed body.
 
 With --tamaas (pip install tamaas) it presses a wave into full contact, in which displacements stay as they are, and
 prints the modulus that the pressure tells.
@@ -12,21 +12,38 @@ import time
 from itertools import pairwise
 
 import numpy as np
+from scipy.linalg import expm
 
 import gfmd_numba
 
-RADIUS, LAST = 4.0, 1.0 / 3.0  # of the ball, and of its contact at last, in windows
+RADIUS, LAST = 4.0, 0.45  # of the ball, and of its contact at last, in windows
+SOLIDS = {  # moduli of branches over the relaxed one, and their times
+    "standard": ((3.0, 1.0),),
+    "three branches": ((0.5, 10.0), (1.0, 1.0), (2.0, 0.05)),
+}
 
 
-def compliance(elapsed: float) -> float:
-    """Creep compliance of the solid."""
-    return 1.0 - 0.75 * float(np.exp(-0.25 * elapsed))
+def equivalent(solid: str, elapsed: float, is_ramp: bool) -> float:
+    """Load on the relaxed body that deforms it as a load of 1 does, all at once or as it grows to that in 2 s.
+
+    The dashpots follow u' = A u + b f by their own exponentials.
+    """
+    moduli, times = np.array(SOLIDS[solid]).T
+    glassy = 1.0 + moduli.sum()
+    rates = (np.outer(np.ones(len(moduli)), moduli) / glassy - np.eye(len(moduli))) / times[:, np.newaxis]
+    source = np.linalg.solve(rates, 1.0 / (glassy * times))
+    grown = expm(rates * elapsed) - np.eye(len(moduli))
+    if not is_ramp:
+        return float(1.0 + moduli @ grown @ source) / glassy
+    return 0.5 * float(elapsed + moduli @ (np.linalg.solve(rates, grown @ source) - elapsed * source)) / glassy
 
 
-def ball(nodes: list[int]) -> None:
+def ball(nodes: list[int], solid: str, is_ramp: bool) -> None:
     """Relative errors of the radius and the approach, at numbers of nodes along the last radius."""
-    times = (0.0, 1.0, 4.0, 16.0)
-    force = 4.0 * LAST**3 / (3.0 * RADIUS)
+    times = (1.0, 2.0) if is_ramp else (0.0, 1.0, 4.0, 16.0)
+    force = 4.0 * LAST**3 / (3.0 * RADIUS * equivalent(solid, times[-1], is_ramp))
+    relaxation = [{"modulus": 0.75 * m, "time": tau} for m, tau in SOLIDS[solid]]
+    print(f"{solid}, a {'load that grows' if is_ramp else 'sudden load'}")
     print("| nodes a radius | time | radius | approach | reported error | solver, s |\n|---|---|---|---|---|---|")
     for count in nodes:
         begun = time.process_time()
@@ -35,19 +52,25 @@ def ball(nodes: list[int]) -> None:
                 "dimension": 2,
                 "periodic": False,
                 "length": 1.0,
-                "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": [{"modulus": 2.25, "time": 1.0}]},
+                "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": relaxation},
                 "form": {"radius": RADIUS, "points": round(count / LAST)},
                 "interface": {"hard_wall": {}},
-                "loading": {"force": force},
-                "path": [{"duration": end - start} for start, end in pairwise(times)],
+                "loading": {"force": 0.5 * force, "duration": 1.0} if is_ramp else {"force": force},
+                "path": [
+                    {"duration": end - start} | ({"force": force} if is_ramp else {}) for start, end in pairwise(times)
+                ],
+                "numerics": {"time_tolerance": 1e-2},
             }
         )
         spent = time.process_time() - begun
         for i, elapsed in enumerate(times):
-            radius = float(np.cbrt(3.0 * force * compliance(elapsed)))
+            radius = float(np.cbrt(3.0 * force * equivalent(solid, elapsed, is_ramp)))
             errors = float(found["contact_radius"][i]) / radius - 1.0, float(found["approach"][i]) * 4 / radius**2 - 1.0
             error = float(found["time_error"][i])
-            print(f"| {count} | {elapsed:g} | {errors[0]:+.1e} | {errors[1]:+.1e} | {error:.1e} | {spent:.0f} |")
+            print(
+                f"| {count} | {elapsed:g} | {errors[0]:+.1e} | {errors[1]:+.1e} | {error:.1e} | {spent:.0f} |",
+                flush=True,
+            )
 
 
 def wave_beside_tamaas(nodes: int = 32, amplitude: float = 1e-3) -> None:
@@ -95,4 +118,6 @@ if __name__ == "__main__":
     if given.tamaas:
         wave_beside_tamaas()
     else:
-        ball(given.nodes)
+        for solid in SOLIDS:
+            for is_ramp in (False, True):
+                ball(given.nodes, solid, is_ramp)

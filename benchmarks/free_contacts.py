@@ -175,7 +175,7 @@ def kernel() -> None:
     """Displacement by a node over that by a square cell of uniform pressure, at some nodes away; less 1."""
     print("| x | y | cell | node | difference |\n|---|---|---|---|---|")
     n = 256
-    nodes = np.fft.irfft2(free_body.compliance((n, n)), (2 * n, 2 * n)) * n
+    nodes = np.fft.irfft2(free_body.compliance((n, n))[0], (2 * n, 2 * n)) * n
 
     def corner(x: float, y: float) -> float:
         r = np.hypot(x, y)
@@ -215,7 +215,7 @@ def punch() -> None:
     """How many nodes a flat square punch is wider than its own, as its displacement under a force says."""
     print("| nodes a side | wider by (nodes) |\n|---|---|")
     for n in (32, 64, 128, 256):
-        compliance = free_body.compliance((n, n))
+        compliance = free_body.compliance((n, n))[0]
 
         def displaced(pressure: Reals, n: int = n, compliance: Reals = compliance) -> Reals:
             wide = np.fft.rfft2(np.pad(pressure, (0, n))) * compliance

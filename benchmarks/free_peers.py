@@ -1,7 +1,8 @@
 """Contacts without a period compared with Tamaas, ContactMechanics and ASPHER: the same heights, one residual, one run.
 
-python benchmarks/free_peers.py [compare | aspher] [nodes a side ...]; pip install tamaas ContactMechanics aspher; what
-is missing is skipped. Processor time of one thread, from heights to pressure with the kernel, one surface at a time.
+python benchmarks/free_peers.py [compare | aspher | waves] [nodes a side ...]; pip install tamaas ContactMechanics
+aspher; what is missing is skipped. Processor time of one thread, from heights to pressure with the kernel, one surface
+at a time.
 
 The others integrate the kernel over square cells, while ours is band-limited, so that the same nodes bear slightly
 different pressures. The residual of each is therefore that of its own kernel: the pressure that one node would need to
@@ -48,7 +49,7 @@ def surface(n: int, least: int, most: int, curved: bool) -> Reals:
 
 def here(heights: Reals, load: float, tolerance: float) -> Reals:
     """Pressure of gfmd-numba, with the kernel sampled anew."""
-    free_body._of_half_space.cache_clear()
+    free_body._of_maps.cache_clear()
     made, gradient = given_surface(heights, periodic=False)
     numerics = Options("active_set_newton", residual=tolerance)
     problem = Problem(
@@ -118,7 +119,7 @@ def cells(n: int) -> Reals:
 
 def bands(n: int) -> Reals:
     """The same of the band-limited kernel."""
-    return np.asarray(np.fft.irfft2(free_body.compliance((n, n)), (2 * n, 2 * n))[:n, :n])
+    return np.asarray(np.fft.irfft2(free_body.compliance((n, n))[0], (2 * n, 2 * n))[:n, :n])
 
 
 def residual(kernel: Reals, heights: Reals, pressure: Reals, load: float) -> float:
@@ -180,11 +181,22 @@ def compare(cases: list[tuple[str, Reals, float]], names: tuple[str, ...]) -> No
 
 
 def main(what: str, grids: tuple[int, ...]) -> None:
-    """Compare rough balls at three loads with all codes, or a rough ball and a rough flat with ASPHER."""
+    """Compare rough balls at three loads with all codes, or a rough ball and a rough flat with ASPHER.
+
+    `waves` has balls of 2 to 16 nodes in the shortest wave, the same number on several grids.
+    """
     here(surface(64, 4, 16, True), LOADS[0], RESIDUAL)  # compiles kernels
     if what == "aspher":
         kinds = (("ball", True, LOADS[-1]), ("flat", False, FLAT))
         cases = [(kind, surface(n, 12, 256, curved), load) for kind, curved, load in kinds for n in grids]
+        compare(cases, ("ASPHER",))
+    elif what == "waves":
+        cases = [
+            (f"{each} nodes in a wave", surface(n, 12, n // each, True), LOADS[-1])
+            for each in (2, 4, 8, 16)
+            for n in grids
+            if n // each > 16
+        ]
         compare(cases, ("ASPHER",))
     else:
         cases = [("ball", surface(n, 12, 64, True), load) for load in LOADS for n in grids]
@@ -193,5 +205,5 @@ def main(what: str, grids: tuple[int, ...]) -> None:
 
 if __name__ == "__main__":
     asked = sys.argv[1] if len(sys.argv) > 1 else "compare"
-    own = (512, 1024, 2048) if asked == "aspher" else (128, 256, 512)
+    own = {"aspher": (512, 1024, 2048), "waves": (256, 512, 1024)}.get(asked, (128, 256, 512))
     main(asked, tuple(map(int, sys.argv[2:])) or own)

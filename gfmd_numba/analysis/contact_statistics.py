@@ -8,7 +8,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, check_fields, is_periodic
+from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.analysis.gap_percolation import regions, sizes
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.theory import persson
@@ -45,7 +45,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     counted, size, function = _CONTACTS[len(nodes)]
     total = np.prod([dataset.sizes[dim] for dim in nodes])
     octaves = 2.0 ** np.arange(np.log2(total) + 1)
-    around = is_periodic(dataset)
+    around = goes_around(dataset)
     result[counted] = _histogram(touching, nodes, size, octaves, function, around=around)
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
@@ -90,7 +90,7 @@ def _histogram(
     dim: str,
     edges: Reals,
     function: Callable[..., Reals],
-    **options: bool,
+    **options: tuple[bool, ...],
 ) -> xr.DataArray:
     result: xr.DataArray = xr.apply_ufunc(
         function,
@@ -107,29 +107,29 @@ def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
     return np.asarray(np.histogram(values, edges)[0] / (values.size * np.diff(edges)))
 
 
-def _segments(row: npt.NDArray[np.generic], edges: Reals, around: bool) -> Reals:
+def _segments(row: npt.NDArray[np.generic], edges: Reals, around: tuple[bool, ...]) -> Reals:
     """Number of stretches by their number of nodes, also `around` the end of a period; full contact is one of them."""
     if row.all():
         return np.asarray(np.histogram([row.size], edges)[0])
     begins_free = np.roll(row, -int(np.argmin(row)))  # so that no stretch is cut by the end of the period
-    if not around:
+    if not around[0]:
         begins_free = np.concatenate(([False], row))
     changes = np.flatnonzero(np.diff(begins_free.astype(np.int8), append=0))
     return np.asarray(np.histogram(changes[1::2] - changes[::2], edges)[0])
 
 
-def _clusters(touching: Flags, edges: Reals, around: bool) -> Reals:
+def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
     """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them."""
-    return np.asarray(np.histogram(sizes(regions(touching, around, around)), edges)[0])
+    return np.asarray(np.histogram(sizes(regions(touching, *around)), edges)[0])
 
 
-def _perimeter(touching: Flags, around: bool) -> float:
+def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
 
     Where nothing goes `around` the map, nothing touches beyond its ends.
     """
     nx = touching.shape[1]
-    touching = touching if around else np.pad(touching, 1)
+    touching = np.pad(touching, [(0, 0) if joined else (1, 1) for joined in around])
     along_y = np.roll(touching, 1, axis=0)
     crossed = [np.count_nonzero(touching != other) for other in (along_y, np.roll(touching, 1, axis=1))]
     diagonal = [np.count_nonzero(touching != np.roll(along_y, side, axis=1)) for side in (1, -1)]

@@ -302,15 +302,9 @@ _FIELDS = ("height", "pressure", "gap")
 _POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"
 
 
-def is_periodic(dataset: xr.Dataset) -> bool:
-    """Return whether the two ends of the fields meet, or they are those of a window that has no period."""
-    windows = {_POINTS_OF_WINDOW in dataset[dim].attrs for dim in ("x", "y") if dim in dataset.dims}
-    if len(windows) > 1:
-        raise UnusableDataError(
-            "you gave a contact with a period along y alone; gfmd allows a period along both axes or none: this is not "
-            "built yet"
-        )
-    return not windows.pop()
+def goes_around(dataset: xr.Dataset) -> tuple[bool, ...]:
+    """Return whether the two ends of the fields meet along (y,) x, or are those of a window without a period."""
+    return tuple(_POINTS_OF_WINDOW not in dataset[dim].attrs for dim in ("y", "x") if dim in dataset.dims)
 
 
 def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, check_fields, is_periodic
+from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
 
 
@@ -42,9 +42,9 @@ def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
     return np.bincount(labels.ravel())[1:].astype(np.int64)
 
 
-def connects(flags: Flags, axis: int, around: bool = True) -> bool:
-    """Whether a region touches both ends of `axis`; it may go `around` the other axis, whose ends are one."""
-    labels = np.moveaxis(regions(flags, around and axis != 0, around and axis != 1), axis, 0)
+def connects(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True)) -> bool:
+    """Whether a region touches both ends of `axis`; it may go `around` the other axis if its ends are one."""
+    labels = np.moveaxis(regions(flags, around[0] and axis != 0, around[1] and axis != 1), axis, 0)
     shared = np.intersect1d(labels[0], labels[-1])
     return bool((shared > 0).any())
 
@@ -71,7 +71,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    touching, around = dataset["gap"] <= 0.0, {"around": is_periodic(dataset)}
+    touching, around = dataset["gap"] <= 0.0, {"around": goes_around(dataset)}
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
     result["gap_connects"] = _by_direction(_connects, ~touching, nodes, around)
     result["contact_connects"] = _by_direction(_connects, touching, nodes, around)
@@ -89,7 +89,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 
 
 def _by_direction(
-    function: Callable[..., Reals], values: xr.DataArray, nodes: list[str], around: dict[str, bool]
+    function: Callable[..., Reals], values: xr.DataArray, nodes: list[str], around: dict[str, tuple[bool, ...]]
 ) -> xr.DataArray:
     found: xr.DataArray = xr.apply_ufunc(
         function, values, kwargs=around, input_core_dims=[nodes], output_core_dims=[["direction"]], vectorize=True
@@ -97,15 +97,15 @@ def _by_direction(
     return found
 
 
-def _connects(flags: Flags, around: bool) -> Reals:
+def _connects(flags: Flags, around: tuple[bool, ...]) -> Reals:
     return np.array([connects(flags, axis, around) for axis in _DIRECTIONS.values()], dtype=np.int8)
 
 
-def _critical_gap(gap: Reals, around: bool) -> Reals:
+def _critical_gap(gap: Reals, around: tuple[bool, ...]) -> Reals:
     return np.array([_narrowest(gap, axis, around) for axis in _DIRECTIONS.values()])
 
 
-def _narrowest(gap: Reals, axis: int, around: bool) -> float:
+def _narrowest(gap: Reals, axis: int, around: tuple[bool, ...]) -> float:
     """Largest level at which the nodes of at least that gap still connect the two sides, by bisection."""
     levels = np.unique(gap[gap > 0.0])
     fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
@@ -118,9 +118,9 @@ def _narrowest(gap: Reals, axis: int, around: bool) -> float:
     return float(levels[fewest - 1]) if fewest else 0.0
 
 
-def _largest(flags: Flags, around: bool) -> float:
-    return float(sizes(regions(flags, around, around)).max(initial=0) / flags.size)
+def _largest(flags: Flags, around: tuple[bool, ...]) -> float:
+    return float(sizes(regions(flags, *around)).max(initial=0) / flags.size)
 
 
-def _count(flags: Flags, around: bool) -> int:
-    return len(sizes(regions(flags, around, around)))
+def _count(flags: Flags, around: tuple[bool, ...]) -> int:
+    return len(sizes(regions(flags, *around)))

@@ -9,7 +9,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from scipy.sparse.linalg import splu
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, is_periodic
+from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
 from gfmd_numba.analysis.gap_percolation import regions
 from gfmd_numba.arrays import Flags, Indices, Reals
 
@@ -24,7 +24,7 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Leakage through the gap of maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across
-    which a periodic map goes around, and walls close a window: div(u^3 grad p) = 0 (Reynolds 1886), without flow into
+    which a period goes around, and walls close a window: div(u^3 grad p) = 0 (Reynolds 1886), without flow into
     nodes that touch. `hydraulic_gap` d is the gap of parallel walls that leak as much: a pressure difference P drives
     d^3 P / (12 eta) times L_y / L_x through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir
     & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the
@@ -38,7 +38,7 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     hydraulic, residual, flow = xr.apply_ufunc(
         _both_directions,
         dataset["gap"],
-        kwargs={"around": is_periodic(dataset)},
+        kwargs={"around": goes_around(dataset)},
         input_core_dims=[nodes],
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
@@ -86,9 +86,9 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
         )
 
 
-def _both_directions(gap: Reals, around: bool) -> tuple[Reals, Reals, Reals]:
+def _both_directions(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals]:
     """Hydraulic gaps along x and y, their residuals, and the flow through nodes `[direction, y, x]`."""
-    found = [_along_rows(np.moveaxis(gap, axis, 0), around) for axis in _DIRECTIONS.values()]
+    found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
     gaps, residuals, flows = zip(*found, strict=True)
     turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
     return np.array(gaps), np.array(residuals), np.array(turned)

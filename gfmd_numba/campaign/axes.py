@@ -170,6 +170,16 @@ AXES = (
         "contact pressure at which the hard wall gives way",
         "pressure",
     ),
+    Axis("yield_stress", Pressure, "body.plasticity", "Y", "$Y$", "uniaxial yield stress of the body", "pressure"),
+    Axis(
+        "hardening",
+        Pressure,
+        "body.plasticity",
+        "H_p",
+        "$H_p$",
+        "slope of the yield stress of the body over the plastic strain",
+        "pressure",
+    ),
     Axis(
         "work_of_adhesion",
         SignedWorkOfAdhesion,

@@ -358,6 +358,8 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     check_combination(document, scene, campaign.numerics, campaign.path, varied)
     if campaign.limits.varied:
         check_where(document, scene, "limits", campaign.numerics)
+    if "eps_t" in campaign.limits.varied:
+        check_where(document, scene, "thermodynamic limit", campaign.numerics)
 
 
 def _with_a_file(document: Document) -> Document:

@@ -1,6 +1,6 @@
 """What a campaign is to find: the variable that is fitted, errors of variables in the limit, and a budget of time."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from math import inf
 from numbers import Real
 from typing import Annotated, Any, Literal, cast
@@ -160,13 +160,22 @@ def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: 
         raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
 
 
+# of what a variable needs: whether a scene has it, and what it is
+_NEEDS: dict[str, tuple[Callable[[Scene], bool], str]] = {
+    "hardness": (lambda scene: scene.interface.hardness is not None, "a hardness of the hard_wall"),
+    "form": (lambda scene: scene.form is not None, "a form of the punch"),
+    "window": (lambda scene: any(scene.ends), "a scene without a period"),
+}
+
+
 def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
     """Raise InputError unless one of the scenes, each with its order in the slope, records what is fitted.
 
     `place` is where the variable stands in the file.
     """
     scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
-    if LIMITED[fit.variable].needs == "hardness" and all(scene.interface.hardness is None for scene, _ in scenes):
-        raise document.error(place, fit.variable, "what these contacts have; this needs a hardness of the hard_wall")
+    has, what = _NEEDS.get(LIMITED[fit.variable].needs, (bool, ""))
+    if not any(has(scene) for scene, _ in scenes):
+        raise document.error(place, fit.variable, f"what these contacts have; this needs {what}")
     if along and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
         raise document.error(place, fit.variable, f"what this path has; {needed_for(fit.variable)}")

@@ -17,6 +17,7 @@ from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import NormalLaw
@@ -120,11 +121,11 @@ def stability(problem: Problem, contact: Contact) -> float | None:
         return None
     if found.status[0] != Status.ok:
         return float("nan")
-    apart, touching, ends = gap(contact), found.touching, problem.ends
-    if not any(problem.ends):
-        stiffness = solution.condensed_stiffness(problem, grid.magnitudes(contact.punch.shape[1:]))
+    apart, touching, ends, shape = gap(contact), found.touching, problem.ends, contact.punch.shape[1:]
+    if not any(ends):
+        stiffness = solution.condensed_stiffness(problem, grid.magnitudes(shape))
     else:  # the law acts in the window alone
-        stiffness = free_window.response(contact.punch.shape[1:], problem.interface, problem.body, ends).normal.copy()
+        stiffness = free_body.response(shape, problem.body, ends, problem.interface.couples).normal.copy()
         apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)), ends)
         touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_), ends)
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):

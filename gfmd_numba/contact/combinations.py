@@ -53,36 +53,25 @@ def _without_a_period() -> Iterator[Refusal]:
     """What a contact without a period cannot be yet, and what it does not need."""
     not_yet = {
         "layers on a half-space": "a rigid base, or a body of one material",
-        "coupled slab": "a half-space with friction or a cohesive law",
         "incompressible slab": "a number below 0.5, or a half-space",
         "tall slab": f"a height of at most {TALLEST:g} times the length, or a half-space",
         "rough bodies": "a rough rigid punch on one smooth body",
         "boundary": "no boundary",
-        "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
     for feature, allowed in not_yet.items():
-        yield Refusal(
-            "no period", feature, f"{allowed} where periodic is false: this is not built yet", "not built yet"
-        )
-    of_y = {name: not_yet[name] for name in ("rough bodies", "boundary", "limits", "accuracy")} | {
-        "slab": "a half-space",
-        "drag": "a hard wall or a law of the gap alone",
-        "measured surface": "a random surface or a form",
-    }
-    for feature, allowed in of_y.items():
-        yield Refusal(
-            "period along y", feature, f"{allowed} where periodic is y: this is not built yet", "not built yet"
-        )
+        yield Refusal("no period", feature, f"{allowed} without a period: this is not built yet", "not built yet")
     yield Refusal(
         "dimension 1",
-        "period along y",
-        "true or false with dimension 1; y, for a punch that ends along x alone, needs dimension 2",
+        "period along one axis",
+        "true or false with dimension 1; x and y, for a punch that ends along the other axis alone, need dimension 2",
         "physics",
     )
     least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
-    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet"
+    size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
+    yield Refusal("no period", "thermodynamic limit", f"{size} eps_t is another contact", "physics")
+    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet; with x or y also window"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
@@ -103,12 +92,10 @@ def _in_time() -> Iterator[Refusal]:
     not_yet = {
         "rough bodies": "a rigid punch on one smooth body",
         "hardness": "a hard_wall without hardness",
-        "cohesive law": "another law",
-        "friction": "no friction",
         "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
-    of_punches = {"normal law": "a hard_wall alone"}
+    of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
     of_bodies = {
         "prescribed": "a contact",
         "boundary": "no boundary",
@@ -119,22 +106,46 @@ def _in_time() -> Iterator[Refusal]:
     for feature, allowed in (not_yet | of_bodies).items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"no period": "true", "period along y": "true", "wear": "no wear"} | of_punches
+    of_sliding = {"no period": "true", "wear": "no wear"} | of_punches
     for feature, allowed in of_sliding.items():
         told = f"{allowed} with a sliding speed: this is not built yet"
         yield Refusal("speed", feature, told, "not built yet")
     told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
     yield Refusal("normal law", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
-    for feature in ("no period", "period along y"):
-        told = "nothing without a period over a viscoelastic body: this is not built yet"
-        yield Refusal(feature, "sliding over creep", told, "not built yet")
+    told = "nothing without a period over a viscoelastic body: this is not built yet"
+    yield Refusal("no period", "sliding over creep", told, "not built yet")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
     for feature in ("duration", "speed", "time_tolerance"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
         yield Refusal("elastic bodies", feature, nothing, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
+
+
+def _flowing() -> Iterator[Refusal]:
+    """What bodies that flow inside do not go with yet."""
+    not_yet = {
+        "rough bodies": "a rigid punch on one smooth body",
+        "slab": "a half-space of one material",
+        "relaxation": "no relaxation",
+        "normal law": "a hard_wall alone",
+        "cohesive law": "a hard_wall alone",
+        "friction": "no friction",
+        "wear": "no wear",
+        "no period": "true",
+        "boundary": "no boundary",
+        "prescribed": "a contact",
+        "plane stress": "'plane_strain'",
+        "limits": "no limits",
+        "accuracy": "no `gfmd accuracy`",
+    }
+    for feature, allowed in not_yet.items():
+        yield Refusal(
+            "plasticity", feature, f"{allowed} with plasticity of the body: this is not built yet", "not built yet"
+        )
+    twice = "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself"
+    yield Refusal("plasticity", "hardness", twice, "physics")
 
 
 REFUSALS = (
@@ -195,6 +206,7 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     *_in_time(),
+    *_flowing(),
     *_of_threads(),
     Refusal(
         "smooth bodies",
@@ -290,15 +302,16 @@ PHRASES = {
     "higher topography_order": "a `topography_order` above 0",
     "layers on a half-space": "`layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
+    "thermodynamic limit": "the thermodynamic limit of a campaign (`eps_t` among its `limits`)",
     "line_load": "a load `line_load`",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
-    "no period": "a scene without a period (`periodic: false`)",
-    "period along y": "a period along y alone (`periodic: y`)",
-    "drag": "friction or a cohesive law",
-    "slab": "a slab, or layers",
+    "no period": "a window (`periodic: false`, `x` or `y`)",
+    "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
     "plane stress": "plane stress",
+    "plasticity": "a body that flows inside (`plasticity`)",
+    "slab": "a slab, or layers",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",
@@ -317,7 +330,6 @@ PHRASES = {
     "hard wall": "a hard wall",
     "hardness": "a hard wall of finite `hardness`",
     "normal law": "a law of the gap alone",
-    "coupled slab": "a slab under friction or a cohesive law",
     "incompressible slab": "an incompressible slab",
     "tall slab": "a slab, or layers, higher than the window is wide",
     "cohesive law": "a law of gap and slip",

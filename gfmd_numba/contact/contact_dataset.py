@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import branch, law_resolution
+from gfmd_numba.contact import branch, flow_measures, law_resolution
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.dataset import (
     CONVENTIONS,
@@ -115,11 +115,16 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
             long_name = f"prescribed traction on the body, {component.way}"
             fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
     dims = AXES[-scene.dimension :]
+    if problem.plasticity is not None:
+        out = np.asarray(contact.change.out)[0]
+        fields["residual_displacement"] = "height", "displacement of the body by what has flown, without a load", out
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     variables: dict[str, Any] = {
         name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
     }
+    if problem.plasticity is not None:
+        variables |= _inside(contact, unit, dims)
     rows = recorded_of(problem)
     variables |= {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
     if contact.equilibrium.growing_wave is not None:
@@ -131,6 +136,23 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     return dataset
 
 
+def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:
+    """Means of the sublayers of a body that may flow, and the depths of their middles."""
+    flow, (von_mises, along) = flow_measures.flow_of(contact), flow_measures.stresses(contact)
+    bottoms = np.cumsum(flow.body.waves.thickness)
+    own = {
+        "equivalent_plastic_strain": ("gradient", "equivalent plastic strain", flow.equivalent),
+        "von_mises_stress": ("pressure", "von Mises stress", von_mises),
+        "stress_x": ("pressure", "stress along x, tension above 0", along),
+    }
+    found = {
+        name: unit.variable(("depth", *dims), kind, long_name, values.reshape(len(bottoms), *contact.heights.shape[1:]))
+        for name, (kind, long_name, values) in own.items()
+    }
+    middles = bottoms - 0.5 * flow.body.waves.thickness
+    return found | {"depth": unit.variable(("depth",), "length", "depth of the middle of a sublayer", middles)}
+
+
 def _uniform_compression(given: ContactInput, problem: Problem) -> float:
     uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
     return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
@@ -139,11 +161,9 @@ def _uniform_compression(given: ContactInput, problem: Problem) -> float:
 def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
     """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
     tangential = contact.equilibrium.tangential
-    if tangential is None:
+    if tangential is None or contact.sideways is None:
         return {}
-    sideways = tangential.displacement[0]
-    if contact.change.along is not None:
-        sideways = sideways + contact.change.along[0]
+    sideways = contact.sideways[0]
     kinds = {
         "displacement": ("height", "tangential displacement of the body", sideways),
         "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
+from math import ceil
 
 import numpy as np
 import xarray as xr
@@ -19,7 +20,11 @@ from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
+FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
+
+FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
+FEW_NODES = "the grid has too few nodes for the contact"
 
 _UNKNOWN_EDGES = 0.05  # of the contact area
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
@@ -31,7 +36,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
     coarse = law_resolution.doubt(problem, given.file.discretisation)
     of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
-    each = (_coarse_times, _beyond_small_strains, _at_the_edge, _past_asperities, _overlap)
+    each = (_coarse_times, _coarse_flow, _beyond_small_strains, _few_nodes, _at_the_edge, _past_asperities, _overlap)
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
@@ -47,6 +52,31 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
         f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
         f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
     )
+
+
+def _coarse_flow(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return warnings about plastic flow that leaves its layer, or that sublayers or increments do not resolve."""
+    if "equivalent_plastic_strain" not in dataset:
+        return ""
+    flows = dataset["equivalent_plastic_strain"] > 0.0
+    deep, error = int(flows.sum("depth").max()), float(dataset["increment_error"].max())
+    found = []
+    if bool(flows.isel(depth=-1).any()):
+        found.append(
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth, "
+            "or none"
+        )
+    if 0 < deep < FEWEST_SUBLAYERS:
+        found.append(
+            f"what has flown is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
+        )
+    if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
+        known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
+        found.append(
+            f"pressures or residual displacements {known}, because strains turn within an increment: give more "
+            "body.plasticity.increments"
+        )
+    return "\n".join(found)
 
 
 def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
@@ -74,7 +104,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     stiffest = given.units.worth["E*"] * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
     touching = dataset["gap"] <= 0.0
-    steep = _slopes(dataset, nodes, bool(scene.periodic)).where(touching, 0.0)
+    steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
@@ -85,6 +115,36 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
         f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
         f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
         "linear elasticity is wrong by about these fractions: check load, moduli and heights"
+    )
+
+
+def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a contact that is a single node, or narrow under a form, with a grid that would do.
+
+    Where a law acts across the gap, the nodes that touch say little, and `law_resolution` tells what the grid resolves.
+    """
+    scene, discretisation = given.file.scene, given.file.discretisation
+    if scene.interface.reaches_across:
+        return ""
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    touching = dataset["gap"] <= 0.0
+    counts = touching.sum(nodes)
+    if scene.form is not None and not scene.surfaces:
+        extents = [touching.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
+        across = xr.concat(extents, "axis").min("axis")
+    else:  # a disc of as many nodes
+        across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5
+    fewest = float(across.where(counts > 0).min())
+    least = FEWEST if scene.form is not None else 1.5
+    if not fewest < least:
+        return ""
+    points = ceil(dataset.sizes["x"] * FEWEST / fewest)
+    finer = f"at least {points} points" + (" both ways" if len(nodes) == 2 else "")
+    if discretisation is not None:
+        finer = f"eps_c = 1/{ceil(points / (2 * discretisation.cut_off_index))} or finer ({finer})"
+    return (
+        f"{FEW_NODES}, which is {fewest:.2g} wide. The radius of a ball is off by up to 30 % with 5, by 65 % "
+        f"with 3, and with one or two the contact is that of the nodes alone: take {finer}, or a larger load"
     )
 
 
@@ -102,14 +162,14 @@ def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _slopes(dataset: xr.Dataset, nodes: list[str], periodic: bool) -> xr.DataArray:
+def _slopes(dataset: xr.Dataset, nodes: list[str], ends: tuple[bool, ...]) -> xr.DataArray:
     """Size of the gradient of the heights between the neighbours of each node."""
     height = dataset["height"]
     squares = [
         ((height.roll({dim: -1}) - height.roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
-        if periodic
+        if not end
         else height.differentiate(dim) ** 2
-        for dim in nodes
+        for dim, end in zip(nodes, ends, strict=True)
     ]
     found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
     return found

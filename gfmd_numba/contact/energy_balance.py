@@ -52,10 +52,9 @@ class Balance:
             sideways = components(found.tangential.displacement, u)
             if contact.approach is None:
                 potential += 0.5 * float(traction @ sideways.mean(axis=1))
-            slip = sliding[:, np.newaxis] - sideways
             if laws.friction is not None and isfinite(laws.friction):
-                dragged = components(found.tangential.traction, u)
-                rubbing = Rubbing(wall_pressure(problem, contact).ravel(), dragged, slip)
+                rubbing = Rubbing.of(problem, contact)
+            slip = sliding[:, np.newaxis] - sideways
             slip = vector_slip.length(slip).reshape(u.shape)
         repels = laws.normal_law is not None and laws.normal_law.softening == 0.0
         if laws.normal_law is not None and not repels:
@@ -85,7 +84,7 @@ class Balance:
         work += 0.5 * float((before.traction + self.traction) @ (self.sliding - before.sliding))
         work += 0.5 * float(((before.lossless + self.lossless) * (self.gap - before.gap)).mean())
         if self.rubbing is not None and before.rubbing is not None:
-            work += self.rubbing.beyond_linear(before.rubbing)
+            work += self.rubbing.lost(before.rubbing) - self.rubbing.linear(before.rubbing)
         return work - (self.potential - before.potential)
 
 
@@ -97,8 +96,22 @@ class Rubbing:
     traction: Reals
     slip: Reals
 
-    def beyond_linear(self, before: "Rubbing") -> float:
-        """What friction takes since an earlier contact, less what tractions linear between the two would take.
+    @classmethod
+    def of(cls, problem: Problem, contact: Contact) -> "Rubbing":
+        """Nodes of the first realisation of a contact, with all that has moved them."""
+        found = contact.equilibrium.tangential
+        assert found is not None  # of contacts under friction
+        assert contact.sideways is not None
+        wall = wall_pressure(problem, contact)
+        slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.sideways, wall)
+        return cls(wall.ravel(), components(found.traction, wall), slip)
+
+    def linear(self, before: "Rubbing") -> float:
+        """What tractions linear between an earlier contact and this one take, per nominal area."""
+        return 0.5 * float(((before.traction + self.traction) * (self.slip - before.slip)).sum(axis=0).mean())
+
+    def lost(self, before: "Rubbing") -> float:
+        """What friction takes since an earlier contact, per nominal area.
 
         A node that slips begins under the traction that it had, but at least under the friction of the smaller of its
         two pressures: where slip has turned round, the tractions of the two contacts would cancel. It ends under the
@@ -107,7 +120,7 @@ class Rubbing:
         slipped = self.slip - before.slip
         first, last = ((each.traction * slipped).sum(axis=0) for each in (before, self))
         share = np.divide(np.minimum(before.wall, self.wall), self.wall, out=np.zeros_like(last), where=self.wall > 0.0)
-        return 0.5 * float((np.maximum(first, share * last) - first).mean())
+        return 0.5 * float((np.maximum(first, share * last) + last).mean())
 
 
 def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:

@@ -195,9 +195,15 @@ def contact_radius(contact: Contact) -> Reals:
         located = unknown == 0.0
     else:
         area, share = _located_area(contact)
-        located = share >= _NEARLY_ALL
+        located = (share >= _NEARLY_ALL) & (not _remembers(contact))
     found = np.where(located & ~_pulled(contact), area, mean)
     return 0.5 * found if profile else np.sqrt(found / np.pi)
+
+
+def _remembers(contact: Contact) -> bool:
+    """Whether a body has crept: a node then bears what it has been through, and not the root of its distance alone."""
+    is_slow = contact.before is not None and "springs" in contact.before.memory
+    return is_slow and contact.change.out is not None and bool(contact.change.out.any())
 
 
 def _pulled(contact: Contact) -> Flags:
@@ -286,8 +292,8 @@ def peak_pressure(contact: Contact) -> Reals:
 @once
 def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
-    if _is_patch(contact):
-        return statistics.rms_gradient_of_patch(contact.roughness, _periods(contact))
+    if any(contact.ends):
+        return statistics.rms_gradient(contact.roughness, _periods(contact), contact.ends)
     return np.sqrt(_moment(contact, 2))
 
 
@@ -301,21 +307,10 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     for axis in axes:
         for side in (1, -1):
             share -= bias * (elastic & ~beside(contact, now, side, axis))
-    if _is_patch(contact):
-        gradients = statistics.gradients_of_patch(contact.roughness, _periods(contact))
-    else:
-        gradients = [
-            statistics.gradient(contact.roughness.swapaxes(axis, -1)).swapaxes(axis, -1) for axis in axes[::-1]
-        ]
     square = np.zeros(contact.heights.shape)
-    for gradient in gradients:
+    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
         square += gradient**2
     return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
-
-
-def _is_patch(contact: Contact) -> bool:
-    """Whether the punch is not made of waves of a period."""
-    return bool(contact.ends) and all(contact.ends)
 
 
 @once

@@ -12,7 +12,6 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
-from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions, NormalLaw
@@ -28,13 +27,6 @@ _NO_TRACTION = 1e-17  # of that at zero gap, which a law has where it acts no mo
 _RANGES = 45.0  # of a law of gap and slip, at which it has as little
 _SHORTEST = 1e-9  # range of a law, in L_x
 _APART = 1.0  # of the size of the punch, at which it is where its displacement is prescribed
-
-
-def response(shape: tuple[int, ...], laws: Interactions, body: ElasticBody, ends: tuple[bool, ...]) -> SpectralResponse:
-    """Response of a body around a window of (ny,) nx nodes, of the normal displacement or all that laws couple."""
-    if not all(ends):
-        return free_body.response_along_y(shape)
-    return free_body.response(shape, body.nu) if laws.couples else free_body.normal_response(shape, body)
 
 
 def around(punch: Reals, load: float | None, laws: Interactions, factor: float = 1.0, farther: float = 1.0) -> Reals:
@@ -91,9 +83,9 @@ def start(
     at_rest = Start.at_rest(displacement)
     if along is None:
         return replace(at_rest, displacement=displacement)
-    anchor = at_rest.anchor.copy()
-    anchor[corner] = window.anchor
-    return Start(displacement, moved[:, :-1], anchor, window.dragged)
+    anchor, sideways = at_rest.anchor.copy(), moved[:, :-1]
+    anchor[corner], sideways[corner] = window.anchor, window.tangential
+    return Start(displacement, sideways, anchor, window.dragged)
 
 
 def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ...]) -> Reals:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.contact import branch, solution, time_steps, two_step
+from gfmd_numba.contact import branch, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies, traces
@@ -41,6 +41,8 @@ def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed
 
 def _follower(problem: Problem) -> Callable[[Problem, State], Contact]:
     """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
+    if problem.plasticity is not None:
+        return partial(plastic_flow.follow, largest=max(step.load for step in (problem.step, *problem.path)))
     takes_time = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
     if takes_time and problem.time_tolerance is not None:
         return partial(time_steps.follow, tolerance=problem.time_tolerance / takes_time)
@@ -149,7 +151,7 @@ def measured(problem: Problem, realisations: range) -> Measures:
     if problem.path:
         rows = [_along(problem, realisation) for realisation in realisations]
         return {name: np.stack([row[name] for row in rows]) for name in rows[0]}
-    if problem.rough is None and not problem.duration:
+    if problem.rough is None and problem.plasticity is None and not problem.duration:
         return measure(solve(problem, realisations))
     found = [_measure(problem, next(solve_path(problem, realisation))) for realisation in realisations]
     return {name: np.concatenate([each[name] for each in found]) for name in found[0]}

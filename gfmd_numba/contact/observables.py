@@ -34,6 +34,7 @@ class Observable:
     needs: Literal[
         "",
         "hardness",
+        "flow",
         "springs",
         "worn",
         "sliding",
@@ -55,6 +56,9 @@ class Observable:
 
 _ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
 _OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
+
+_FLOW = "gfmd_numba.contact.flow_measures"
+_OF_A_LAYER = "it depends on the sublayers, of which limits know nothing"
 
 OBSERVABLES = {
     "kappa": Observable(
@@ -101,6 +105,47 @@ OBSERVABLES = {
     ),
     "mean_worn_depth": Observable(
         "contact", "height", "mean depth by which the punch has worn", needs="worn", held="height"
+    ),
+    "plastic_volume": Observable(
+        "contact",
+        "length",
+        "volume of the body that has flown over the nominal area",
+        function=f"{_FLOW}:plastic_volume",
+        needs="flow",
+        no_limit=_OF_A_LAYER,
+    ),
+    "largest_plastic_strain": Observable(
+        "contact",
+        "gradient",
+        "largest equivalent plastic strain of a sublayer",
+        function=f"{_FLOW}:largest_plastic_strain",
+        needs="flow",
+        no_limit=_OF_A_LAYER,
+    ),
+    "largest_von_mises": Observable(
+        "contact",
+        "pressure",
+        "largest von Mises stress of a sublayer",
+        function=f"{_FLOW}:largest_von_mises",
+        needs="flow",
+        no_limit=_OF_A_LAYER,
+    ),
+    "flow_residual": Observable(
+        "contact",
+        "1",
+        "largest violation of the yield condition and the flow rule over the yield stress",
+        function=f"{_FLOW}:flow_residual",
+        needs="flow",
+        no_limit=_OF_AN_ERROR,
+    ),
+    "increment_error": Observable(
+        "contact",
+        "1",
+        "relative change of pressures or residual displacements with half the increments of the step",
+        undefined_at_times=True,
+        function=f"{_FLOW}:increment_error",
+        needs="flow",
+        no_limit=_OF_AN_ERROR,
     ),
     "time_error": Observable(
         "contact",
@@ -154,7 +199,7 @@ OBSERVABLES = {
         "length",
         "half the contact length of a profile, of a map the radius of a disc as large as the contact area",
         needs="form",
-        no_limit="contact_area_fraction, which has one, says the same",
+        held="load",
     ),
     "elastic_energy": Observable(
         "contact",
@@ -180,7 +225,7 @@ OBSERVABLES = {
         "height",
         "displacement of the punch into the body beyond first touch",
         needs="window",
-        no_limit="it is that of a window, which has no thermodynamic limit",
+        held="height",
     ),
     "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
     "rms_gradient_contact": Observable(
@@ -244,9 +289,8 @@ def recorded(
 
     Processes have the names of what is `remembered` of them, `traces` among them.
     """
-    period, window = not ends or not all(ends), any(ends)
-    has = {"": True, "hardness": hardness, "period": period, "window": window, "form": form}
-    has |= {name: name in remembered for name in ("springs", "worn", "sliding")}
+    has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
+    has |= {name: name in remembered for name in ("springs", "worn", "sliding", "flow")}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 

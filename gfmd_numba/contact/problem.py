@@ -22,12 +22,14 @@ from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
+from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options
 
 
@@ -80,7 +82,7 @@ class Problem:
     1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0), `duration`
     and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it
     by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not
-    `periodic` is a window, around which the body is free; "y": on both sides along x alone.
+    `periodic` is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
     """
 
     surface: Surface
@@ -97,11 +99,12 @@ class Problem:
     sliding: tuple[float, ...] = ()
     duration: float = 0.0
     speed: float = 0.0
-    periodic: bool | Literal["y"] = True
+    periodic: bool | Literal["x", "y"] = True
     relaxation: PronySeries | None = None
     time_tolerance: float | None = None
     wear_rate: float | None = None
     passing: float | None = None
+    plasticity: Plasticity | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property
@@ -114,7 +117,7 @@ class Problem:
     @property
     def ends(self) -> tuple[bool, ...]:
         """Whether the punch ends along (y,) x, where the body is free around it."""
-        return (*((self.periodic is False,) * (len(self.surface.shape) - 1)), self.periodic is not True)
+        return ends_of(self.periodic, len(self.surface.shape))
 
     @property
     def n_loads(self) -> int:
@@ -166,7 +169,7 @@ class Problem:
             content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
         if self.periodic is not True:
             content["periodic"] = self.periodic
-        for name in ("relaxation", "time_tolerance", "wear_rate", "passing"):
+        for name in ("relaxation", "time_tolerance", "wear_rate", "passing", "plasticity"):
             if getattr(self, name) is not None:
                 content[name] = repr(getattr(self, name))
         if self.processes:
@@ -226,7 +229,7 @@ def given_surface(heights: Reals, gradient: float | None = None, periodic: objec
 
     Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
     """
-    scale, slope = scaled_gradient(heights, periodic)
+    scale, slope = scaled_gradient(heights, ends_of(periodic, heights.ndim))
     rounding = heights.shape[-1] * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
     own = slope * scale
     if slope <= 100.0 * rounding:
@@ -238,11 +241,10 @@ def given_surface(heights: Reals, gradient: float | None = None, periodic: objec
     return GivenSurface.of(unit), own if gradient is None else gradient
 
 
-def scaled_gradient(heights: Reals, periodic: object = True) -> tuple[float, float]:
+def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
     """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
     scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
-    of_heights = statistics.rms_gradient if periodic else statistics.rms_gradient_of_patch
-    return scale, float(of_heights(heights / scale, (1.0,) * heights.ndim))
+    return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
 _PACKAGE = Path(__file__).parent.parent

@@ -6,6 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.contact.flow_measures import PlasticFlow
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import Relaxation
 from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
@@ -91,7 +92,8 @@ def processes_of(problem: Problem) -> tuple[Process, ...]:
     deflection = () if problem.tractions is None else (Deflection(problem),)
     relaxation = () if problem.relaxation is None else (Relaxation(problem),)
     wear = () if problem.wear_rate is None else (Wear(problem.wear_rate),)
-    return *dents, *deflection, *relaxation, *wear, *problem.processes
+    flow = () if problem.plasticity is None else (PlasticFlow(),)
+    return *dents, *deflection, *relaxation, *wear, *flow, *problem.processes
 
 
 def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:

@@ -13,6 +13,7 @@ import numpy as np
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
 from gfmd_numba.contact.scales import (
     Scales,
+    plasticity,
     reduced_duration,
     reduced_load,
     reduced_speed,
@@ -60,7 +61,8 @@ def reduce(
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
-    body, elasticity = _body(given, interface, mean_matters, tractions is not None, tolerance)
+    needs_nu = tractions is not None or scene.body.plasticity is not None
+    body, elasticity = _body(given, interface, mean_matters, needs_nu, tolerance)
     needs = *interface.abilities, *(() if scene.loading.speed is None else ("speed",))
     options = _options(numerics, scene.dimension, needs)
     counter = None
@@ -90,6 +92,7 @@ def reduce(
         relaxation=memory,
         time_tolerance=None if memory is None else numerics.time_tolerance or TIME_TOLERANCE,
         wear_rate=wear_rate(scene, rms_gradient),
+        plasticity=plasticity(scene, rms_gradient),
     )
     interactions += _slow_effects(scene)
     return problem, _all_effects(elasticity, interactions, tractions is not None, scales.stiffness)
@@ -97,7 +100,12 @@ def reduce(
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
     """What became of the effects that remember the past."""
-    return _as_asked("relaxation", scene.body.relaxation), _as_asked("wear", scene.interface.wear)
+    asked = {
+        "relaxation": scene.body.relaxation,
+        "wear": scene.interface.wear,
+        "plastic flow": scene.body.plasticity,
+    }
+    return tuple(_as_asked(name, record) for name, record in asked.items())
 
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share

@@ -18,7 +18,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy", "limits"]
+Where = Literal["accuracy", "limits", "thermodynamic limit"]
 
 
 def check_combination(
@@ -42,8 +42,8 @@ def check_combination(
 
 
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or has no limits."""
-    at: Location = (where,) if where == "limits" else ()
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or lacks such limits."""
+    at: Location = () if where == "accuracy" else ("limits",)
     _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [at]}))
 
 
@@ -108,6 +108,8 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     if not of_time:
         yield "elastic bodies", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
+        if body.plasticity is not None:
+            yield "plasticity", ("scene", name, "plasticity")
         if body.layers is not None:
             yield "layers", ("scene", name, "layers")
     for place, surface in scene.surfaces.items():
@@ -141,6 +143,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     if scene.boundary is not None:
         yield "boundary", ("scene", "boundary")
     yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
+    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
+        yield "slab", ("scene", "body")
     yield from _of_form(scene, grid)
     yield from _of_loading(scene, path)
     for i, value in enumerate(grid.get("displacement", ())):
@@ -212,7 +216,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
         drags = ("sliding",) if scene.interface.wear is None else ()
-        if scene.body.relaxation is not None:  # over which the punch passes
+        if scene.passes:
             drags = ("sliding over creep",)
         if step.sliding is not None:
             yield from ((feature, ("path", i, "sliding")) for feature in drags)
@@ -241,13 +245,12 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
-    yield "no period" if scene.periodic is False else "period along y", ("scene", "periodic")
-    if scene.interface.couples:
-        yield "drag", ("scene", "interface")
-    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
-        yield "slab", ("scene", "body")
+    yield "no period", ("scene", "periodic")
+    if scene.periodic is not False:
+        yield "period along one axis", ("scene", "periodic")
     yield from _slabs_without_a_period(scene, grid)
-    if scene.interface.couples and scene.body.layers is None:
+    is_half_space = scene.body.is_half_space if "aspect_ratio" not in grid else inf in grid["aspect_ratio"]
+    if scene.interface.couples and is_half_space and scene.body.layers is None:
         for i, nu in enumerate(grid.get("poissons_ratio", ())):
             if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
                 yield "stiff sideways", ("grid", "poissons_ratio", i)
@@ -255,7 +258,7 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
         if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
             yield "stiff sideways", ("scene", "body", "poissons_ratio")
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured) and surface.periodic != "none":
+        if isinstance(surface, Measured) and surface.periodic != "none" and all(scene.ends):
             yield "treated ends", ("scene", *place, "periodic")
 
 
@@ -274,8 +277,6 @@ def _slabs_without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Loc
         heights = {("scene", "body", "aspect_ratio"): body.aspect_ratio}
     slabs = [at for at, height in heights.items() if not isinf(height)]
     yield from (("tall slab", at) for at in slabs if heights[at] > TALLEST)
-    if slabs and scene.interface.couples:
-        yield "coupled slab", slabs[0]
     if slabs and body.is_incompressible and "poissons_ratio" not in grid:
         yield (
             "incompressible slab",

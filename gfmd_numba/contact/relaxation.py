@@ -6,11 +6,13 @@ stiffer body whose surface has moved on its own.
 """
 
 from dataclasses import dataclass
+from math import isfinite
 from typing import ClassVar
 
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.contact.energy_balance import Rubbing
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Change, Contact, LoadStep, State
 from gfmd_numba.elasticity.prony import PronySeries
@@ -21,20 +23,21 @@ from gfmd_numba.fourier import grid
 class Springs:
     """The springs of a body: the relaxed one first, then that of each branch (g L_x, g E*).
 
-    `stretch` and `pressure` are `[spring, realisation, (y,) x]`, the stretch of the relaxed one is the displacement.
-    `dissipated` is the energy per nominal area that the dashpots have taken so far `[realisation]` (g^2 E* L_x).
+    `stretch` and `traction` are `[spring, realisation, component, (y,) x]`, the normal component last and out of the
+    body. The stretch of the relaxed one is the displacement. `dissipated` is the energy per nominal area that dashpots
+    and friction have taken so far `[realisation]` (g^2 E* L_x).
     """
 
     stretch: Reals
-    pressure: Reals
+    traction: Reals
     dissipated: Reals
 
     def energy(self, periodic: bool) -> Reals:
         """Energy per nominal area in all springs `[realisation]`; of periodic bodies that of all waves but the mean."""
-        stretch, along = self.stretch, tuple(range(2, self.stretch.ndim))
+        stretch, along = self.stretch, tuple(range(3, self.stretch.ndim))
         if periodic:
             stretch = stretch - stretch.mean(axis=along, keepdims=True)
-        return np.asarray(-0.5 * (self.pressure * stretch).mean(axis=along).sum(axis=0))
+        return np.asarray(0.5 * (self.traction * stretch).mean(axis=along).sum(axis=(0, 2)))
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,8 @@ class Relaxation:
     def begin(self, shape: tuple[int, ...]) -> Springs:
         """Nothing is stretched."""
         assert self.problem.relaxation is not None
-        nothing = np.zeros((1 + len(self.problem.relaxation.moduli), *shape))
+        components = len(shape) if self.problem.interface.couples else 1
+        nothing = np.zeros((1 + len(self.problem.relaxation.moduli), shape[0], components, *shape[1:]))
         return Springs(nothing, nothing, np.zeros(shape[0]))
 
     def split(self, state: State, step: LoadStep) -> Change:
@@ -61,63 +65,87 @@ class Relaxation:
             return Change(modulus=sliding_modulus(series, step.speed, state.heights.shape[-1]))
         kept, joined = series.shares(step.duration)
         moduli, factor = np.array(series.moduli), series.factor(step.duration)
-        out = np.tensordot(np.append((moduli * joined).sum(), -moduli * kept) / factor, stretch, 1)
-        return Change(out=out, factor=factor)
+        moved = np.tensordot(np.append((moduli * joined).sum(), -moduli * kept) / factor, stretch, 1)
+        if not self.problem.interface.couples:
+            return Change(out=moved[:, -1], factor=factor)
+        along = moved[:, :-1]
+        carried = None if state.last is None else along  # a law of gap and slip counts from the first touch
+        if self.problem.interface.cohesive is None and state.last is not None and state.last.change.along is not None:
+            carried = along - state.last.change.along  # friction since the last step
+        return Change(out=moved[:, -1], along=along, factor=factor, carried=carried)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Springs:
         """Springs are stretched by what the step adds, less what the dashpots yield."""
         series, before = self.problem.relaxation, state.memory[self.name]
         assert series is not None
+        traction, moved = tractions_of(solved), self._moved(solved)
         if step.speed:
-            return self._sliding(before, solved, step.speed)
+            return self._sliding(before, solved, traction, moved)
         kept, joined = (_over_branches(each, before.stretch) for each in series.shares(step.duration))
         moduli, factor = _over_branches(np.array(series.moduli), before.stretch), series.factor(step.duration)
-        moved = self._moved(solved) - before.stretch[0]
-        past = (kept * before.pressure[1:] - moduli * joined * before.pressure[0]).sum(axis=0)
-        borne = (solved.equilibrium.pressure - past) / factor - before.pressure[0]
+        moved = moved - before.stretch[0]
+        past = (kept * before.traction[1:] - moduli * joined * before.traction[0]).sum(axis=0)
+        borne = (traction - past) / factor - before.traction[0]
         stretch = np.concatenate(((before.stretch[0] + moved)[np.newaxis], kept * before.stretch[1:] + joined * moved))
-        pressure = np.concatenate(
-            ((before.pressure[0] + borne)[np.newaxis], kept * before.pressure[1:] + moduli * joined * borne)
+        traction = np.concatenate(
+            ((before.traction[0] + borne)[np.newaxis], kept * before.traction[1:] + moduli * joined * borne)
         )
         old, both, new = series.losses(step.duration)
-        along = tuple(range(1, moved.ndim))
-        lost = np.zeros(len(moved))
+        along = tuple(range(2, moved.ndim))
+        lost = self._rubbed(state, solved)
         for i, modulus in enumerate(series.moduli):
-            w, p = before.stretch[1 + i], before.pressure[1 + i]
-            products = old[i] * w * p + both[i] * (modulus * w * borne + p * moved) + new[i] * modulus * moved * borne
-            lost -= products.mean(axis=along)
-        return Springs(stretch, pressure, before.dissipated + lost)
+            w, t = before.stretch[1 + i], before.traction[1 + i]
+            products = old[i] * w * t + both[i] * (modulus * w * borne + t * moved) + new[i] * modulus * moved * borne
+            lost = lost + products.mean(axis=along).sum(axis=1)
+        return Springs(stretch, traction, before.dissipated + lost)
 
-    def _sliding(self, before: Springs, solved: Contact, speed: float) -> Springs:
+    def _rubbed(self, state: State, solved: Contact) -> Reals:
+        """Energy per nominal area that friction takes in a step `[realisation]`, 0 in the first: its way is unknown."""
+        lost = np.zeros(len(solved.heights))
+        friction = self.problem.interface.friction
+        if friction is not None and isfinite(friction) and state.last is not None:
+            now, last = (Rubbing.of(self.problem, each) for each in (solved, state.last))
+            lost[0] = now.lost(last)  # who follows steps follows one realisation
+        return lost
+
+    def _sliding(self, before: Springs, solved: Contact, traction: Reals, moved: Reals) -> Springs:
         """Springs under a punch that slides steadily; what the dashpots take then never ends, and is not added up."""
-        series, pressure, moved = self.problem.relaxation, solved.equilibrium.pressure, self._moved(solved)
+        series, shape = self.problem.relaxation, moved.shape[2:]
         assert series is not None
+        assert solved.step is not None
         assert solved.change.modulus is not None
-        shape = moved.shape[1:]
-        lags = series.lags(_frequencies(speed, shape[-1]))
-        lags = lags.reshape(len(lags), *(1 for _ in shape), -1)
+        lags = series.lags(_frequencies(solved.step.speed, shape[-1]))
+        lags = lags.reshape(len(lags), *(1 for _ in moved.shape[:-1]), -1)
         borne = lags * _over_branches(np.array(series.moduli), lags) / solved.change.modulus
         of_branches = [
             grid.signal(share * grid.coefficients(field, len(shape)), *shape)
-            for share, field in ((lags, moved), (borne, pressure))
+            for share, field in ((lags, moved), (borne, traction))
         ]
-        first = moved[np.newaxis], (pressure - of_branches[1].sum(axis=0))[np.newaxis]
-        stretch, pressure = (np.concatenate(each) for each in zip(first, of_branches, strict=True))
-        return Springs(stretch, pressure, before.dissipated)
+        first = moved[np.newaxis], (traction - of_branches[1].sum(axis=0))[np.newaxis]
+        stretch, traction = (np.concatenate(each) for each in zip(first, of_branches, strict=True))
+        return Springs(stretch, traction, before.dissipated)
 
     def _moved(self, solved: Contact) -> Reals:
-        """Displacement since the unloaded body; that of a half-space with a period has no mean.
+        """Displacement `[realisation, component, (y,) x]` since the unloaded body.
 
-        Under a prescribed load its mean is arbitrary in what is solved.
+        That of a half-space with a period has no mean. Under a prescribed load its mean is arbitrary in what is solved.
         """
-        found, out = solved.equilibrium, solved.change.out
+        found, change = solved.equilibrium, solved.change
         u = found.displacement
         if solved.approach is None and self.problem.mean_pressure is not None:
             along = tuple(range(1, u.ndim))
-            mean = solved.change.factor * self.problem.body.uniform_stiffness()[1]
+            mean = change.factor * self.problem.body.uniform_stiffness()[1]
             pressed = found.pressure.mean(axis=along, keepdims=True) / mean if mean > 0.0 else 0.0
             u = u - u.mean(axis=along, keepdims=True) - pressed
-        return u if out is None else u + out
+        out = (u if change.out is None else u + change.out)[:, np.newaxis]
+        return out if solved.sideways is None else np.concatenate((solved.sideways, out), axis=1)
+
+
+def tractions_of(solved: Contact) -> Reals:
+    """Tractions on the body `[realisation, component, (y,) x]`, the normal one last and out of it."""
+    found = solved.equilibrium
+    out = -found.pressure[:, np.newaxis]
+    return out if found.tangential is None else np.concatenate((found.tangential.traction, out), axis=1)
 
 
 def _frequencies(speed: float, nx: int) -> Reals:
@@ -137,5 +165,5 @@ def sliding_modulus(series: PronySeries, speed: float, nx: int) -> Complexes:
 
 
 def _over_branches(shares: Reals, stretch: Reals | Complexes) -> Reals:
-    """Shares `[branch]`, ready to broadcast with the branches of a stretch `[spring, realisation, (y,) x]`."""
+    """Shares `[branch]`, ready to broadcast with a stretch `[spring, realisation, component, (y,) x]`."""
     return shares.reshape(-1, *(1 for _ in stretch.shape[1:]))

@@ -277,7 +277,7 @@ def _measured(
     record = field.record
     try:
         dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, bool(scene.periodic))
+        found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, scene.periodic)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)

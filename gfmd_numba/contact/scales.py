@@ -13,7 +13,9 @@ from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
+from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Document, Interface, LoadedBody, Random, Scene
 from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
@@ -21,6 +23,8 @@ from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_unit_of, quantities, rounded
+
+_INCOMPRESSIBLE = 0.5 - 1e-12
 
 
 def effective_modulus(body: Body, in_pascal: bool) -> float:
@@ -125,6 +129,36 @@ def wear_rate(scene: Scene, rms_gradient: float) -> float | None:
     return None if wear is None else rounded(rounded(wear.rate * scales_of(scene).modulus) * rms_gradient)
 
 
+def plasticity(scene: Scene, rms_gradient: float) -> Plasticity | None:
+    """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
+    given = scene.body.plasticity
+    if given is None:
+        return None
+    scales = scales_of(scene)
+    first, slope, last = (
+        rounded((stress or 0.0) / scales.modulus)
+        for stress in (given.yield_stress, given.hardening, given.saturation_stress)
+    )
+    stress = rounded(first / rms_gradient)
+    voce = {}
+    if given.saturation_strain is not None:
+        rise, strain = rounded(last / rms_gradient) - stress, rounded(given.saturation_strain / rms_gradient)
+        voce = {"rise": rise, "strain": strain}
+    depth = None if given.depth is None else rounded(given.depth / scales.length)
+    return Plasticity(Hardening(stress, slope, **voce), depth, given.sublayers, given.increments)
+
+
+def whole_body_yields(body: Body) -> float:
+    """Mean pressure in Pa (E* without moduli) under which a periodic body yields far below its surface; else infinite.
+
+    There the period holds it sideways, so that it bears nu / (1 - nu) of the pressure along the surface.
+    """
+    if body.plasticity is None or body.surface_poissons_ratio >= _INCOMPRESSIBLE:
+        return math.inf
+    nu = body.surface_poissons_ratio
+    return body.plasticity.yield_stress * (1.0 - nu) / (1.0 - 2.0 * nu)
+
+
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 SLIDING = ("sliding", "sliding_y")
@@ -145,6 +179,9 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
     found = load / unit
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
+    whole = whole_body_yields(scene.body) / (rms_gradient * true_modulus)
+    if found >= whole:
+        raise ValueError(f"below {in_unit_of(load, whole * unit)}, at which the body yields at all depths")
     plastic = plastic_pressure(scene.interface)
     if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
         raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
@@ -167,8 +204,7 @@ def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadSte
 
 def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
     """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
-    passes = scene.body.relaxation is not None and scene.interface.wear is None
-    return rounded(rms_gradient) if passes and any(any(step.sliding) for step in steps) else None
+    return rounded(rms_gradient) if scene.passes and any(any(step.sliding) for step in steps) else None
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

@@ -11,7 +11,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import bear_again, processes_of
 from gfmd_numba.contact.state import Change, Contact, State
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
-from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
@@ -78,7 +78,7 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
-    response = felt(free_window.response(shape, laws, problem.body, problem.ends), change)
+    response = felt(free_body.response(shape, problem.body, problem.ends, laws.couples), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)

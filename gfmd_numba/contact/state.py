@@ -218,6 +218,12 @@ class Contact:
         return self.before.after(self, self.step)
 
     @property
+    def sideways(self) -> Reals | None:
+        """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
+        found, along = self.equilibrium.tangential, self.change.along
+        return None if found is None else found.displacement if along is None else found.displacement + along
+
+    @property
     def roughness(self) -> Reals:
         """Heights `[realisation, (y,) x]` of the punch without the form below its roughness; those of a form alone."""
         if self.form is None:

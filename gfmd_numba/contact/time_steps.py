@@ -11,7 +11,7 @@ from typing import Any
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.relaxation import Springs
+from gfmd_numba.contact.relaxation import tractions_of
 from gfmd_numba.contact.state import Contact, LoadStep, State
 from gfmd_numba.solvers.status import Status
 
@@ -66,15 +66,15 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
 
 
 def difference(coarse: Contact, fine: Contact, before: State) -> float:
-    """Mean difference of the pressures of two contacts over their mean, or that of the displacements if it is larger.
+    """Mean difference of the tractions of two contacts over their mean, or that of the displacements if it is larger.
 
-    The pressure counts in that `before` the step if that is larger, as it may end without contact.
+    Tractions count in those `before` the step if these are larger, as it may end without contact.
     """
-    springs: tuple[Springs, Springs] = coarse.after.memory["springs"], fine.after.memory["springs"]
-    pressures, moved = (coarse.equilibrium.pressure, fine.equilibrium.pressure), [each.stretch[0] for each in springs]
-    earlier = 0.0 if before.last is None else float(abs(before.last.equilibrium.pressure).sum())
+    earlier = 0.0 if before.last is None else float(abs(tractions_of(before.last)).sum())
+    borne = tractions_of(coarse), tractions_of(fine)
+    moved = [each.after.memory["springs"].stretch[0] for each in (coarse, fine)]
     found = 0.0
-    for (one, other), least in ((pressures, earlier), (moved, 0.0)):
+    for (one, other), least in ((borne, earlier), (moved, 0.0)):
         scale = max(float(abs(other).sum()), least)
         found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
     return found

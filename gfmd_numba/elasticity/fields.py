@@ -27,6 +27,7 @@ STRESSES = ("stress1", "stress2", "stress3", "stress4", "stress5", "stress6")
 
 Axis = Literal["x", "y"]
 
+_ONE = (1.0, 1.0)  # the periods of a surface, unless it has others
 _FADED = 50.0  # q depth beyond which nothing is felt: exp(-50) (1 + 50^2) < 1e-18
 _CHUNK = 2**16  # waves taken at once, which bounds the memory
 
@@ -64,7 +65,7 @@ class Surface:
     `along`, `across` (both in the surface) and `out` are coefficients `[k_y, k_x]` in L_x along each wave vector,
     across it and out of the body; `uniform` are mean displacements along x, y and z. k_y is 0 to ny//2, then -(ny//2)
     to -1. `q` are the different magnitudes of the wave vectors, from 0 on, and `places` `[k_y, k_x]` is where each is.
-    The `period` is in L_x.
+    The `periods` along y and x are in L_x.
     """
 
     shape: tuple[int, ...]
@@ -75,15 +76,15 @@ class Surface:
     traction: tuple[float, float, float]
     q: Reals
     places: Indices
-    period: float = 1.0
+    periods: tuple[float, float] = _ONE
 
     def waves(
         self, depth: float, body: ElasticBody, names: tuple[str, ...]
     ) -> Iterator[tuple[Indices, Indices, Complexes]]:
         """Waves that are felt at a depth, as in `LoadedSurface`, some rows after the others."""
-        (most_y, most_x), half = waves_kept(self.shape, depth / self.period), self.shape[0] // 2
+        (most_y, most_x), half = waves_kept(self.shape, depth, self.periods), self.shape[0] // 2
         rows, columns = rows_kept(self.shape, most_y), np.arange(most_x + 1)
-        highest = 2.0 * np.pi / self.period * np.hypot(most_y, most_x)
+        highest = 2.0 * np.pi * np.hypot(most_y / self.periods[0], most_x / self.periods[1])
         last = int(np.searchsorted(self.q, highest * (1.0 + 1e-12)))
         transfer = _transfer(self.q[:last], depth, body)
         means = _means(self, depth, body)
@@ -109,17 +110,18 @@ def surface_under_tractions(tractions: Reals, body: ElasticBody) -> Surface:
     return surface_under_waves(grid.coefficients(rows, 2), rows.shape[1:], body)
 
 
-def surface_under_waves(waves: Complexes, shape: tuple[int, ...], body: ElasticBody, period: float = 1.0) -> Surface:
+def surface_under_waves(
+    waves: Complexes, shape: tuple[int, ...], body: ElasticBody, periods: tuple[float, float] = _ONE
+) -> Surface:
     """Surface of a map of this shape under tractions of coefficients `[component, k_y, k_x]`, rows as in the grid."""
-    q, places = _magnitudes(shape)
-    q /= period
+    q, places = _magnitudes(shape, periods)
     compliance, softness = body.compliance(q), np.append(0.0, body.compliance_across(q[1:]))
-    t, sideways, t3 = _along_waves(waves, shape)
+    t, sideways, t3 = _along_waves(waves, shape, periods)
     s11, s13, s33 = (element[places] for element in (compliance.s11, compliance.s13, compliance.s33))
     along, out = s11 * t - 1j * s13 * t3, s33 * t3 + 1j * s13 * t
     means, soft = waves[:, 0, 0].real, (compliance.s11[0], compliance.s11[0], compliance.s33[0])
     uniform, sideways = _three(means * soft), softness[places] * sideways
-    return Surface(shape, along, sideways, out, uniform, _three(means), q, places, period)
+    return Surface(shape, along, sideways, out, uniform, _three(means), q, places, periods)
 
 
 def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
@@ -130,7 +132,7 @@ def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
     """
     rows = in_rows(displacements)
     waves, shape = grid.coefficients(rows, 2), rows.shape[1:]
-    q, places = _magnitudes(shape)
+    q, places = _magnitudes(shape, _ONE)
     found = body.compliance(q)
     if shape[0] > 1:
         waves = grid.without_nyquist(waves, shape)
@@ -140,7 +142,7 @@ def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
         waves[0, 0, -1], waves[2, 0, -1] = u1 - lead / found.s33[-1] * u3, u3 + lead / found.s11[-1] * u1
     means, soft = waves[:, 0, 0].real, np.array((found.s11[0], found.s11[0], found.s33[0]))
     tractions = np.divide(means, soft, out=np.zeros(3), where=soft > 0.0)
-    return Surface(shape, *_along_waves(waves, shape), _three(means), _three(tractions), q, places)
+    return Surface(shape, *_along_waves(waves, shape, _ONE), _three(means), _three(tractions), q, places)
 
 
 def section(
@@ -208,10 +210,10 @@ def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> 
     return np.asarray(np.sqrt(squares))
 
 
-def waves_kept(shape: tuple[int, ...], depth: float) -> tuple[int, int]:
+def waves_kept(shape: tuple[int, ...], depth: float, periods: tuple[float, float] = _ONE) -> tuple[int, int]:
     """Largest k_y and k_x that are felt at a depth."""
     felt = _FADED / (2.0 * np.pi * depth) if depth > 0.0 else np.inf
-    most_y, most_x = (int(min(n // 2, max(felt, 1.0))) for n in shape)
+    most_y, most_x = (int(min(n // 2, max(felt * period, 1.0))) for n, period in zip(shape, periods, strict=True))
     return most_y, most_x
 
 
@@ -300,7 +302,7 @@ def _turned(
     names: tuple[str, ...],
 ) -> Complexes:
     """Named fields `[field, k_y, k_x]` at a depth, along x, y and z, of the waves that are `chosen`."""
-    (c, s), shear = _unit_vectors(*waves), material.shear
+    (c, s), shear = _unit_vectors(*waves, surface.periods), material.shear
     kolosov = float(moduli.kolosov(material.poissons_ratio))
     q, pairs = transfer[0], transfer[1:9].reshape(4, 2, *transfer.shape[1:])
     cosine, sine = surface.along[chosen], 1j * surface.out[chosen]  # a term X sin(qx) has the coefficient -i X
@@ -353,21 +355,24 @@ def _all_waves(shape: tuple[int, ...]) -> tuple[Indices, Indices]:
     return np.concatenate((np.arange(half + 1), np.arange(-half, 0))), np.arange(shape[1] // 2 + 1)
 
 
-def _magnitudes(shape: tuple[int, ...]) -> tuple[Reals, Indices]:
+def _magnitudes(shape: tuple[int, ...], periods: tuple[float, float]) -> tuple[Reals, Indices]:
     """Different magnitudes of the wave vectors, and where each wave's is; many waves have one magnitude."""
     k_y, k_x = _all_waves(shape)
-    squares, places = np.unique(k_y[:, np.newaxis] ** 2 + k_x**2, return_inverse=True)
+    squares, places = np.unique((k_y[:, np.newaxis] / periods[0]) ** 2 + (k_x / periods[1]) ** 2, return_inverse=True)
     return 2.0 * np.pi * np.sqrt(squares), places.reshape(k_y.size, k_x.size)
 
 
-def _unit_vectors(k_y: Indices, k_x: Indices) -> tuple[Reals, Reals]:
+def _unit_vectors(k_y: Indices, k_x: Indices, periods: tuple[float, float]) -> tuple[Reals, Reals]:
     """Cosine and sine `[k_y, k_x]` of the direction of each wave vector, zero for the mean."""
-    magnitude = np.hypot(k_y[:, np.newaxis], k_x)
+    along_y, along_x = k_y[:, np.newaxis] / periods[0], k_x / periods[1]
+    magnitude = np.hypot(along_y, along_x)
     magnitude[magnitude == 0.0] = 1.0
-    return k_x / magnitude, k_y[:, np.newaxis] / magnitude
+    return along_x / magnitude, along_y / magnitude
 
 
-def _along_waves(waves: Complexes, shape: tuple[int, ...]) -> tuple[Complexes, Complexes, Complexes]:
+def _along_waves(
+    waves: Complexes, shape: tuple[int, ...], periods: tuple[float, float]
+) -> tuple[Complexes, Complexes, Complexes]:
     """Coefficients `[component, k_y, k_x]` along each wave vector, across it and out, rows as in `Surface`.
 
     Of the Nyquist wave of even ny half is at ny/2 and half at -ny/2.
@@ -376,7 +381,7 @@ def _along_waves(waves: Complexes, shape: tuple[int, ...]) -> tuple[Complexes, C
     found = waves[:, k_y % shape[0]]
     if shape[0] % 2 == 0:
         found[:, abs(k_y) == shape[0] // 2] *= 0.5
-    c, s = _unit_vectors(k_y, k_x)
+    c, s = _unit_vectors(k_y, k_x, periods)
     return c * found[0] + s * found[1], c * found[1] - s * found[0], found[2]
 
 

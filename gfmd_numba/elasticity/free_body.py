@@ -19,11 +19,10 @@ Tangential tractions displace the surface in the same way. The compliance of a w
 kernel 1 / (2 pi r) times the same of the direction in the plane. The kernel of m f, less (r/R)^m / R, is cut at R: its
 transform is int_0^(q R) J_m(t) dt - J_(m+1)(q R) over q.
 
-A window may have a period along y and none along x. Waves along y alone are then those of a profile. Kernels of all
-others decay within half a period along x, like K0(q_y x). They are sampled on some windows, as those of a slab.
-
-On a rigid base the kernel of a slab decays within some of its heights. It is sampled on so many windows that its images
-are farther away than that, and kept up to the width of one.
+All other kernels decay by themselves: that of a slab on a rigid base within some of its heights, and where a map has a
+period along one axis, those of waves along that axis within half a period. They are sampled on so many windows that
+their images are farther away than that, and kept up to the width of one, along each axis without a period. On a
+half-space with a period along y, waves along x alone are those of a profile.
 """
 
 from collections.abc import Callable
@@ -34,22 +33,57 @@ import numpy as np
 from scipy.special import itj0y0, j0, j1, jn, sici
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import moduli, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window
 from gfmd_numba.fourier.grid import of_half_a_period
 
+HALF_SPACE = ElasticBody(None, None)
 WIDER = 2  # the padded grid over the window, along each direction
 _HEIGHTS = 12.0  # of a slab, beyond which its kernel is 0
-_STRIPS = (
-    3  # half the windows along x over which the kernels of waves along y are sampled: exp(-2 pi 5) is left of them
-)
+_STRIPS = 3  # half the windows on which waves along a period are sampled: exp(-2 pi 5) is left of them
 _SAMPLED, _CUT = 4, 2.0  # windows over which the kernel of maps is sampled, and at which it is cut
+_ODD = {  # of each element of a compliance, by their number: whether it changes its sign with q_y, and with q_x
+    1: ((False, False),),
+    3: ((False, False), (False, True), (False, False)),
+    6: ((False, False), (True, True), (False, False), (False, True), (True, False), (False, False)),
+}
+_X_FOR_Y = {1: [0], 6: [2, 1, 0, 4, 3, 5]}  # elements, where x and y have changed places
 
 
 def padded_shape(shape: tuple[int, ...], ends: tuple[bool, ...] = ()) -> tuple[int, ...]:
     """Shape of the grid on which a window of (ny,) nx nodes has no period along the axes where it `ends`, or all."""
     return tuple(WIDER * n if end else n for n, end in zip(shape, ends or (True,) * len(shape), strict=True))
+
+
+def response(
+    shape: tuple[int, ...], body: ElasticBody, ends: tuple[bool, ...] = (), couples: bool = False
+) -> SpectralResponse:
+    """Response of a body on the padded grid of a window of (ny,) nx nodes that `ends` along these axes, in E*/L_x.
+
+    It is that of the normal displacement alone, or of all that tangential tractions couple. Then Poisson's ratio of a
+    half-space is above 0: below that, waves along an axis would give way by themselves where the kernel ends. Raises
+    ValueError for a map that has not as many nodes along y as along x.
+    """
+    window = Window(shape, padded_shape(shape, ends), body.condensed_stiffness)
+    return SpectralResponse.of_compliance(compliance(shape, body, ends, couples), window)
+
+
+def compliance(
+    shape: tuple[int, ...], body: ElasticBody = HALF_SPACE, ends: tuple[bool, ...] = (), couples: bool = False
+) -> Reals:
+    """Elements of the compliance `[element, (y,) x]` that `response` is made of, in L_x/E*."""
+    n, ends = _side(shape), ends or (True,) * len(shape)
+    number = {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1)
+    if body.aspect_ratio is None and all(ends):
+        quarter = _of_half_space(n, body, number) if len(shape) > 1 else _of_line_loads(n, body, number)[:, np.newaxis]
+    else:
+        quarter = _sampled(n, ends, body, number)
+    if len(shape) == 1:
+        return quarter[:, 0]
+    rows, _ = padded_shape(shape, ends)
+    mirrored = quarter[:, (rows - 1) // 2 : 0 : -1]
+    signs = np.array([-1.0 if odd_y else 1.0 for odd_y, _ in _ODD[number]])
+    return np.concatenate((quarter, signs[:, np.newaxis, np.newaxis] * mirrored), axis=1)
 
 
 def _side(shape: tuple[int, ...]) -> int:
@@ -59,84 +93,71 @@ def _side(shape: tuple[int, ...]) -> int:
     return shape[-1]
 
 
-def normal_response(shape: tuple[int, ...], body: ElasticBody) -> SpectralResponse:
-    """Response of the normal displacement alone on the padded grid of a window, in E*/L_x."""
-    stiff = _of_half_space(shape) if body.aspect_ratio is None else 1.0 / _of_slab(shape, body)
-    return SpectralResponse.of_normal(stiff, _window(shape, body))
-
-
-def _window(shape: tuple[int, ...], body: ElasticBody) -> Window:
-    return Window(shape, lambda index: body.condensed_stiffness(2.0 * np.pi / WIDER * index))
-
-
-@lru_cache(maxsize=2)
-def _of_half_space(shape: tuple[int, ...]) -> Reals:
-    return np.asarray(1.0 / compliance(shape))
-
-
-@lru_cache(maxsize=2)
-def _of_slab(shape: tuple[int, ...], slab: ElasticBody) -> Reals:
-    """Compliance `[(2 ny,) nx + 1]` of the normal displacement of a slab, or layers, on a rigid base, in L_x/E*."""
-    n, height = _side(shape), slab.aspect_ratio
-    assert height is not None
-    half = ceil(0.5 + 0.5 * _HEIGHTS * height) + 1  # of the windows that are sampled
-    k = np.arange(half * n + 1) * (np.pi / half)
-    across = k if len(shape) > 1 else k[:1]
-    kernel = np.empty((across.size, n + 1))
-    for row, q in zip(kernel, across, strict=True):
-        row[:] = of_half_a_period(1.0 / slab.condensed_stiffness(np.hypot(q, k)))[: n + 1] / (2 * half * n)
-    if len(shape) == 1:
-        return of_half_a_period(kernel[0])
-    kernel = of_half_a_period(kernel, 0)[: n + 1] / (2 * half * n)
-    quarter = of_half_a_period(of_half_a_period(kernel, 0), 1)
-    return np.concatenate((quarter, quarter[-2:0:-1]))
-
-
-def response_along_y(shape: tuple[int, ...]) -> SpectralResponse:
-    """Response of the normal displacement alone of a half-space in a window that has a period along y, in E*/L_x."""
-    return SpectralResponse.of_normal(1.0 / _of_strips(_side(shape)), _window(shape, ElasticBody(None, None)))
-
-
-@lru_cache(maxsize=2)
-def _of_strips(n: int) -> Reals:
-    """Compliance `[n, n + 1]` of the normal displacement on the grid that is padded along x, in L_x/E*."""
-    k = np.arange(_STRIPS * n + 1) * (np.pi / _STRIPS)
-    rows = [compliance((n,))]
-    for k_y in range(1, n // 2 + 1):
-        kernel = of_half_a_period(2.0 / np.hypot(2.0 * np.pi * k_y, k))[: n + 1] / (2 * _STRIPS * n)
-        rows.append(of_half_a_period(kernel))
-    return np.concatenate((rows, rows[(n - 1) // 2 : 0 : -1]))
-
-
-def response(shape: tuple[int, ...], poissons_ratio: float) -> SpectralResponse:
-    """Response of all displacements of a half-space on the padded grid of a window, in E*/L_x.
-
-    Poisson's ratio is above 0: below that, waves along an axis would give way by themselves where the kernel ends.
-    """
-    k11, k13, k33 = (float(each) for each in stiffness.half_space_elements(poissons_ratio))
-    determinant = k11 * k33 - k13**2
-    along, both, out = k33 / determinant, -k13 / determinant, k11 / determinant
-    window = _window(shape, ElasticBody(poissons_ratio, None))
-    if len(shape) == 1:
-        isotropic, odd = _of_profiles(_side(shape))
-        elements = np.array([along * isotropic, both * odd, out * isotropic])
-        return SpectralResponse.of_compliance(elements, window)
-    across = 1.0 / float(moduli.c44(poissons_ratio))
+def _of_half_space(n: int, body: ElasticBody, number: int) -> Reals:
+    """Elements of a half-space around a window of a map `[element, y, x]`, from the waves 0 on along each axis."""
+    if number == 1:
+        return _of_waves(body, 0.0, np.ones(1), 1) * _of_maps(n, "1")[np.newaxis]
+    along, _, across, both, _, out = _of_waves(body, 0.0, np.ones(1), 6)
     mean, half = 0.5 * (along + across), 0.5 * (along - across)
-    n = _side(shape)
     isotropic, twice, mixed = (_of_maps(n, kind) for kind in ("1", "cos 2f", "sin 2f"))
     in_plane = (mean * isotropic + half * twice, half * mixed, mean * isotropic - half * twice)
-    coupled = (both * _of_maps(n, kind) for kind in ("cos f", "sin f"))
-    return SpectralResponse.of_compliance(np.array([*in_plane, *coupled, out * isotropic]), window)
+    return np.array([*in_plane, *(both * _of_maps(n, kind) for kind in ("cos f", "sin f")), out * isotropic])
 
 
-def compliance(shape: tuple[int, ...]) -> Reals:
-    """Compliance `[(2 ny,) nx + 1]` of the normal displacement of a half-space on the padded grid, in L_x/E*.
+def _of_line_loads(n: int, body: ElasticBody, number: int) -> Reals:
+    """Elements of a half-space under what is uniform along y `[element, x]`."""
+    isotropic, odd = _of_profiles(n)
+    units = _of_waves(body, 0.0, np.ones(1), number)
+    return np.array(
+        [unit * (odd if odd_x else isotropic) for unit, (_, odd_x) in zip(units, _ODD[number], strict=True)]
+    )
 
-    It is positive. A map has as many nodes along y as along x; raises ValueError for another.
-    """
-    n = _side(shape)
-    return np.asarray(2.0 * (_of_profiles(n)[0] if len(shape) == 1 else _of_kernel(n, "1")))
+
+@lru_cache(maxsize=2)
+def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> Reals:
+    """Elements `[element, y, x]` of kernels that decay along each axis that `ends`, from the waves 0 on."""
+    if not ends[-1]:
+        swapped = _sampled(n, ends[::-1], body, number)
+        return np.ascontiguousarray(swapped[_X_FOR_Y[number]].swapaxes(1, 2))
+    half = _STRIPS if body.aspect_ratio is None else ceil(0.5 + 0.5 * _HEIGHTS * body.aspect_ratio) + 1
+    q_x = np.pi / half * np.arange(half * n + 1, dtype=np.float64)
+    q_y = np.zeros(1) if len(ends) == 1 else q_x if ends[0] else 2.0 * np.pi * np.arange(n // 2 + 1)
+    found = np.empty((number, q_y.size, n + 1))
+    for i, each in enumerate(q_y):
+        for row, waves, (_, odd) in zip(
+            found[:, i], _of_waves(body, float(each), q_x, number), _ODD[number], strict=True
+        ):
+            row[:] = _kept(waves, half, odd)
+    if ends[0] and len(ends) > 1:
+        return np.array([_kept(each.T, half, odd).T for each, (odd, _) in zip(found, _ODD[number], strict=True)])
+    if body.aspect_ratio is None:
+        found[:, 0] = _of_line_loads(n, body, number)
+    if len(ends) > 1 and n % 2 == 0:  # the grid does not tell the waves q_y and -q_y there
+        found[[odd for odd, _ in _ODD[number]], -1] = 0.0
+    return found
+
+
+def _kept(waves: Reals, half: int, odd: bool) -> Reals:
+    """Waves of a kernel that is sampled on 2 `half` windows, once it is kept up to the width of one."""
+    n = (waves.shape[-1] - 1) // half
+    return np.asarray(of_half_a_period(of_half_a_period(waves, odd=odd)[..., : n + 1], odd=odd) / (2 * half * n))
+
+
+def _of_waves(body: ElasticBody, q_y: float, q_x: Reals, number: int) -> Reals:
+    """Elements of the compliance of a body `[element, wave]` at wave vectors (q_x, q_y), 0 for a mean that drifts."""
+    q = np.hypot(q_y, q_x)
+    if number == 1:
+        stiffness = body.condensed_stiffness(q)
+        return np.divide(1.0, stiffness, out=np.zeros_like(q), where=stiffness > 0.0)[np.newaxis]
+    waves = q if q[0] == 0.0 else np.append(0.0, q)
+    along, both, out = (element[-q.size :] for element in body.compliance(waves).elements)
+    if number == 3:
+        return np.array([along, both, out])
+    across, safe = along.copy(), np.where(q > 0.0, q, 1.0)  # a mean is as stiff across as along
+    across[q > 0.0] = body.compliance_across(q[q > 0.0])
+    c, s = np.where(q > 0.0, q_x / safe, 1.0), q_y / safe
+    in_plane = along * c**2 + across * s**2, (along - across) * c * s, along * s**2 + across * c**2
+    return np.array([*in_plane, both * c, both * s, out])
 
 
 @lru_cache(maxsize=2)
@@ -161,16 +182,11 @@ _KINDS: dict[str, tuple[tuple[bool, bool], int, Callable[[Reals, Reals], Reals]]
 
 @lru_cache(maxsize=5)
 def _of_maps(n: int, kind: str) -> Reals:
-    return _of_kernel(n, kind)
-
-
-def _of_kernel(n: int, kind: str) -> Reals:
-    """Transform `[2 n, n + 1]` on the padded grid of a kernel of maps, that is 1 / q times its kind far from q = 0."""
-    odd, _, _ = _KINDS[kind]
+    """Transform `[n + 1, n + 1]` on the padded grid of a kernel that is 1 / q times its kind far from q = 0."""
     quarter = kernel_of_maps(n, kind)
-    for axis in range(2):
-        quarter = of_half_a_period(quarter, axis, odd[axis])
-    return np.concatenate((quarter, (-1.0 if odd[0] else 1.0) * quarter[-2:0:-1]))
+    for axis, odd in enumerate(_KINDS[kind][0]):
+        quarter = of_half_a_period(quarter, axis, odd)
+    return quarter
 
 
 def kernel_of_maps(n: int, kind: str) -> Reals:

@@ -6,7 +6,7 @@ the images of the window are, its kernel is then zero. Near q = 0 it is not smoo
 the sum over the waves of P = 2 has the share 1 - X(q) alone, where X((P - 1) q) falls from 1 to 0 around some waves.
 The share X(q) - X(3 q) is summed over the few waves of P = 4, X(3 q) - X(7 q) over those of P = 8, and so on. What is
 left in the end are waves so long that the displacement by them is uniform, and known: on profiles it is the logarithm
-of the last period.
+of the last period. Along an axis with a period, P stays 1: the longest waves are then those of a profile.
 
 Each sum is one of periodic tractions, all lengths in L_x and stresses in E*.
 """
@@ -28,7 +28,10 @@ from gfmd_numba.fourier import grid
 _PERIOD = 2.0  # of the first sum, in windows
 _FALLS, _WITHIN = 32.0, 8.0  # wave number (1/L_x) around which X falls, and half the way on which it does
 _HIGHEST = _FALLS + 4.0 * _WITHIN  # beyond which X is below 1e-8
-_SUMS = {1: 30, 2: 18}  # by dimension: what stresses miss falls with the period, on maps with its square
+_SUMS = {
+    1: 30,
+    2: 18,
+}  # by the axes that end: what stresses miss falls with the period, or its square
 _LEAST = 64  # places along a side of a window where the largest stress is looked for
 
 
@@ -39,7 +42,7 @@ def _share(q: Reals, period: float) -> Reals:
 
 @dataclass(frozen=True)
 class Free:
-    """The inside of a body under tractions on a window of ny, nx nodes, as a sum of `parts`, each of its own period.
+    """The inside of a body under tractions on a window of ny, nx nodes, as a sum of `parts`, each of its own periods.
 
     `uniform` are displacements along x, y and z that are left (L_x).
     """
@@ -51,14 +54,14 @@ class Free:
 
     def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
         """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it."""
-        spectrum, n = (fields.spectrum_at_x, self.shape[0]) if across == "x" else (fields.spectrum_at_y, self.shape[1])
-        nodes = np.arange(n) / n
+        spectrum, along = (fields.spectrum_at_x, 0) if across == "x" else (fields.spectrum_at_y, 1)
+        nodes = np.arange(self.shape[along]) / self.shape[along]
 
         def on_line(depth: float) -> Reals:
             def of(part: Surface) -> Complexes:
-                return spectrum(part, depth, self.body, at / part.period, names)
+                return spectrum(part, depth, self.body, at / part.periods[1 - along], names)
 
-            return self._sum(of, (nodes,), names)
+            return self._sum(of, {along: nodes}, names)
 
         with threadpool_limits(limits=1):  # the matrices are small: threads would only wait for one another
             return np.stack([on_line(fields.depth_of(each, self.body)) for each in z], axis=1)
@@ -70,8 +73,9 @@ class Free:
     def largest_von_mises(self, z: Reals) -> Largest:
         """Largest von Mises stress of the window on whole planes z `[z]`, on grids that resolve the waves there."""
         found = np.empty((3, z.size))
+        first = self.parts[0]
         for i, depth in enumerate(fields.depth_of(each, self.body) for each in z):
-            places = max(max(fields.waves_kept(self.parts[0].shape, depth / _PERIOD)) + 1, _LEAST)
+            places = max(max(fields.waves_kept(first.shape, depth, first.periods)) + 1, _LEAST)
             shape = tuple(min(n, places) for n in self.shape)
             stress = fields.von_mises(*self._plane(depth, STRESSES, shape))
             row, column = np.unravel_index(int(stress.argmax()), shape)
@@ -79,42 +83,54 @@ class Free:
         return Largest(*found)
 
     def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
+        first = self.parts[0]
+
         def of(part: Surface) -> Complexes:
-            waves = tuple(round(part.period) * n for n in shape) if part is self.parts[0] else part.shape
+            periods = part.periods
+            waves = tuple(round(p) * n for p, n in zip(periods, shape, strict=True)) if part is first else part.shape
             return fields.spectrum_of_plane(part, depth, self.body, names, waves)
 
         with threadpool_limits(limits=1):
-            return self._sum(of, tuple(np.arange(n) / n for n in shape), names)
+            return self._sum(of, {axis: np.arange(n) / n for axis, n in enumerate(shape)}, names)
 
-    def _sum(self, of: Callable[[Surface], Complexes], places: tuple[Reals, ...], names: tuple[str, ...]) -> Reals:
-        """Named fields `[field, ...]` at places (L_x), of the parts' coefficients; the first one has a grid there."""
+    def _sum(self, of: Callable[[Surface], Complexes], places: dict[int, Reals], names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, ...]` at places (L_x) along axes 0 (y) and 1 (x), of the parts' coefficients.
+
+        The first part has a grid there.
+        """
         first, *others = self.parts
-        window = (slice(None), *(slice(each.size) for each in places))
-        found = grid.signal(of(first), *(round(_PERIOD) * each.size for each in places))[window]
+        window = (slice(None), *(slice(each.size) for each in places.values()))
+        found = grid.signal(of(first), *(round(first.periods[i]) * each.size for i, each in places.items()))[window]
         for part in others:
-            found += grid.signal_at(of(part), *(each / part.period for each in places))
+            found += grid.signal_at(of(part), *(each / part.periods[i] for i, each in places.items()))
         for i, name in enumerate(names):
             if name in DISPLACEMENTS:
                 found[i] += self.uniform[DISPLACEMENTS.index(name)]
         return found
 
 
-def under_tractions(tractions: Reals, body: ElasticBody) -> Free:
-    """Inside of a body under tractions `[component, (y,) x]` (E*) of a window, along its surface and out of it."""
-    rows = fields.in_rows(tractions)
-    shape = rows.shape[1:]
-    wide = tuple(round(_PERIOD) * n if n > 1 else 1 for n in shape)
-    first = grid.magnitudes(wide, (_PERIOD, _PERIOD))
-    parts = [fields.surface_under_waves((1.0 - _share(first, _PERIOD)) * _padded(rows, wide), wide, body, _PERIOD)]
-    for i in range(1, _SUMS[tractions.ndim - 1]):
-        shorter, period = _PERIOD * 2.0 ** (i - 1), _PERIOD * 2.0**i
-        most = 2 * ceil(_HIGHEST / (shorter - 1.0) * period / (2.0 * np.pi))
-        waves = tuple(min(most, round(period) * n) if n > 1 else 1 for n in shape)
-        q = grid.magnitudes(waves, (period, period))
+def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] = ()) -> Free:
+    """Inside of a body under tractions `[component, (y,) x]` (E*), along its surface and out of it, of a window.
+
+    The window `ends` along (y,) x, or along all axes.
+    """
+    rows, ends = fields.in_rows(tractions), ends or (True,) * (tractions.ndim - 1)
+    shape, both = rows.shape[1:], ends if len(ends) > 1 else (False, *ends)
+    parts: list[Surface] = []
+    shorter, period = 1.0, _PERIOD
+    for _ in range(_SUMS[sum(both)]):
+        periods = period if both[0] else 1.0, period if both[1] else 1.0
+        waves = tuple(round(each) * n for each, n in zip(periods, shape, strict=True))
+        if parts:  # fewer waves are left
+            most = [2 * ceil(_HIGHEST / (shorter - 1.0) * each / (2.0 * np.pi)) for each in periods]
+            waves = tuple(min(some, n) for some, n in zip(most, waves, strict=True))
+        q = grid.magnitudes(waves, periods)
         with threadpool_limits(limits=1):
-            found = (_share(q, shorter) - _share(q, period)) * grid.coefficients_of_window(rows, waves, period)
-        parts.append(fields.surface_under_waves(found, waves, body, period))
-    return Free(shape, tuple(parts), _left(rows, body, period), body)
+            loaded = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
+        share = (_share(q, shorter) if parts else 1.0) - _share(q, period)
+        parts.append(fields.surface_under_waves(share * loaded, waves, body, periods))
+        shorter, period = period, 2.0 * period
+    return Free(shape, tuple(parts), _left(rows, body, both, shorter), body)
 
 
 def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:
@@ -123,17 +139,19 @@ def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:
     return grid.coefficients(padded, 2)
 
 
-def _left(rows: Reals, body: ElasticBody, period: float) -> Reals:
+def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float) -> Reals:
     """Displacement along x, y and z `[component]` in all waves of a half-space that are longer than those of the sums.
 
-    On a profile a line load displaces the surface by zero at a distance of one window.
+    Under a line load the surface is displaced by zero at a distance of one window.
     """
     force = rows.mean(axis=(1, 2))
     if body.aspect_ratio is not None:
         return np.zeros(3)
-    if rows.shape[1] > 1:
-        sideways = 1.0 + 0.5 / float(moduli.c44(body.nu))
+    across = 0.5 / float(moduli.c44(body.nu))
+    if all(ends):
+        sideways = 1.0 + across
         return np.asarray(_FALLS / (period - 1.0) / (2.0 * np.pi) * force * np.array([sideways, sideways, 2.0]))
     nodes, weights = np.polynomial.hermite.hermgauss(12)
     of_share = float(weights @ np.log(_FALLS + _WITHIN * nodes)) / np.sqrt(np.pi) - np.log(period - 1.0)
-    return np.asarray(2.0 / np.pi * (np.euler_gamma + of_share) * force * np.array([1.0, 0.0, 1.0]))
+    softness = np.array([1.0, across, 1.0] if ends[1] else [across, 1.0, 1.0])
+    return np.asarray(2.0 / np.pi * (np.euler_gamma + of_share) * force * softness)

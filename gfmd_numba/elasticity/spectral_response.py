@@ -14,7 +14,7 @@ A profile has xx = K11, xz = K13 and zz = K33 alone, and the normal displacement
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,11 +34,12 @@ _OUT_OF_PLANE = {1: [], 3: [1], 6: [3, 4]}  # that couple either to z
 class Window:
     """The corner of (ny,) nx nodes that alone is ever touched, on the padded grid of a body without a period.
 
-    `stiffness` is that of the normal displacement in the body's own waves, in E*/L_x, whose wave index on the padded
-    grid may be a fraction.
+    The `padded` grid has (ny,) nx nodes of its own. `stiffness` is that of the normal displacement in the body's own
+    waves of some numbers, in E*/L_x.
     """
 
     shape: tuple[int, ...]
+    padded: tuple[int, ...]
     stiffness: Callable[[Reals], Reals]
 
 
@@ -100,12 +101,6 @@ class SpectralResponse:
     def lags(self) -> bool:
         """Whether displacements lag behind tractions, as those of viscoelastic bodies do under a punch that slides."""
         return bool(np.iscomplexobj(self.elements))
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """Nodes (ny,) nx of the grid, an even number along x."""
-        *across, half = self.normal.shape
-        return (*across, 2 * (half - 1))
 
     @property
     def is_rigid(self) -> bool:
@@ -189,7 +184,7 @@ class SpectralResponse:
         window = self.window
         if window is not None:
             of_waves = window.stiffness
-            window = Window(window.shape, lambda index: factor * of_waves(index))
+            window = replace(window, stiffness=lambda q: factor * of_waves(q))
         return SpectralResponse(factor * self.elements, window)
 
     def lagging(self, modulus: Complexes) -> "SpectralResponse":
@@ -205,7 +200,7 @@ class SpectralResponse:
         window = self.window
         if window is not None:
             of_waves = window.stiffness
-            window = Window(window.shape, lambda index: _yielding(of_waves(index), compliance))
+            window = replace(window, stiffness=lambda q: _yielding(of_waves(q), compliance))
         return self.of_normal(_yielding(self.normal, compliance), window)
 
     def principal(self) -> tuple[Reals, Reals]:
@@ -250,6 +245,8 @@ def _whole(elements: Reals) -> list[Reals]:
 
 def _inverse(elements: Reals) -> Reals:
     """Inverses of real symmetric matrices `[element, ...]`, by their adjugates."""
+    if len(elements) == 1:
+        return 1.0 / elements
     xx, xy, yy, xz, yz, zz = _whole(elements)
     adjugate = (
         yy * zz - yz**2,

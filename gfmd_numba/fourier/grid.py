@@ -161,13 +161,13 @@ def moved(samples: Reals, way: tuple[float, ...]) -> Reals:
     return signal(np.exp(-1j * phase) * coefficients(samples, len(shape)), *shape)
 
 
-def coefficients_of_window(samples: Reals, shape: tuple[int, ...], period: float) -> Complexes:
+def coefficients_of_window(samples: Reals, shape: tuple[int, ...], periods: tuple[float, ...]) -> Complexes:
     """Coefficients `[..., (k_y,) k_x]`, rows as those of a grid of a shape, of samples in a window of length 1.
 
-    The samples `[..., (y,) x]` are zero in the rest of the period. Axes of one row have no waves.
+    The samples `[..., (y,) x]` are zero in the rest of the periods. Axes of one row have no waves.
     """
     found: Complexes = samples.astype(np.complex128)
-    for axis, k in zip(range(-len(shape), 0), wave_indices(shape), strict=True):
+    for axis, k, period in zip(range(-len(shape), 0), wave_indices(shape), periods, strict=True):
         n = samples.shape[axis]
         if k.size > 1:
             waves = np.exp(-2j * np.pi / (period * n) * np.outer(np.arange(n), k)) / (period * n)

@@ -18,6 +18,7 @@ from gfmd_numba.kernels.decays import (
     refined_pressure,
     touching_displacement,
 )
+from gfmd_numba.kernels.eigenstrain import Waves, reflect, strains, waves_upwards
 from gfmd_numba.kernels.energy_descent import (
     Unknowns,
     descent_curvature,
@@ -29,6 +30,7 @@ from gfmd_numba.kernels.energy_descent import (
     descent_work,
 )
 from gfmd_numba.kernels.laws import exponential_pull, xu_needleman_pull
+from gfmd_numba.kernels.plastic_flow import Hardening, return_to_yield
 from gfmd_numba.kernels.pressures import (
     Iterate,
     bound,

@@ -12,10 +12,11 @@ from typing import Literal
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility
 from gfmd_numba.roughness.measurements import Content, Measurement, measurement
-from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic, patch
+from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import WithUnit
 
 Reader = Callable[[Path], Content]
@@ -81,13 +82,13 @@ def periodic_surface(
     dimension: int | None = None,
     in_si: bool = False,
     told_by: str = "length",
-    repeats: bool = True,
+    periodic: object = True,
 ) -> MeasuredSurface:
     """Periodic surface of a field, of period `length` in m, or that of the file, or 1 if heights are in L_x.
 
     `dimension` is what the caller can use, if not both. `in_si` is said of a scene with moduli in Pa, where no unit is
-    assumed even without a length. `told_by` names what the length stands in. A patch that does not repeat has no seam
-    to be doubted. Raises ValueError, saying what is wrong and what to do.
+    assumed even without a length. `told_by` names what the length stands in. Along an axis
+    that is not `periodic` there is no seam to be doubted. Raises ValueError, saying what is wrong and what to do.
     """
     record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
@@ -102,11 +103,9 @@ def periodic_surface(
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
     signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
-    if repeats:
-        made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points)
-    else:
-        made = patch(heights, sizes, record.cutoff, record.points)
-    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, repeats)
+    ends = ends_of(periodic, heights.ndim)
+    made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
+    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)

@@ -113,16 +113,16 @@ def of_field(field: Field) -> Signs:
 
 
 def of_surface(
-    heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None, repeats: bool = True
+    heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None, ends: tuple[bool, ...] = ()
 ) -> tuple[str, ...]:
     """Sentences about a surface, whose size is not blamed on units if the signs of its field explain it.
 
-    It is periodic where it `repeats`, or else a patch.
+    It is periodic but for axes along which it `ends`.
     """
     named = signs if signs is not None and signs.sentences else None
-    found = [*(_seams(heights) if repeats else ())]
+    found = [*_seams(heights, ends or (False,) * heights.ndim)]
     if named is None or named.rms_gradient > GRADIENT:
-        found.append(_gradient(heights, lengths, repeats))
+        found.append(_gradient(heights, lengths, ends))
     if named is None or named.range > min(lengths):
         found.append(_range(heights, lengths))
     return tuple(filter(None, found))
@@ -263,8 +263,10 @@ def _slopes(heights: Reals, lengths: tuple[float, ...]) -> list[Reals]:
     return [np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
 
 
-def _seams(heights: Reals) -> Iterable[str]:
-    for axis, name in zip(range(-heights.ndim, 0), ("y", "x")[-heights.ndim :], strict=True):
+def _seams(heights: Reals, ends: tuple[bool, ...]) -> Iterable[str]:
+    for axis, name, end in zip(range(-heights.ndim, 0), ("y", "x")[-heights.ndim :], ends, strict=True):
+        if end:
+            continue
         lines = np.moveaxis(heights, axis, -1)
         inner = _rms(np.diff(lines, axis=-1))
         jump = float(_rms(lines[..., :1] - lines[..., -1:])[0])
@@ -283,9 +285,8 @@ def _rms(steps: Reals) -> Reals:
     return np.asarray(np.sqrt((steps**2).mean(axis=tuple(range(steps.ndim - 1)))))
 
 
-def _gradient(heights: Reals, lengths: tuple[float, ...], repeats: bool) -> str:
-    of_heights = statistics.rms_gradient if repeats else statistics.rms_gradient_of_patch
-    gradient = float(of_heights(heights, lengths))
+def _gradient(heights: Reals, lengths: tuple[float, ...], ends: tuple[bool, ...]) -> str:
+    gradient = float(statistics.rms_gradient(heights, lengths, ends))
     if gradient <= GRADIENT:
         return ""
     return (

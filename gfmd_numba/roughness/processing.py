@@ -46,45 +46,43 @@ def made_periodic(
     periodic: Periodic = "none",
     cutoff: float | None = None,
     points: int | None = None,
+    ends: tuple[bool, ...] = (),
 ) -> Processed:
     """Heights of a field of these sizes made periodic: mirrored or windowed, then filtered, then resampled.
 
     `cutoff` is the shortest wavelength kept, in the unit of `lengths`. `points` counts grid points along the last axis;
-    the others have the same spacing. Raises ValueError for a cutoff that leaves all waves or none, and if
-    resampling would leave fewer than 4 points in a direction.
+    the others have the same spacing. Along axes where the field `ends` it stays as it is: its Fourier series is that of
+    the field and its mirror images, so that no wave knows of a jump between its ends. Raises ValueError for a cutoff
+    that leaves all waves or none, and if resampling would leave fewer than 4 points in a direction.
     """
-    done = []
+    ends, done = ends or (False,) * heights.ndim, []
     if periodic == "mirror":
-        heights, lengths = mirrored(heights), tuple(2.0 * length for length in lengths)
+        repeats = tuple(not end for end in ends)
+        heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
         done.append("mirrored at its ends, which doubles the period")
     if periodic == "window":
-        heights = windowed(heights)
+        heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
-    if cutoff is not None:
-        heights = filtered(heights, lengths, cutoff)
-        done.append(f"left out all waves shorter than {in_unit_of(cutoff, cutoff)} of its Fourier series")
     shape = heights.shape if points is None else tuple(round(length / lengths[-1] * points) for length in lengths)
     if shape != heights.shape:
         if min(shape) < 4:
             raise ValueError(f"{_times(shape)} points after resampling, not at least 4")
-        if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays_per_realisation(len(shape), ())):
+        if allowed := beyond_memory(float(np.prod(shape, dtype=float)), arrays_per_realisation(len(shape), (), ends)):
             raise ValueError(f"{_times(shape)} points after resampling, not {allowed}")
-        done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series")
-        heights = resample(heights, shape)
-    return Processed(heights, lengths, tuple(done))
+    if cutoff is None and shape == heights.shape:
+        return Processed(heights, lengths, tuple(done))
+    whole, images = mirrored(heights, ends), ", together with its mirror images" if any(ends) else ""
+    if cutoff is not None:
+        whole = filtered(whole, _doubled(lengths, ends), cutoff)
+        done.append(f"left out all waves shorter than {in_unit_of(cutoff, cutoff)} of its Fourier series{images}")
+    if shape != heights.shape:
+        done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series{images}")
+        whole = resample(whole, tuple(2 * n if end else n for n, end in zip(shape, ends, strict=True)))
+    return Processed(whole[grid.corner(shape)], lengths, tuple(done))
 
 
-def patch(heights: Reals, lengths: tuple[float, ...], cutoff: float | None, points: int | None) -> Processed:
-    """Heights of a field of these sizes that does not repeat, filtered and resampled as `made_periodic` does.
-
-    Its Fourier series is that of the field and its mirror images, so that no wave knows of a jump between its ends.
-    """
-    if cutoff is None and points is None:
-        return Processed(heights, lengths, ())
-    whole = made_periodic(heights, lengths, "mirror", cutoff, None if points is None else 2 * points)
-    corner = tuple(slice(n // 2) for n in whole.heights.shape)
-    done = tuple(f"{each}, together with its mirror images" for each in whole.done[1:])
-    return Processed(whole.heights[corner], lengths, done)
+def _doubled(lengths: tuple[float, ...], axes: tuple[bool, ...]) -> tuple[float, ...]:
+    return tuple(2.0 * length if axis else length for length, axis in zip(lengths, axes, strict=True))
 
 
 def filtered(heights: Reals, lengths: tuple[float, ...], cutoff: float) -> Reals:
@@ -102,18 +100,20 @@ def filtered(heights: Reals, lengths: tuple[float, ...], cutoff: float) -> Reals
     return grid.signal(grid.coefficients(heights, heights.ndim) * kept, *shape)
 
 
-def mirrored(heights: Reals) -> Reals:
-    """Profile or map followed by its mirror image in each direction; periodic without a jump."""
+def mirrored(heights: Reals, axes: tuple[bool, ...] = (True, True)) -> Reals:
+    """Profile or map followed by its mirror image along all axes, or some; periodic there without a jump."""
     for axis in range(heights.ndim):
-        heights = np.concatenate([heights, np.flip(heights, axis)], axis)
+        heights = np.concatenate([heights, np.flip(heights, axis)], axis) if axes[axis] else heights
     return heights
 
 
-def windowed(heights: Reals) -> Reals:
-    """Heights about their mean times a Hann window in each direction, scaled back to their mean square."""
+def windowed(heights: Reals, ends: tuple[bool, ...] = (False, False)) -> Reals:
+    """Heights about their mean times a Hann window along all axes but where they end, scaled to their mean square."""
     centred = heights - heights.mean()
     faded = centred
     for axis, n in enumerate(heights.shape):
+        if ends[axis]:
+            continue
         window = np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2
         faded = faded * window.reshape([-1 if i == axis else 1 for i in range(heights.ndim)])
     faded = faded - faded.mean()

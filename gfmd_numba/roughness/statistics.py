@@ -43,9 +43,12 @@ def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     return np.sqrt(spectral_moment(heights, 0, lengths))
 
 
-def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
-    """Root-mean-square gradient `[...]` (thesis (4.2), corrected)."""
-    return np.sqrt(spectral_moment(heights, 2, lengths))
+def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Reals:
+    """Root-mean-square gradient `[...]` (thesis (4.2), corrected); heights may end along some axes (y,) x."""
+    if not any(ends):
+        return np.sqrt(spectral_moment(heights, 2, lengths))
+    squares = sum(each**2 for each in gradients(heights, lengths, ends))
+    return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
 
 
 def rms_curvature(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -74,26 +77,23 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
     return grid.signal(grid.derivative(waves), nx) / length
 
 
-def gradients_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> list[Reals]:
-    """Derivatives of heights that end at the edges of a patch, along each axis from the last, at four nodes or more.
+def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> list[Reals]:
+    """Derivatives along each axis from the last, spectral, or of a spline along (y,) x where that `ends`.
 
-    They are those of a cubic spline through the heights, whose third derivative is continuous next to its ends.
+    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends.
     """
-    from gfmd_numba import kernels  # takes long to load, and periodic surfaces do without
-
     found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
+        if not (ends and ends[axis]):
+            found.append(gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1))
+            continue
+        from gfmd_numba import kernels  # takes long to load, and periodic surfaces do without
+
         along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
         slopes = np.empty(along.shape)
         kernels.spline_slopes(np.ascontiguousarray(along).reshape(len(along), -1), slopes.reshape(len(along), -1))
         found.append(np.moveaxis(slopes, 0, axis) * (len(along) / length))
     return found
-
-
-def rms_gradient_of_patch(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
-    """Root-mean-square gradient `[...]` of heights that end at the edges of a patch."""
-    squares = sum(each**2 for each in gradients_of_patch(heights, lengths))
-    return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
 
 
 def typical_slope(heights: Reals, length: float = 1.0) -> Reals:

@@ -44,6 +44,36 @@ class Branch(BaseModel):
     time: Duration = Field(description="Relaxation time in s, after which its stress has fallen to 1/e")
 
 
+class Plasticity(BaseModel):
+    """J2 plasticity with isotropic hardening, linear and after Voce, in a layer below the surface."""
+
+    model_config = RECORD
+    yield_stress: Pressure = Field(description="Uniaxial yield stress in Pa (E* without moduli)")
+    hardening: Pressure | None = Field(
+        None, description="Slope of the yield stress over the equivalent plastic strain, in Pa; None: 0"
+    )
+    saturation_stress: Pressure | None = Field(
+        None, description="Yield stress that Voce's hardening tends to, beside the linear one, in Pa; None: none"
+    )
+    saturation_strain: float | None = Field(
+        None, ge=1e-6, le=1e3, description="Equivalent plastic strain after which 1 - 1/e of Voce's hardening is done"
+    )
+    depth: Length | None = Field(
+        None, description="Depth in m (L_x without a length) down to which the body may flow; None: found by itself"
+    )
+    sublayers: int = Field(32, ge=4, le=1024, description="Sublayers of that depth, with one plastic strain each")
+    increments: int = Field(8, ge=1, le=1000, description="Increments into which each step of the loading is divided")
+
+    @model_validator(mode="after")
+    def _saturates(self) -> Self:
+        if (self.saturation_stress is None) != (self.saturation_strain is None):
+            missing = "saturation_stress" if self.saturation_stress is None else "saturation_strain"
+            raise broken_rule((missing,), "a number: Voce's hardening has a saturation_stress and a saturation_strain")
+        if self.saturation_stress is not None and self.saturation_stress <= self.yield_stress:
+            raise broken_rule(("saturation_stress",), f"a stress above the yield_stress, {self.yield_stress:g}")
+        return self
+
+
 def _kind(given: Any) -> str:
     return "Material" if isinstance(given, dict | Material) else "rigid"
 
@@ -85,6 +115,7 @@ class Body(BaseModel):
         description="Branches of a viscoelastic body, whose youngs_modulus is then the relaxed one; its Poisson's "
         "ratio is constant",
     )
+    plasticity: Plasticity | None = Field(None, description="Plastic flow inside the body; None: it is elastic")
     stiffness_scale: Size = Field(
         1.0,
         description="Factor on the stiffness; 1 is right, and 2 repeats an error of the thesis's chapter 4",

@@ -11,7 +11,7 @@ from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.form_record import Form
 from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.loading import Loading, Step, check_loading
-from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.quantities import (
     LARGEST,
     RECORD,
@@ -100,17 +100,22 @@ class Boundary(BaseModel):
         return self
 
 
-_PERIODIC = "true or false, or on maps y, for surfaces that repeat along y alone and end along x"
+_PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 
 
 def _periodic(given: Any) -> Any:
-    if given not in (True, False, "y") or (isinstance(given, (int, float)) and not isinstance(given, bool)):
+    if given not in (True, False, *AXES) or (isinstance(given, (int, float)) and not isinstance(given, bool)):
         raise ValueError(_PERIODIC)
     return given
 
 
 # checked before the union of types, which would tell every fault twice
-Periodic = Annotated[bool | Literal["y"], BeforeValidator(_periodic), WithJsonSchema({"allowed": _PERIODIC})]
+Periodic = Annotated[bool | Literal["x", "y"], BeforeValidator(_periodic), WithJsonSchema({"allowed": _PERIODIC})]
+
+
+def ends_of(periodic: object, dimension: int) -> tuple[bool, ...]:
+    """Whether surfaces that are `periodic` along both axes, one or none end along (y,) x."""
+    return tuple(periodic is not True and axis != periodic for axis in AXES[-dimension:])
 
 
 class Scene(BaseModel):
@@ -131,20 +136,24 @@ class Scene(BaseModel):
     dimension: Dimension = Field(1, description="1: profiles, in plane strain; 2: maps, of period L_x both ways")
     periodic: Periodic = Field(
         True,
-        description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free; y: "
-        "they repeat along y alone, and the body is free on both sides along x",
+        description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free; x "
+        "or y: they repeat along that axis alone, and the body is free on both sides along the other",
     )
 
     @property
     def ends(self) -> tuple[bool, ...]:
         """Whether the punch ends along (y,) x, where the body is free around it."""
-        along_x = self.periodic is not True
-        return (along_x,) if self.dimension == 1 else (self.periodic is False, along_x)
+        return ends_of(self.periodic, self.dimension)
 
     @property
     def deformable(self) -> tuple[Body, ...]:
         """The elastic bodies."""
         return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
+
+    @property
+    def passes(self) -> bool:
+        """Whether a punch that slides passes over the body: over one that creeps, unless it drags that or wears."""
+        return self.body.relaxation is not None and self.interface.wear is None and not self.interface.couples
 
     @property
     def has_moduli(self) -> bool:

@@ -6,6 +6,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, cf_attributes
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.scene import InputError
@@ -24,16 +25,23 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     Two half-spaces of conductivities s_1 and s_2 meet in the touching nodes, which are at one potential. With
     s = 2 s_1 s_2 / (s_1 + s_2), `conductance` times s is the current per nominal area over the potential difference of
     the two bodies, beyond that in the uniform flow, per m (L_x without a length). A single round spot of radius a has
-    2 a s (Holm, Electric Contacts, 1967). Frictionless half-spaces with the contact held have the stiffness
-    dp/d(mean gap) = `conductance` times E* (Barber, Proc. R. Soc. Lond. A 459:53, 2003). It is 0 without contact and
-    infinite in full contact. `current_density` is the current through a node over the mean of all nodes. Dims other
-    than `y` and `x` stay. Contacts of a profile are ridges without end along y, which the attribute `validity` says.
+    2 a s (Holm, Electric Contacts, 1967). Without a period the difference is that far away, and at a distance of L_x
+    where the contact goes on along one axis. Frictionless half-spaces with the contact held have the stiffness
+    dp/d(mean gap) = `conductance` times E*, or dp/d(approach) without a period (Barber, Proc. R. Soc. Lond. A 459:53,
+    2003). It is 0 without contact and infinite in full contact with a period. `current_density` is the current through
+    a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
+    along y, which the attribute `validity` says.
     Raises InputError for a dataset that no contact was solved for, or a run that is not ok.
     """
     nodes = _nodes(contact)
-    touching = contact["gap"] <= 0.0
+    touching, ends = contact["gap"] <= 0.0, tuple(POINTS_OF_WINDOW in contact[dim].attrs for dim in nodes)
     reduced, density = xr.apply_ufunc(
-        _reduced, touching, input_core_dims=[nodes], output_core_dims=[[], nodes], vectorize=True
+        _reduced,
+        touching,
+        kwargs={"ends": ends},
+        input_core_dims=[nodes],
+        output_core_dims=[[], nodes],
+        vectorize=True,
     )
     spacing = float(contact["x"][1] - contact["x"][0])
     unit = str(contact["x"].attrs.get("units", "1"))
@@ -47,20 +55,27 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     return result
 
 
-def _reduced(touching: Flags) -> tuple[float, Reals]:
+def _reduced(touching: Flags, ends: tuple[bool, ...]) -> tuple[float, Reals]:
     """Conductance in 1 / L_x, and the current through nodes over its mean.
 
     The conductance is half the mean current of one half-space at unit potential under the touching nodes.
 
-    Its potential is sum_q j~(q) / q exp(iqx), with zero mean: the mean is that of the uniform flow.
+    Its potential is sum_q j~(q) / q exp(iqx), with zero mean: the mean is that of the uniform flow. In a window that
+    `ends` it is half the displacement of an elastic half-space under a pressure j.
     """
-    if touching.all() or not touching.any():
+    if not touching.any() or (touching.all() and not any(ends)):
         return np.inf if touching.all() else 0.0, touching.astype(np.float64)
-    field = Transform(1, *touching.shape)
-    q = grid.magnitudes(touching.shape)
-    potential_of = field.symbol(np.divide(1.0, q, out=np.zeros_like(q), where=q > 0.0))
-    current_of = field.symbol(q)
-    places = np.flatnonzero(touching)
+    if any(ends):
+        potential = 0.5 * free_body.compliance(touching.shape, ends=ends)[0]
+    else:
+        q = grid.magnitudes(touching.shape)
+        potential = np.divide(1.0, q, out=np.zeros_like(q), where=q > 0.0)
+    shape = free_body.padded_shape(touching.shape, ends)
+    field, on_grid = Transform(1, *shape), np.zeros(shape, dtype=np.bool_)
+    on_grid[grid.corner(touching.shape)] = touching
+    places = np.flatnonzero(on_grid)
+    potential_of = field.symbol(potential)
+    current_of = field.symbol(np.divide(1.0, potential, out=np.zeros_like(potential), where=potential > 0.0))
 
     def on_contact(symbol: Reals, source: Reals) -> Reals:
         row = field.sources[0][0]
@@ -69,12 +84,12 @@ def _reduced(touching: Flags) -> tuple[float, Reals]:
         field.apply(symbol, np.arange(1))
         return np.asarray(field.result[0, places])
 
-    shape = (len(places), len(places))
-    compliance = LinearOperator(shape, lambda current: on_contact(potential_of, current), dtype=np.float64)
-    near_field = LinearOperator(shape, lambda potential: on_contact(current_of, potential), dtype=np.float64)
+    pairs = (len(places), len(places))
+    compliance = LinearOperator(pairs, lambda current: on_contact(potential_of, current), dtype=np.float64)
+    near_field = LinearOperator(pairs, lambda potential: on_contact(current_of, potential), dtype=np.float64)
     current, failed = cg(compliance, np.ones(len(places)), rtol=_RESIDUAL, maxiter=10_000, M=near_field)
     density: Reals = np.zeros(touching.shape)
-    density.flat[places] = np.nan if failed else current * touching.size / current.sum()
+    density[touching] = np.nan if failed else current * touching.size / current.sum()
     return float("nan") if failed else 0.5 * float(current.sum()) / touching.size, density
 
 
@@ -92,11 +107,10 @@ def _nodes(contact: xr.Dataset) -> list[str]:
         raise InputError(
             "contact: you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0"
         )
-    if POINTS_OF_WINDOW in contact["x"].attrs:
-        raise InputError("contact: you gave one without a period; gfmd allows a periodic one, as this is not built yet")
     for dim in nodes:
-        points = contact[dim].attrs.get(POINTS, contact.sizes[dim]) if dim in contact.coords else "unknown"
+        attributes = contact[dim].attrs if dim in contact.coords else {POINTS: "unknown"}
+        points = attributes.get(POINTS, attributes.get(POINTS_OF_WINDOW, contact.sizes[dim]))
         if str(points) != str(contact.sizes[dim]):
             given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
-            raise InputError(f"contact: you gave {given}; gfmd allows all nodes of the period")
+            raise InputError(f"contact: you gave {given}; gfmd allows all nodes of the period, or the window")
     return nodes

@@ -19,7 +19,7 @@ from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import step_dataset
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
 from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes
-from gfmd_numba.contact.doubts import doubts
+from gfmd_numba.contact.doubts import FEW_NODES, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.scales import steps_of
@@ -342,10 +342,14 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _of_all(validities: Iterable[str]) -> str:
-    """Return the sentences of several contacts, a line each; of those that differ in their numbers alone the first."""
+    """Return the sentences of several contacts, the hardest first, a line each.
+
+    Of those that differ in their numbers alone it is the first, and of contacts of too few nodes the last.
+    """
     found: dict[str, str] = {}
     for line in (line for validity in validities for line in validity.splitlines()):
-        found.setdefault(re.sub(r"[-+.\de]*\d", "", line), line)
+        key = re.sub(r"[-+.\de]*\d", "", line)
+        found[key] = line if line.startswith(FEW_NODES) else found.get(key, line)
     return "\n".join(found.values())
 
 

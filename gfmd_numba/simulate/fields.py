@@ -24,6 +24,7 @@ from gfmd_numba.elasticity.fields import (
 )
 from gfmd_numba.scene import Body, InputError, LoadedBody
 from gfmd_numba.scene.checks import beyond_memory
+from gfmd_numba.scene.records import ends_of
 from gfmd_numba.simulate.solved_contact import described, nodes_of, tractions_on
 from gfmd_numba.text.input_error import brief
 
@@ -31,7 +32,7 @@ _LEVELS = 101
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
 _ARRAYS = 40  # of the size of the map that fields of one plane take
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
-_PADDED = 4  # times as many without a period
+_PADDED = 2  # times as many for each axis without a period
 _ARRAYS_OF_A_PLANE = 2 * 20  # that stay in memory, and are joined
 
 _ALONG, _OF_PLANES = ("x", "y", "z"), ("y and z", "x and z", "x and y")  # in Voigt's order
@@ -58,7 +59,7 @@ class _Inside:
     """One body of a solved contact: its `name`, record and elasticity, and the order its topography is followed to.
 
     `units` are what lengths in L_x and stresses in its E* are worth in the file, and `nodes` the dims of its nodes. A
-    body that is not `periodic` is loaded in a window.
+    body is loaded in a window that `ends` along some of (y,) x.
     """
 
     name: str
@@ -67,7 +68,7 @@ class _Inside:
     order: int
     units: Units
     nodes: tuple[str, ...]
-    periodic: bool
+    ends: tuple[bool, ...]
 
     @property
     def length(self) -> float:
@@ -86,8 +87,8 @@ class _Inside:
     def below(self, step: xr.Dataset) -> Inner:
         """The inside under the tractions of a step."""
         tractions, heights = self.tractions(step), self.heights(step)
-        if not self.periodic:
-            return free_fields.under_tractions(tractions, self.elastic)
+        if any(self.ends):
+            return free_fields.under_tractions(tractions, self.elastic, self.ends)
         surface: LoadedSurface = fields.surface_under_tractions(tractions, self.elastic)
         if heights is not None and (len(self.nodes) == 1 or (self.order > 0 and heights.any())):
             surface = topography.rough_surface(tractions, heights, self.elastic, self.order)
@@ -141,8 +142,8 @@ def body_fields(
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
-    periodic = isinstance(scene, LoadedBody) or scene.periodic is True
-    inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), periodic)
+    ends = ends_of(scene.periodic, scene.dimension)
+    inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), ends)
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
     elif x is None and y is None and planes is None:
@@ -241,7 +242,7 @@ def _of_map(steps: Sequence[xr.Dataset], inside: _Inside, wanted: _Wanted) -> li
     order, z, topographies = inside.order, wanted.z / inside.length, [inside.heights(step) for step in steps]
     is_followed = order > 0 and any(heights is not None and heights.any() for heights in topographies)
     arrays = _ARRAYS + is_followed * (_ARRAYS_OF_TOPOGRAPHY + order * _ARRAYS_OF_ORDER)
-    _check(steps[0], len(steps), inside, wanted, arrays if inside.periodic else _PADDED * arrays)
+    _check(steps[0], len(steps), inside, wanted, arrays * _PADDED ** sum(inside.ends))
     largest = [inside.below(step).largest_von_mises(z) for step in steps]
     if wanted.planes:
         found = [_planes(step, wanted.z, inside) for step in steps]
@@ -290,7 +291,7 @@ def _place(
     else:
         place = given / inside.length
     nearest = round(place * nodes)
-    return across, nearest % nodes if inside.periodic else min(nearest, nodes - 1)
+    return across, min(nearest, nodes - 1) if inside.ends[inside.nodes.index(across)] else nearest % nodes
 
 
 def _section(step: xr.Dataset, z: Reals, inside: _Inside, place: tuple[Axis, int]) -> xr.Dataset:

@@ -38,12 +38,12 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     else:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
-    if isinstance(scene, Scene) and scene.periodic == "y":
-        allowed = "a period along both axes or none, as fields inside are not built yet with a period along y alone"
-        raise InputError(f"contact: you gave one of a scene with periodic: y; gfmd allows {allowed}")
     if isinstance(scene, Scene) and scene.body.relaxation is not None:
         given = "one of a viscoelastic body"
         raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")
+    if isinstance(scene, Scene) and scene.body.plasticity is not None:
+        allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"
+        raise InputError(f"contact: you gave one of a body that flows inside; gfmd allows {allowed}")
     names = ["body", "counter_body"][: len(scene.deformable)]
     if not isinstance(body, str) or body not in names:
         raise InputError(f"body: you gave {brief(body)}; gfmd allows {' or '.join(map(repr, names))}")

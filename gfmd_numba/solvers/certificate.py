@@ -99,11 +99,7 @@ class Certificate:
 def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     """Root-mean-square pressure fluctuation of full contact `[realisation]`, in E*; in a window as if it went on."""
     window = response.window
-    if window is None:
-        stiffness = response.condensed().normal
-    else:
-        wider = (response.normal.shape[-1] - 1) / (window.shape[-1] // 2)
-        stiffness = window.stiffness(grid.magnitudes(window.shape) * (wider / (2.0 * np.pi)))
+    stiffness = response.condensed().normal if window is None else window.stiffness(grid.magnitudes(window.shape))
     shape = punch.shape[1:]
     if len(shape) == 1:
         weight = (grid.multiplicity(*shape) * abs(stiffness) ** 2)[1:]

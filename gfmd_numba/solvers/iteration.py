@@ -73,7 +73,7 @@ class Batch:
     @property
     def shape(self) -> tuple[int, ...]:
         """Nodes (ny,) nx of the grid."""
-        return self.punch.shape[1:] if self.around is None else self.response.shape
+        return self.punch.shape[1:] if self.response.window is None else self.response.window.padded
 
     @cached_property
     def whole(self) -> "Batch":

@@ -1,5 +1,8 @@
 """Forms without a period: the balls, ellipsoids, cylinders and cones of contact mechanics, and their approach."""
 
+import re
+from warnings import catch_warnings
+
 import numpy as np
 import pytest
 
@@ -122,3 +125,73 @@ def test_edges_are_located_where_pressure_is_a_root_of_their_distance():
     slab = {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "aspect_ratio": 0.2}
     coarse, fine = (float(pressed(ball, 2, load, n, body=slab)["contact_radius"]) for n in (128, 256))
     assert coarse == pytest.approx(fine, rel=3e-4)
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_radius_is_off_by_as_much_as_the_warning_says_and_less_where_there_is_none(dimension):
+    """With 5 nodes across by up to 30 %, with 3 by 65 %: balls and rollers of any width beside Hertz's."""
+    radius, points, errors = 5.0, 32, {}
+    for half in np.array([0.6, 0.8, 1.2, 1.7, 1.9, 2.4, 2.8, 2.9, 3.4, 3.9]) / points:
+        force = np.pi * half**2 / (4.0 * radius) if dimension == 1 else 4.0 * half**3 / (3.0 * radius)
+        with catch_warnings(record=True, action="always") as said:
+            found = pressed({"radius": radius}, dimension, force, points)
+        touching = found["gap"] <= 0.0
+        across = int((touching if dimension == 1 else touching.any("y")).sum())
+        assert bool(said) == (across < 6)
+        if said:
+            assert f"which is {across} wide" in str(said[0].message)
+            assert f"take at least {np.ceil(points * 6 / across):.0f} points" in str(said[0].message)
+        errors[across] = max(errors.get(across, 0.0), abs(float(found["contact_radius"]) / half - 1.0))
+    assert 0.3 < errors[3] < 0.65
+    assert errors[5] < 0.3
+    assert max(error for across, error in errors.items() if across > 5) < 0.065
+
+
+@pytest.mark.parametrize(
+    ("more", "warned"),
+    [
+        ({}, "which is 1 wide.*take at least 192 points, or"),
+        (
+            {"form": None, "roughness": {"method": "measured", "heights": [0.0, 0.0, 0.0, 1.0] + 28 * [0.0]}},
+            "is 1 wide",
+        ),
+        (
+            {"form": None, "roughness": {"method": "measured", "heights": 1e-4 * np.cos(np.arange(32) * np.pi / 16)}},
+            None,
+        ),
+        (
+            {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 1e-6}},
+            r"take eps_c = 1/\d+ or finer \(at least",
+        ),
+        ({"interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-3, "range": 0.1}}}, None),
+        ({"periodic": True}, "which is 1 wide"),
+    ],
+    ids=["alone", "spike", "wave", "rough", "attracted", "periodic"],
+)
+def test_a_contact_of_too_few_nodes_is_warned_of(more, warned):
+    scene = {"body": {"poissons_ratio": 0.0}, "form": {"radius": 5.0}, "interface": {"hard_wall": {}}}
+    scene |= {"periodic": False, "loading": {"pressure": 1e-5}} | more
+    if scene["form"] is not None and "roughness" not in more:
+        scene["form"] = {"radius": 5.0, "points": 32}
+    scene["body"] = scene["body"] | {"youngs_modulus": 1.0}
+    scene["length"] = 1.0
+    if isinstance(scene.get("roughness", {}).get("heights"), list | np.ndarray):
+        scene["roughness"] = scene["roughness"] | {"units": {"z": "m"}}
+    eps = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2} if "psd" in str(scene.get("roughness")) else None
+    file = {"scene": {key: value for key, value in scene.items() if value is not None}}
+    with catch_warnings(record=True, action="always") as said:
+        gfmd_numba.solve(file | ({"discretisation": eps} if eps else {}))
+    found = [str(each.message) for each in said if "too few nodes" in str(each.message)]
+    assert len(found) == (warned is not None)
+    if warned:
+        assert re.search(warned, found[0])
+
+
+def test_a_curve_warns_once_of_its_narrowest_contact():
+    scene = {"periodic": False, "body": {"poissons_ratio": 0.0}, "interface": {"hard_wall": {}}}
+    scene |= {"form": {"radius": 5.0, "points": 64}, "loading": {"displacement": 1e-3}}
+    with catch_warnings(record=True, action="always") as said:
+        curve = gfmd_numba.load_curve({"scene": scene}, [1e-6, 6e-4, 1e-2])
+    found = [line for line in curve.attrs["validity"].splitlines() if "too few nodes" in line]
+    assert len(found) == sum("too few nodes" in str(each.message) for each in said) == 1
+    assert "which is 1 wide" in found[0]

@@ -174,7 +174,7 @@ def test_friction_is_what_the_dashpots_take():
     (found,) = solve_path(problem, 0)
     springs = found.after.memory["springs"]
     times = np.array([tau for _, tau in THREE])
-    power = -((springs.pressure * springs.stretch)[1:, 0].mean(axis=1) / times).sum()
+    power = ((springs.traction * springs.stretch)[1:, 0, 0].mean(axis=1) / times).sum()
     u, p = found.equilibrium.displacement[0], found.equilibrium.pressure[0]
     waves, n = 2.0j * np.pi * np.arange(129), 256
     slope = np.fft.irfft(waves * np.fft.rfft(u) * (np.arange(129) < 128), n)

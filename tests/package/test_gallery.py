@@ -10,8 +10,8 @@ GALLERY = Path(__file__).parents[2] / "docs/gallery"
 EXAMPLES = sorted(GALLERY.glob("*.py"))
 
 
-def test_there_are_fifteen_examples_each_with_a_picture_and_a_docstring():
-    assert len(EXAMPLES) == 15
+def test_there_are_sixteen_examples_each_with_a_picture_and_a_docstring():
+    assert len(EXAMPLES) == 16
     assert sorted(path.stem for path in GALLERY.glob("*.png")) == [path.stem for path in EXAMPLES]
     assert all(path.read_text().startswith('"""') for path in EXAMPLES)
 

@@ -39,13 +39,14 @@ PATHS = (
     ("3.2, 4.0", "1.7, 1.8"),
     ("-0.065, 51", "-0.065, 8"),
 )
+RUBBER = (("1 / 16", "1 / 4"), ("1e3, 9", "1e3, 3"), ("1e2, 10", "1e2, 4"), ("realisations=2", "realisations=1"))
 FEWER_SURFACES = ('"--realisations", "8"', '"--realisations", "4"')
 # a file, what is shrunk in it and in the notebooks that read it; notebooks of no file need none
 NOTEBOOKS = {
     "given-levels.yaml": ((*QUICKSTART, FEWER_SURFACES), "01-first-campaign", "02-tfc-limit", "04-what-accuracy-costs"),
     "thesis-chapter4.yaml": (CHAPTER_4, "03-thesis-revisited"),
     "two-step-fields.py": (ROUGH_BODIES, "05-two-step-fields"),
-    None: (PATHS, "06-friction-and-adhesion"),
+    None: ((*PATHS, *RUBBER), "06-friction-and-adhesion", "07-rubber"),
 }
 NAMES = sorted(name for _, *names in NOTEBOOKS.values() for name in names)
 

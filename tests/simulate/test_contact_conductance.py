@@ -121,3 +121,49 @@ def test_altered_contacts_are_refused(alter, said):
     given = pressed(wave(64, 0.01), 0.003)
     with pytest.raises(gfmd_numba.InputError, match=f"contact: you gave {said}"):
         gfmd_numba.contact_conductance(alter(given))
+
+
+def free_scene(loading, **more):
+    scene = {"dimension": 2, "periodic": False, "body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}}
+    return {"scene": scene | {"form": {"radius": 4.0, "points": 96}, "loading": loading} | more}
+
+
+def test_a_ball_conducts_as_holm_says_and_as_it_is_stiff():
+    """2 a s without a period; dp/d(approach) of the ball is 2 a E* (Johnson, Contact Mechanics, 4.2)."""
+    contact = gfmd_numba.solve(free_scene({"displacement": 0.01}))
+    a = float(contact["contact_radius"])
+    assert a == pytest.approx(0.2, rel=1e-3)
+    assert conductance(contact) == pytest.approx(2.0 * a, abs=2.0 * 0.15 / 96)  # nodes reach too far by 0.1 of one
+
+
+def test_a_strip_conducts_from_a_distance_as_it_sinks_in():
+    """pi / (2 ln(2 / b)) for a half-width b over the window, as a flat punch has it (Johnson, 2.42), on maps, too."""
+    form = {"width": 0.3, "edge_radius": 0.5, "points": 512}
+    profile = free_scene({"displacement": 0.05}, dimension=1, form=form)
+    contact = gfmd_numba.solve(profile)
+    half = float(contact["contact_radius"])
+    with pytest.warns(UserWarning, match="ridges without end along y"):
+        found = conductance(contact)
+    assert found == pytest.approx(np.pi / (2.0 * np.log(2.0 / half)), rel=2e-3)
+    radii = {"radius": 4.0, "points": 64}
+    line = gfmd_numba.solve(free_scene({"displacement": 0.01}, dimension=1, form=radii))
+    cylinder = free_scene({"displacement": 0.01}, periodic="y", form=radii | {"radius_y": 1e9})
+    with pytest.warns(UserWarning, match="ridges without end along y"):
+        found = conductance(line)
+    assert conductance(gfmd_numba.solve(cylinder)) == pytest.approx(found, rel=1e-6)
+
+
+def test_a_rough_ball_from_a_file_in_si_conducts_as_it_is_stiff():
+    """Held, it has the stiffness dF/d(approach) = E* s^-1 times the conductance of the whole (Barber, 2003)."""
+    body = {"youngs_modulus": 100e9, "poissons_ratio": 0.3}
+    roughness = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.03}
+    eps = {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 4}
+    scene = {"body": body, "form": {"radius": "1 mm"}, "roughness": roughness, "length": "100 um"}
+    file = free_scene({"force": 0.02}, **scene) | {"discretisation": eps, "path": [{"force": 0.02 * (1.0 + 1e-6)}]}
+    pressed_twice = gfmd_numba.solve(file | {"numerics": {"residual": 1e-12}})
+    first, second = (pressed_twice.isel(step=i) for i in range(2))
+    assert ((first["gap"] == 0.0) == (second["gap"] == 0.0)).all()
+    stiffness = 0.02e-6 / float(second["approach"] - first["approach"])
+    whole = conductance(first) * 1e-4**2
+    assert whole * 100e9 / 0.91 == pytest.approx(stiffness, rel=1e-4)
+    assert first["x"].attrs["units"] == "m"

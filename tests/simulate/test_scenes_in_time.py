@@ -75,22 +75,21 @@ REFUSED = {
         changed(WEAR, "scene", "interface", friction={"coefficient": 0.3}),
         "scene.interface.friction: you gave ... gfmd allows no friction with wear: this is not built yet",
     ),
-    "creep with friction": (
-        changed(CREEP, "scene", "interface", friction={"coefficient": 0.3}),
-        "scene.interface.friction: you gave ... gfmd allows no friction with a viscoelastic body",
+    "a speed with friction": (
+        changed(changed(CREEP, "scene", "loading", speed="1 mm/s"), "scene", "interface", friction={"coefficient": 0.3})
+        | {"path": []},
+        "scene.interface.friction: you gave ... gfmd allows no friction with a sliding speed",
+    ),
+    "friction that drags a half-space along": (
+        changed(
+            changed(CREEP, "scene", "interface", friction={"coefficient": 0.3}),
+            path=[{"sliding": "1 um", "duration": 1.0}],
+        ),
+        "path[0].sliding: you gave '1 um'; gfmd allows nothing without a finite aspect_ratio",
     ),
     "creep of a rough body": (
         changed(CREEP, "scene", "body", roughness=CREEP["scene"]["roughness"]),
         "scene.body.roughness: you gave ... gfmd allows a rigid punch on one smooth body with a viscoelastic body",
-    ),
-    "creep with a law of gap and slip": (
-        changed(
-            CREEP,
-            "scene",
-            "interface",
-            cohesive={"work_of_adhesion": "1 J/m^2", "normal_length": "10 um", "tangential_length": "10 um"},
-        ),
-        "scene.interface.cohesive: you gave ... gfmd allows another law with a viscoelastic body",
     ),
     "a speed with adhesion": (
         changed(

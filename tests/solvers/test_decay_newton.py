@@ -121,7 +121,7 @@ def test_a_model_is_made_once_for_a_body_and_a_grid():
 def test_decays_in_a_window_are_those_of_the_half_space_itself(free_mean):
     """As energies of pressures in the window, which have no mean if that is free, beside the kernel that ends."""
     n = 256
-    response = free_body.normal_response((n,), ElasticBody(None, None))
+    response = free_body.response((n,), ElasticBody(None, None))
     model = decay_model(response.normal, (2 * n,), free_mean, response.window)
     products, next_nodes = np.empty((n, n)), np.ones(n, dtype=np.int64)
     for source, product in zip(np.eye(n), products, strict=True):

@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
 from gfmd_numba.analysis.plots.fields import plot_body
+from gfmd_numba.analysis.plots.flow import plot_flow
 from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
 from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.path import plot_path
@@ -19,6 +20,7 @@ from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 
 KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has
     "fields inside a body": ("von_mises", plot_body),
+    "body that flows": ("equivalent_plastic_strain", plot_flow),
     "surface": ("spectral_density", plot_surface),
     "accuracy": ("study", plot_accuracy),
     "statistics of a contact": ("pressure_density", plot_statistics),

@@ -99,8 +99,8 @@ def _made(stiffness: Reals, n: int, free_mean: bool, window: Window | None) -> D
     if window is None:
         weights, white, error = _fit(compliance.__getitem__, n, rates, signs)
     else:
-        body = window.stiffness
-        weights, white, error = _fit(lambda index: 1.0 / body(index / _LONGER), period, rates, signs)
+        body, first = window.stiffness, 2.0 * np.pi * window.shape[0] / (window.padded[0] * _LONGER)
+        weights, white, error = _fit(lambda index: 1.0 / body(np.multiply(first, index)), period, rates, signs)
         error = max(error, _CUT / n)
     if not error <= _CLOSE:
         return None

@@ -68,12 +68,12 @@ class FrictionGuess:
         n = contact.size
         return cls(contact, np.zeros((len(tractions) - 1, n)), np.zeros(n), tractions, normal, np.zeros(n, np.bool_))
 
-    def revision(self, found: Found, friction: float, rounding: float) -> Revision:
+    def revision(self, found: Found, friction: float, rounding: float, unsure: float) -> Revision:
         """Return what a solution speaks for.
 
         Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
         it slid less than friction times its overlap, and slips otherwise: a trial traction as stiff along the surface
-        as across.
+        as across. A node that sticks gives way where its traction is above friction by more than it is `unsure`.
         """
         pressure, shear = np.where(self.contact, found.tractions[-1], 0.0), found.tractions[:-1]
         slid, overlap, held = found.u[:-1] - found.anchor, found.u[-1] - found.wall, bound(friction, pressure)
@@ -81,7 +81,7 @@ class FrictionGuess:
         slips = self.contact & self.direction.any(axis=0)
         leaves = self.contact & ~(pressure > 0.0)
         joins = ~self.contact & (overlap > rounding)
-        gives_way = self.contact & ~slips & ~leaves & (strength > held)
+        gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
         starts = joins & (size > bound(friction, overlap))

@@ -28,6 +28,7 @@ _COARSE_STEPS, _SHARE = 8, 0.02  # there, at most; share of the contact that may
 _INNER, _INNER_OF_LAW = 0.03, 0.1  # error left by the linear solution of one step over that before it
 _FALLS = 0.7  # share of the nodes changed by the last step beyond which the next is solved more exactly
 _EXACT = 1e-4  # the most exact of these
+_UNSURE = 0.3  # part of the error left by the linear solution by which a sticking node may be above friction
 _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not small enough
 _PATIENCE = 4  # steps that may come no closer; then one node alone changes, or the normal contact is found anew
 _CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
@@ -262,7 +263,8 @@ class FrictionalNewton:
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (slid - slid[middle_slip(slid, pressure, contact)])  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
-        revision = guess.revision(found, self._friction, self._rounding[i])
+        unsure = _UNSURE * max(self._asked, progress.inner * progress.moved) * float(np.abs(tractions[-1]).max())
+        revision = guess.revision(found, self._friction, self._rounding[i], unsure)
         nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
         if progress.changes_one_node:

@@ -1,0 +1,248 @@
+"""Plastic flow inside a body against theory, finite elements and Tamaas, and 200 random scenes.
+
+python benchmarks/plastic_flow.py [yield|hardness|residual|elements|scenes]
+python benchmarks/plastic_flow.py tamaas PYTHON, the interpreter of an environment that has Tamaas and SciPy
+"""
+
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+
+from gfmd_numba.contact import flow_measures
+from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.contact.surfaces import GivenSurface
+from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.fourier import grid
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.kernels import Hardening
+from gfmd_numba.solvers import table
+
+NU = 0.3
+
+
+def pressed(heights, loads, plasticity, nu=NU):
+    """Contacts under loads (E*), one after the other, of heights in L_x."""
+    dimension = heights.ndim
+    options = table.Options(table.automatic(dimension, ()), 1e-8, 200_000)
+    steps = [LoadStep(load, (0.0,) * dimension) for load in loads]
+    surface, body, laws = GivenSurface.of(heights), ElasticBody(nu, None), Interactions(hard_wall=True)
+    problem = Problem(surface, body, laws, loads[0], None, options, path=tuple(steps[1:]), plasticity=plasticity)
+    return list(solve_path(problem, 0))
+
+
+def parabola(nodes, dimension):
+    """Heights of a punch of radius 1 above a period of 1."""
+    x = np.arange(nodes) / nodes - 0.5
+    return -0.5 * x**2 if dimension == 1 else -0.5 * (x[:, np.newaxis] ** 2 + x**2)
+
+
+def first_yield(forms=("ball", "cylinder")):
+    """Largest von Mises stress of elastic contacts that are far apart, in Hertz's pressure p0."""
+    for name in forms:
+        is_ball = name == "ball"
+        a, nodes, depth = (0.05, 512, 0.06) if is_ball else (0.004, 8192, 0.008)
+        p0 = 2.0 * a / np.pi if is_ball else 0.5 * a
+        load = 2.0 / 3.0 * np.pi * a**2 * p0 if is_ball else 0.5 * np.pi * a * p0
+        plasticity = Plasticity(Hardening(1.0), depth, 48, 1)
+        found = pressed(parabola(nodes, 2 if is_ball else 1), [load], plasticity)[0]
+        told = p0 / flow_measures.largest_von_mises(found)[0]
+        known = "1.60" if is_ball else "von Mises, nu = 0.3: 3.1 k = 1.79"
+        print(f"{name:9} p0/Y at first yield {told:.3f}  (Johnson 1985, 6.1: {known})")
+
+
+def hardness():
+    """Mean pressure of a ball over its contact, deep in the plastic regime, over the yield stress."""
+    a, nodes = 0.1, 128
+    for ratio in (3.0, 10.0, 30.0, 100.0, 300.0):
+        stress = a / ratio
+        load = 2.8 * stress * np.pi * a**2
+        steps = list(load * np.linspace(0.1, 1.0, 10))
+        found = pressed(parabola(nodes, 2), steps, Plasticity(Hardening(stress), 0.3, 40, 1))[-1]
+        area = found.equilibrium.touching.mean()
+        radius = np.sqrt(area / np.pi)
+        print(
+            f"E* a / (Y R) {radius / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
+            f"plastic strain up to {flow_measures.largest_plastic_strain(found)[0]:.3f}",
+            flush=True,
+        )
+
+
+def residual():
+    """What is left of a ball and a cylinder once they are drawn off, on the axis."""
+    for name, dimension, ratio in (("ball", 2, 2.5), ("cylinder", 1, 2.5)):
+        a, nodes = 0.1, 128 if dimension == 2 else 512
+        p0 = 2.0 * a / np.pi if dimension == 2 else 0.5 * a
+        load = p0 * (2.0 / 3.0 * np.pi * a**2 if dimension == 2 else 0.5 * np.pi * a)
+        loads = [*load * np.linspace(0.1, 1.0, 10), 1e-6 * load]
+        *_, loaded, free = pressed(parabola(nodes, dimension), loads, Plasticity(Hardening(p0 / ratio), 0.25, 32, 1))
+        flow, (_, along) = flow_measures.flow_of(free), flow_measures.stresses(free)
+        middle = nodes // 2
+        along, flown = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
+        deep = np.cumsum(flow.body.waves.thickness)
+        last = np.flatnonzero(flown)[-1]
+        again = (flow.equivalent > flow_measures.flow_of(loaded).equivalent).any()
+        most, below = flown.argmax(), last + 1
+        print(
+            f"{name:9} drawn off from p0 = {ratio} Y: stress along x on the axis, where most has flown (depth "
+            f"{deep[most] / a:.2f} a), {along[most] / (p0 / ratio):+.3f} Y; below the plastic zone (depth "
+            f"{deep[below] / a:.2f} a) {along[below] / (p0 / ratio):+.3f} Y; dent over rim "
+            f"{flow.out.min() / flow.out.max():+.2f}; flows back: {bool(again)}"
+        )
+
+
+def elements(meshes=((32, 24), (64, 44))):
+    """A sinusoid with a plastic body in plane strain, on the grid and by finite elements, under equal loads."""
+    from elastoplastic_elements import PlasticBody
+    from finite_elements import graded
+
+    stress, slope, amplitude = 0.008, 0.01, 0.01
+    for columns, rows in meshes:
+        body = PlasticBody(columns, graded(1.0, rows, 0.5 / columns), NU, stress, slope)
+        punch = amplitude * (1.0 - np.cos(2.0 * np.pi * (body.x - 0.5)))
+        steps = [body.step(punch - depth * amplitude) for depth in (0.125, 0.25, 0.375, 0.5)]
+        loads = [float((body._lengths() * p).sum()) for p in steps]
+        x = np.arange(512) / 512
+        heights = amplitude * np.cos(2.0 * np.pi * (x - 0.5))
+        found = pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, 64, 1))[-1]
+        flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
+        volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
+        theirs = steps[-1].max(), (steps[-1] > 1e-3 * stress).mean(), body.equivalent.max()
+        both = zip(
+            ("peak pressure", "touching", "largest plastic strain", "its integral"),
+            (*theirs, (body.equivalent * body.points.dx).sum()),
+            (p.max(), (p > 0.0).mean(), flow.equivalent.max(), volume),
+            strict=True,
+        )
+        told = "  ".join(f"{name} {own / other - 1.0:+.2%}" for name, other, own in both)
+        print(f"{columns} x {rows} quadratic elements: {told}", flush=True)
+
+
+_TAMAAS = """
+import sys, time
+import numpy as np
+import tamaas as tm
+from tamaas.nonlinear_solvers import DFSANECXXSolver
+tm.set_log_level(tm.LogLevel.error)
+given = np.load(sys.argv[1])
+heights, nz, depth, nu = given["heights"], int(given["nz"]), float(given["depth"]), float(given["nu"])
+model = tm.ModelFactory.createModel(tm.model_type.volume_2d, [depth, 1.0, 1.0], [nz, *heights.shape])
+model.E, model.nu = 1.0 - nu**2, nu
+law = tm.materials.IsotropicHardening(model, float(given["stress"]), float(given["slope"]))
+contact = tm.PolonskyKeerRey(model, np.ascontiguousarray(heights - heights.max()), 1e-10)
+both = tm.EPICSolver(contact, DFSANECXXSolver(tm.Residual(model, law)), 1e-6, 0.3)
+started = time.perf_counter(), time.process_time()
+error = both.acceleratedSolve(float(given["load"]))
+took = time.perf_counter() - started[0], time.process_time() - started[1]
+pressure, flown = (np.asarray(model[name]) for name in ("traction", "cumulated_plastic_strain"))
+np.savez(sys.argv[2], pressure=pressure[..., 2], flown=flown, took=took, error=error)
+"""
+
+
+def tamaas(interpreter):
+    """A ball on one grid, in one increment, here and by Tamaas: pressures, plastic strains and processor times."""
+    a, depth = 0.15, 0.3
+    p0 = 2.0 * a / np.pi
+    load, stress, slope = 2.0 / 3.0 * np.pi * a**2 * p0, p0 / 2.5, 0.02
+    for nodes, nz in ((32, 16), (64, 32), (128, 64)):
+        heights = parabola(nodes, 2)
+        with tempfile.TemporaryDirectory() as folder:
+            given, result = Path(folder) / "given.npz", Path(folder) / "result.npz"
+            np.savez(given, heights=heights, nz=nz, depth=depth, nu=NU, stress=stress, slope=slope, load=load)
+            subprocess.run([interpreter, "-c", _TAMAAS, given, result], check=True, env={"OMP_NUM_THREADS": "1"})
+            theirs = dict(np.load(result))
+        started = time.process_time()
+        found = pressed(heights, [load], Plasticity(Hardening(stress, slope), depth, nz, 1))[0]
+        took = time.process_time() - started
+        flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
+        off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
+        peak, most = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flown"].max()
+        mean = flow.equivalent.mean() / theirs["flown"].mean()
+        print(
+            f"{nodes} x {nodes} x {nz}: processor time {took:.2f} s, of Tamaas {theirs['took'][1]:.1f} s, ratio "
+            f"{theirs['took'][1] / took:.0f}; pressures differ by {off:.2%}, their peaks by {peak - 1.0:+.2%}, the "
+            f"largest plastic strain by {most - 1.0:+.2%}, its mean by {mean - 1.0:+.2%}",
+            flush=True,
+        )
+
+
+def random_scene(rng):
+    """Heights, loads, plasticity and Poisson's ratio."""
+    dimension = int(rng.integers(1, 3))
+    nodes = int(rng.choice([32, 64, 81, 128] if dimension == 1 else [12, 16, 24]))
+    q = grid.magnitudes((nodes,) * dimension)
+    spectrum = np.where(q > 0.0, np.maximum(q, 1.0) ** -rng.uniform(1.0, 2.5), 0.0) * np.exp(
+        2j * np.pi * rng.random(q.shape)
+    )
+    heights = grid.signal(np.where(q < np.pi * nodes * rng.uniform(0.2, 0.8), spectrum, 0.0), *(nodes,) * dimension)
+    heights /= np.sqrt((grid.signal(q * grid.coefficients(heights, dimension), *heights.shape) ** 2).mean())
+    nu = float(rng.choice([-0.2, 0.0, 0.3, 0.45, 0.5]))
+    loads = list(rng.uniform(0.005, 0.6, int(rng.integers(1, 4))))
+    stress = float(np.exp(rng.uniform(np.log(0.15), np.log(2.0))))
+    most = stress * (1.0 - nu) / max(1.0 - 2.0 * nu, 1e-12)
+    loads = [min(load, 0.8 * most) for load in loads]
+    rise = float(rng.choice([0.0, 0.5])) * stress
+    hardening = Hardening(stress, float(rng.choice([0.0, 0.01, 0.3])), rise, 0.5 if rise else np.inf)
+    depth = None if rng.random() < 0.7 else float(rng.uniform(0.02, 0.5))
+    return heights, loads, Plasticity(hardening, depth, int(rng.integers(6, 25)), 1), nu
+
+
+def violations(heights, loads, plasticity, nu):
+    """Largest violation of each condition by the contacts of a path, found again from their fields alone."""
+    worst, before = dict.fromkeys(("status", "yield", "flow rule", "contact", "balance"), 0.0), 0.0
+    contacts = pressed(heights, loads, plasticity, nu)
+    for found, load in zip(contacts, loads, strict=False):
+        flow, solved = flow_measures.flow_of(found), found.equilibrium
+        worst["status"] = max(worst["status"], float(solved.status[0]))
+        if solved.status[0]:
+            return worst
+        p, shape = solved.pressure[0], heights.shape
+        flow.body.moved(flow.strain)
+        stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
+        added, size = flow.strain - before, flow_measures.equivalent(stress)
+        bears = plasticity.hardening.at(flow.equivalent)
+        worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
+        flows = flow_measures.equivalent(added) / 1.5
+        rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)
+        slack = np.where(flows > 0.0, np.abs(size - bears), 0.0).max()
+        both = max(2.0 * flow.body.shear * np.abs(rest).max(), slack)
+        worst["flow rule"] = max(worst["flow rule"], float(both) / plasticity.hardening.stress)
+        q = grid.magnitudes(shape)
+        elastic = grid.coefficients(p, len(shape)) * np.divide(2.0, q, out=np.zeros_like(q), where=q > 0.0)
+        gap = -heights - flow.out[0] + grid.signal(elastic, *shape)
+        gap -= gap[p > 0.0].mean()
+        off = max(-gap.min(), np.abs(gap[p > 0.0]).max()) / np.ptp(heights)
+        worst["contact"] = max(worst["contact"], float(off), float(-p.min()))
+        worst["balance"] = max(worst["balance"], abs(float(p.mean()) / load - 1.0))
+        before = flow.strain
+    return worst
+
+
+def scenes(count=200):
+    """Random contacts: each has to hold its conditions, or to say that it does not."""
+    rng, worst, refused, started = np.random.default_rng(37), {}, 0, time.process_time()
+    for i in range(count):
+        scene = random_scene(rng)
+        found = violations(*scene)
+        refused += found.pop("status") > 0.0
+        worst = {name: max(value, worst.get(name, 0.0)) for name, value in found.items()}
+        if i % 20 == 19:
+            told = "  ".join(f"{name} {value:.1e}" for name, value in worst.items())
+            print(f"{i + 1:4d} scenes, {refused} refused; worst {told}", flush=True)
+    print(f"processor time {time.process_time() - started:.0f} s")
+
+
+PARTS = {"yield": first_yield, "hardness": hardness, "residual": residual, "elements": elements, "scenes": scenes}
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["tamaas"]:
+        tamaas(sys.argv[2])
+    else:
+        for part in sys.argv[1:] or PARTS:
+            PARTS[part]()

@@ -1,0 +1,110 @@
+"""What has flown inside a body: the state of the process, and what is measured of it.
+
+Strains are in g, stresses in g E*, thicknesses in L_x.
+"""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.state import Change, Contact, LoadStep, State, once
+from gfmd_numba.elasticity.eigenstrain import Sublayers
+from gfmd_numba.elasticity.fields import von_mises
+
+NAME = "flow"
+
+
+@dataclass(frozen=True)
+class Flow:
+    """What has flown in a body: plastic strains `[component, sublayer, y, x]`, and the equivalent one of all steps.
+
+    The surface has moved by `out` `[realisation, (y,) x]` on its own. The yield condition and the flow rule hold to a
+    `residual` times the yield stress. With half the increments, the mean pressure or residual displacement would change
+    by an `error`, not-a-number where it is not known.
+    """
+
+    body: Sublayers
+    strain: Reals
+    equivalent: Reals
+    out: Reals
+    residual: float = 0.0
+    error: float = np.nan
+
+    @classmethod
+    def untouched(cls, body: Sublayers) -> "Flow":
+        """Nothing has flown."""
+        ny, nx = body.shape
+        equivalent = np.zeros((body.waves.thickness.size, ny, nx))
+        out = np.zeros((1, nx) if ny == 1 else (1, ny, nx))
+        return cls(body, np.zeros((body.components, *equivalent.shape)), equivalent, out)
+
+
+@dataclass(frozen=True)
+class PlasticFlow:
+    """The process: it remembers the flow, which `plastic_flow.follow` has found."""
+
+    name: ClassVar[str] = NAME
+
+    def begin(self, shape: tuple[int, ...]) -> Flow | None:
+        """Nothing has flown, and how deep it will is not known."""
+        return None
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """The surface has moved by what has flown."""
+        flow: Flow | None = state.memory[NAME]
+        return Change(out=None if flow is None else flow.out)
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> Flow | None:
+        """The flow that the contact was found with."""
+        flow: Flow | None = state.memory[NAME]
+        return flow
+
+
+def flow_of(contact: Contact) -> Flow:
+    """What has flown by the end of the step of a contact."""
+    flow: Flow = contact.after.memory[NAME]
+    return flow
+
+
+def equivalent(tensor: Reals) -> Reals:
+    """Equivalent stress `[sublayer, y, x]` of a deviatoric one `[component, sublayer, y, x]`; of strains times 1.5."""
+    xx, zz, *shear = tensor
+    return von_mises(xx, -xx - zz, zz, *shear)
+
+
+@once
+def stresses(contact: Contact) -> Reals:
+    """Equivalent stress and that along x in the body under a contact, means of sublayers `[2, sublayer, y, x]`."""
+    flow = flow_of(contact)
+    flow.body.moved(flow.strain)
+    *strains, normal = flow.body.strains(contact.equilibrium.pressure[0].reshape(flow.body.shape), with_normal=True)
+    deviator = 2.0 * flow.body.shear * (np.stack(strains) - flow.strain)
+    return np.stack((equivalent(deviator), normal + deviator[0] - deviator[1]))
+
+
+def plastic_volume(contact: Contact) -> Reals:
+    """Volume that has flown over the nominal area `[realisation]`."""
+    flow = flow_of(contact)
+    return np.array([float(flow.body.waves.thickness @ (flow.equivalent > 0.0).mean(axis=(1, 2)))])
+
+
+def largest_plastic_strain(contact: Contact) -> Reals:
+    """Largest equivalent plastic strain `[realisation]`."""
+    return np.array([float(flow_of(contact).equivalent.max())])
+
+
+def largest_von_mises(contact: Contact) -> Reals:
+    """Largest equivalent stress `[realisation]`."""
+    return np.array([float(stresses(contact)[0].max())])
+
+
+def flow_residual(contact: Contact) -> Reals:
+    """Violation of the yield condition and the flow rule over the yield stress `[realisation]`."""
+    return np.array([flow_of(contact).residual])
+
+
+def increment_error(contact: Contact) -> Reals:
+    """Change by half the increments `[realisation]`."""
+    return np.array([flow_of(contact).error])

@@ -1,0 +1,164 @@
+"""Plastic flow inside the body: J2 plasticity in sublayers below the surface, found together with the contact.
+
+What has flown moves the surface, and the pressure makes what flows. The map from plastic strains to those to which the
+yield surface returns the stress under them, with the contact in equilibrium, is a step of forward-backward splitting
+(Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two states apart. Anderson's
+mixing (J. ACM 12:547, 1965) makes it fast. Strains are in g, stresses in g E*, thicknesses in L_x.
+"""
+
+import time
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.contact import solution
+from gfmd_numba.contact.flow_measures import NAME, Flow, equivalent, stresses
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.state import Contact, LoadStep, State
+from gfmd_numba.elasticity.eigenstrain import Sublayers
+from gfmd_numba.solvers.status import Status
+
+RESIDUAL = 100.0  # that of the flow over that of the contact
+_FEWEST = 4  # increments, half of which tell their error: one and two of them often err alike
+_MIXED, _LOOPS, _RISEN = 5, 500, 2.0
+_PROBES, _SHALLOWEST, _DEEPEST = 64, 0.25, 2.0  # sublayers that look for the depth, from (nodes) to (L_x)
+_MARGIN, _NEARLY = 1.25, 0.9  # of the depth to which an elastic body would yield, and of the largest stress
+
+
+def follow(problem: Problem, state: State, largest: float) -> Contact:
+    """Equilibrium at the end of a step that begins in a state; `largest` is the largest load of its path (g E*)."""
+    assert problem.plasticity is not None
+    started = time.perf_counter()
+    if state.memory[NAME] is None:
+        state = state.remembering(NAME, _nothing_yet(problem, state, largest))
+    found = _divided(problem, state, problem.plasticity.increments)
+    if problem.plasticity.increments >= _FEWEST and found.equilibrium.status[0] == Status.ok:
+        coarse = _divided(problem, state, problem.plasticity.increments // 2)
+        found = _remembering(found, error=_difference(coarse, found))
+    spent = np.array([time.perf_counter() - started])
+    return replace(found, equilibrium=replace(found.equilibrium, wall_time=spent))
+
+
+def _difference(coarse: Contact, fine: Contact) -> float:
+    """Mean difference of the pressures of two contacts over their mean, or that of residual displacements if larger."""
+    pairs = [(each.equilibrium.pressure, each.change.out) for each in (coarse, fine)]
+    found = 0.0
+    for one, other in zip(*pairs, strict=True):
+        scale = float(abs(other).sum())
+        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
+    return found
+
+
+def _remembering(found: Contact, **changed: Any) -> Contact:
+    assert found.before is not None
+    return replace(found, before=found.before.remembering(NAME, replace(found.before.memory[NAME], **changed)))
+
+
+def _divided(problem: Problem, state: State, increments: int) -> Contact:
+    """The contact that a step ends with, in so many increments, or the first that is not ok."""
+    start = LoadStep(0.0, problem.step.sliding)
+    if state.last is not None and state.last.step is not None:
+        start = state.last.step
+    transforms = iterations = np.zeros(1, dtype=np.int64)
+    before = state.memory[NAME].strain
+    for increment in range(1, increments + 1):
+        step = start.towards(problem.step, increment / increments) if increment < increments else problem.step
+        guess = 2.0 * state.memory[NAME].strain - before if increment > 2 else state.memory[NAME].strain
+        before = state.memory[NAME].strain
+        found = _increment(problem.under(step), state, guess)
+        transforms = transforms + found.equilibrium.n_transforms
+        iterations = iterations + found.equilibrium.n_iterations
+        if found.equilibrium.status[0] != Status.ok:
+            break
+        state = found.after
+    return replace(found, equilibrium=replace(found.equilibrium, n_transforms=transforms, n_iterations=iterations))
+
+
+def _increment(problem: Problem, state: State, strain: Reals) -> Contact:
+    """Equilibrium at the load of a problem, after a state, begun with a guess of the plastic strain."""
+    assert problem.plasticity is not None
+    start, hardening, bound = state.memory[NAME], problem.plasticity.hardening, RESIDUAL * problem.numerics.residual
+    body, mixing, is_last = start.body, Mixing(start), False
+    transforms, iterations = np.zeros((2, 1), dtype=np.int64)
+    for _ in range(_LOOPS):
+        out = body.moved(strain).reshape(start.out.shape)
+        found = solution.solve(problem, state.remembering(NAME, replace(start, out=out)))
+        state, iterations = state.begun_at(found), iterations + 1
+        transforms = transforms + found.equilibrium.n_transforms + 2 * strain.shape[0] * strain.shape[1]
+        returned = body.strains(found.equilibrium.pressure[0].reshape(body.shape))
+        points = (each.reshape(len(strain), -1) for each in (returned, start.strain))
+        kernels.return_to_yield(*points, start.equivalent.ravel(), hardening, body.shear)
+        residual = 2.0 * body.shear * float(abs(returned - strain).max()) / hardening.stress
+        if found.equilibrium.status[0] != Status.ok or (is_last and residual <= bound):
+            break
+        is_last = residual <= bound  # the last step is not mixed: it leaves nothing where nothing yields
+        strain = returned if is_last else mixing.next(strain, returned)
+    else:
+        found.equilibrium.status[0] = Status.steps_used_up
+    added = equivalent(strain - start.strain) / 1.5
+    flow = Flow(body, strain, start.equivalent + added, out, residual)
+    counted = replace(found.equilibrium, n_transforms=transforms, n_iterations=iterations)
+    return replace(found, before=state.remembering(NAME, flow), equilibrium=counted)
+
+
+class Mixing:
+    """Anderson's mixing of a map of plastic strains, over the points whose strain has changed in any iteration.
+
+    Unmixed, the map never takes two strains farther apart: where mixing does, it begins anew from the best one.
+    """
+
+    def __init__(self, start: Flow) -> None:
+        self._start, self._weight = start.strain, np.sqrt(start.body.waves.thickness)
+        self._changed = np.zeros(self._start.shape[1:], dtype=np.bool_)
+        self._past: list[tuple[Reals, Reals]] = []
+        self._best: tuple[float, Reals] = np.inf, self._start[:, self._changed]
+
+    def next(self, strain: Reals, returned: Reals) -> Reals:
+        """Where to go from a strain that the map has turned into another."""
+        changed = self._changed | (returned != self._start).any(axis=0) | (strain != self._start).any(axis=0)
+        old, self._changed = self._changed[changed], changed
+        self._past = [(_put(x, old), _put(f, old)) for x, f in self._past]
+        self._best = self._best[0], _put(self._best[1], old, self._start[:, changed])
+        here, there = strain[:, changed], returned[:, changed]
+        step, weight = there - here, np.broadcast_to(self._weight[:, np.newaxis, np.newaxis], changed.shape)[changed]
+        size = float(np.linalg.norm(weight * step))
+        if size > _RISEN * self._best[0]:
+            self._past, there = [], self._best[1]
+        else:
+            self._past = [*self._past[-_MIXED:], (here, step)]
+            if size < self._best[0]:
+                self._best = size, there
+            if len(self._past) > 1:
+                moves, turns = (np.diff([pair[i] for pair in self._past], axis=0) for i in (0, 1))
+                weighed = (weight * turns).reshape(len(turns), -1)
+                shares = np.linalg.lstsq(weighed.T, (weight * step).ravel(), rcond=None)[0]
+                there = there - np.tensordot(shares, moves + turns, 1)
+        mixed = self._start.copy()
+        mixed[:, changed] = there
+        return mixed
+
+
+def _put(values: Reals, places: Flags, around: Reals | None = None) -> Reals:
+    """Values `[component, point]` at some of more points; 0 elsewhere, or what is around."""
+    found = np.zeros((len(values), places.size)) if around is None else around.copy()
+    found[:, places] = values
+    return found
+
+
+def _nothing_yet(problem: Problem, state: State, largest: float) -> Flow:
+    """A body in which nothing has flown, with sublayers as deep as a problem says, or as its largest load asks for."""
+    plasticity, shape = problem.plasticity, state.heights.shape[1:]
+    assert plasticity is not None
+    map_shape = (1, *shape)[-2:]
+    depth = plasticity.depth
+    if depth is None:
+        probes = np.diff(np.geomspace(_SHALLOWEST / shape[-1], _DEEPEST, _PROBES), prepend=0.0)
+        probe = Flow.untouched(Sublayers(map_shape, probes, problem.body.nu))
+        elastic = solution.solve(problem.under(problem.step._replace(load=largest)), state.remembering(NAME, probe))
+        stress = stresses(elastic)[0].max(axis=(1, 2))
+        reached = np.flatnonzero(stress >= min(plasticity.hardening.stress, _NEARLY * stress.max()))[-1]
+        depth = _MARGIN * float(probes[: reached + 1].sum())
+    return Flow.untouched(Sublayers(map_shape, plasticity.thicknesses(depth, shape[-1]), problem.body.nu))

@@ -1,0 +1,34 @@
+"""What makes a body flow, and the sublayers in which it may."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.kernels import Hardening
+
+
+@dataclass(frozen=True)
+class Plasticity:
+    """J2 plasticity (g E*, g) in sublayers down to a depth (L_x), None: as deep as the largest load asks for.
+
+    Each step of a loading has so many increments.
+    """
+
+    hardening: Hardening
+    depth: float | None
+    sublayers: int
+    increments: int
+
+    def thicknesses(self, depth: float, nx: int) -> Reals:
+        """Thicknesses `[sublayer]` down to a depth below nx nodes: the first not above the distance of the nodes.
+
+        Where that needs it, each is thicker than the one above it by the same factor.
+        """
+        first, powers = 1.0 / nx, np.arange(self.sublayers)
+        if depth <= self.sublayers * first:
+            return np.full(self.sublayers, depth / self.sublayers)
+        growth = brentq(lambda factor: first * float((factor**powers).sum()) - depth, 1.0, depth / first)
+        found = growth**powers
+        return np.asarray(depth / found.sum() * found)

@@ -1,0 +1,107 @@
+"""Bodies that flow inside: conditions, first yield, unloading, increments and sublayers."""
+
+import numpy as np
+import pytest
+from plastic_flow import elements, first_yield, parabola, pressed, random_scene, violations
+
+from gfmd_numba.contact import flow_measures
+from gfmd_numba.contact.plastic_flow import Mixing
+from gfmd_numba.elasticity.eigenstrain import Sublayers
+from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.kernels import Hardening
+
+PRESSURE = 0.04  # Hertz's p0 of a cylinder of radius 1 whose contact is 0.16 wide
+LOAD = 0.5 * np.pi * 0.08 * PRESSURE
+
+
+def cylinder(loads, increments=1, ratio=2.5, hardening=0.02, nodes=64):
+    plasticity = Plasticity(Hardening(PRESSURE / ratio, hardening), None, 12, increments)
+    return pressed(parabola(nodes, 1), [LOAD * each for each in loads], plasticity)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_bodies_hold_yield_condition_flow_rule_contact_and_balance(seed):
+    found = violations(*random_scene(np.random.default_rng(seed)))
+    assert found["status"] == 0.0
+    assert found["yield"] < 1e-5
+    assert found["flow rule"] < 3e-5
+    assert found["contact"] < 1e-7
+    assert found["balance"] < 1e-7
+
+
+def test_without_flow_the_contact_is_elastic():
+    flows, elastic = cylinder([1.0], ratio=1.5)[0], cylinder([1.0], ratio=1e-3)[0]
+    assert flow_measures.plastic_volume(flows) == 0.0
+    np.testing.assert_array_equal(flows.equilibrium.pressure, elastic.equilibrium.pressure)
+
+
+def test_unloading_is_elastic_and_leaves_a_dent_and_compression():
+    first, off, again = cylinder([1.0, 1e-4, 1.0])
+    flow, rest = flow_measures.flow_of(first), flow_measures.flow_of(off)
+    np.testing.assert_array_equal(flow.strain, rest.strain)
+    np.testing.assert_allclose(again.equilibrium.pressure, first.equilibrium.pressure, atol=1e-6 * PRESSURE)
+    middle = 32
+    assert rest.out[0].argmin() == middle
+    assert rest.out[0, middle] < -2.0 * rest.out.max() < 0.0
+    _, along = flow_measures.stresses(off)
+    most = rest.equivalent[:, 0, middle].argmax()
+    assert along[most, 0, middle] < -0.1 * PRESSURE / 2.5
+
+
+def test_errors_fall_with_the_increments_and_are_told():
+    exact = cylinder([1.0], 32)[0].equilibrium.pressure
+    found = [cylinder([1.0], n)[0] for n in (4, 8)]
+    errors = [abs(each.equilibrium.pressure - exact).sum() / abs(exact).sum() for each in found]
+    assert errors[0] > 1.4 * errors[1]
+    for each, error in zip(found, errors, strict=True):
+        assert flow_measures.flow_of(each).error > 0.8 * error
+    assert np.isnan(flow_measures.flow_of(cylinder([1.0], 2)[0]).error)
+
+
+def test_more_load_flows_deeper_than_the_first_step_of_a_path_alone_would_ask_for():
+    first, last = cylinder([0.5, 1.0])
+    flow = flow_measures.flow_of(last)
+    assert flow.equivalent[-1].max() == 0.0
+    assert flow_measures.plastic_volume(last) > flow_measures.plastic_volume(first) > 0.0
+
+
+def test_sublayers_fill_the_depth_and_are_fine_below_the_surface():
+    plasticity = Plasticity(Hardening(1.0), None, 16, 1)
+    for depth in (0.1, 0.7):
+        found = plasticity.thicknesses(depth, 64)
+        assert found.sum() == pytest.approx(depth, rel=1e-14)
+        assert found[0] <= 1.0 / 64 + 1e-12
+        assert (np.diff(found) >= -1e-15).all()
+
+
+def test_mixing_reaches_the_fixed_point_of_a_map_that_turns():
+    rng = np.random.default_rng(1)
+    body = Sublayers((1, 4), np.array([0.1, 0.2]), 0.3)
+    start = flow_measures.Flow.untouched(body)
+    turn, _ = np.linalg.qr(rng.normal(size=(24, 24)))
+    weight = np.sqrt(np.broadcast_to(body.waves.thickness[:, np.newaxis], (3, 2, 4))).ravel()
+    matrix, goal = 0.95 * turn * weight / weight[:, np.newaxis], rng.normal(size=24)
+    strain, mixing = start.strain, Mixing(start)
+    for _ in range(200):
+        returned = (goal + matrix @ (strain.ravel() - goal)).reshape(strain.shape)
+        strain = mixing.next(strain, returned)
+    np.testing.assert_allclose(strain.ravel(), goal, atol=1e-3)
+
+
+def test_first_yield_is_where_johnson_has_it(capsys):
+    first_yield(("cylinder",))
+    assert float(capsys.readouterr().out.split()[5]) == pytest.approx(1.79, rel=5e-3)
+
+
+@pytest.mark.long
+def test_first_yield_of_a_ball_is_where_johnson_has_it(capsys):
+    first_yield(("ball",))
+    assert float(capsys.readouterr().out.split()[5]) == pytest.approx(1.60, rel=1e-2)
+
+
+@pytest.mark.long
+def test_a_sinusoid_flows_as_finite_elements_do(capsys):
+    elements(((32, 24),))
+    told = capsys.readouterr().out
+    for name in ("peak pressure", "largest plastic strain"):
+        assert abs(float(told.split(f"  {name} " if name[0] == "l" else f"{name} ")[1].split("%")[0])) < 1.0

@@ -1,0 +1,130 @@
+"""Scenes whose body flows inside: units, what they write, what they refuse, and what campaigns make of them."""
+
+import copy
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.scene import InputError
+
+FLOWS = {
+    "scene": {
+        "length": "1 mm",
+        "body": {
+            "youngs_modulus": "200 GPa",
+            "poissons_ratio": 0.3,
+            "plasticity": {"yield_stress": "400 MPa", "hardening": "2 GPa", "sublayers": 16, "increments": 4},
+        },
+        "form": {"radius": "10 mm", "points": 64},
+        "interface": {"hard_wall": {}},
+        "loading": {"pressure": "200 MPa"},
+    },
+    "path": [{"pressure": "1 kPa"}],
+}
+
+
+def changed(*keys, **values):
+    """The file with other values at a place; None removes one."""
+    found = copy.deepcopy(FLOWS)
+    place = found
+    for key in keys:
+        place = place[key]
+    place |= values
+    for name in [name for name, value in values.items() if value is None]:
+        del place[name]
+    return found
+
+
+def test_a_dent_stays_in_the_units_of_the_file_and_is_that_of_a_scene_without_units():
+    found = gfmd_numba.solve(FLOWS)
+    assert found["residual_displacement"].units == found["depth"].units == "m"
+    assert found["von_mises_stress"].units == found["stress_x"].units == "Pa"
+    assert found["equivalent_plastic_strain"].dims == ("step", "depth", "x")
+    assert (found["flow_residual"] <= 1e-6).all()
+    np.testing.assert_allclose(found["largest_von_mises"][0], 4e8, rtol=0.05)
+    np.testing.assert_array_equal(found["residual_displacement"][0], found["residual_displacement"][1])
+    modulus = 200e9 / 0.91
+    bare = changed("scene", length=None, form={"radius": 10.0, "points": 64}, loading={"pressure": 200e6 / modulus})
+    bare["scene"]["body"] = {
+        "poissons_ratio": 0.3,
+        "plasticity": {"yield_stress": 400e6 / modulus, "hardening": 2e9 / modulus, "sublayers": 16, "increments": 4},
+    }
+    bare["scene"]["loading"] = {"pressure": 200e6 / modulus}
+    with pytest.raises(InputError, match="pressure"):  # in Pa, which needs moduli
+        gfmd_numba.solve(bare)
+    micro = changed("scene", length="1 um", form={"radius": "10 um", "points": 64})
+    smaller = gfmd_numba.solve(micro)
+    for name in ("pressure", "equivalent_plastic_strain", "von_mises_stress"):
+        np.testing.assert_allclose(smaller[name], found[name], rtol=1e-9, atol=1e-9 * float(found[name].max()))
+    np.testing.assert_allclose(1e3 * smaller["depth"], found["depth"], rtol=1e-9)
+
+
+def test_voce_hardening_lies_between_no_hardening_and_the_saturation_stress():
+    def stress(**plasticity):
+        file = changed(
+            "scene", "body", plasticity={"yield_stress": "400 MPa", "sublayers": 16, "increments": 4} | plasticity
+        )
+        return float(gfmd_numba.solve(file)["largest_von_mises"][0])
+
+    assert stress() == pytest.approx(400e6, rel=1e-5)
+    voce = stress(saturation_stress="600 MPa", saturation_strain=0.002)
+    assert 450e6 < voce < 600e6
+
+
+def doubts(**plasticity):
+    own = FLOWS["scene"]["body"]["plasticity"] | plasticity
+    return gfmd_numba.solve(changed("scene", "body", plasticity=own)).attrs["validity"]
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_layers_sublayers_and_increments_that_are_too_few_are_told():
+    assert "lowest sublayer" in doubts(depth="50 um")
+    assert "sublayers deep" in doubts(depth="0.9 mm", sublayers=4)
+    assert "unknown error" in doubts(increments=1)
+    assert doubts(increments=16) == ""
+
+
+REFUSED = {
+    "saturation alone": (
+        changed("scene", "body", plasticity={"yield_stress": "1 GPa", "saturation_stress": "2 GPa"}),
+        "saturation_strain",
+    ),
+    "saturation below yield": (
+        changed(
+            "scene",
+            "body",
+            plasticity={"yield_stress": "1 GPa", "saturation_stress": "1 GPa", "saturation_strain": 0.1},
+        ),
+        "a stress above the yield_stress",
+    ),
+    "friction": (changed("scene", "interface", friction={"coefficient": 0.3}), "no friction with plasticity"),
+    "hardness": (changed("scene", interface={"hard_wall": {"hardness": "1 GPa"}}), "a hard_wall without hardness"),
+    "slab": (changed("scene", "body", aspect_ratio=1.0), "a half-space of one material"),
+    "window": (changed("scene", periodic=False), "true with plasticity"),
+    "load": (changed("scene", loading={"pressure": "701 MPa"}), "at which the body yields at all depths"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_does_not_go_with_plastic_flow_is_refused(name):
+    file, told = REFUSED[name]
+    with pytest.raises(InputError, match=told):
+        gfmd_numba.solve(file)
+
+
+def test_fields_below_a_body_that_flows_are_refused():
+    with pytest.raises(InputError, match="a body that flows inside"):
+        gfmd_numba.fields(gfmd_numba.solve(changed("scene", loading={"pressure": "1 MPa"})))
+
+
+def test_campaigns_vary_the_yield_stress(tmp_path):
+    scene = FLOWS["scene"] | {"loading": {"pressure": "150 MPa"}}
+    campaign = {"name": "yield", "scene": scene, "grid": {"yield_stress": ["300 MPa", "500 MPa"]}}
+    load_campaign(campaign)
+    found = gfmd_numba.run(campaign, tmp_path / "out")
+    np.testing.assert_allclose(found["yield_stress"], [3e8, 5e8])
+    volume = found["plastic_volume"].values.ravel()
+    assert volume[0] > volume[1] > 0.0
+    assert found["peak_pressure"].values.ravel()[0] < found["peak_pressure"].values.ravel()[1]

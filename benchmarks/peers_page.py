@@ -42,8 +42,8 @@ that is left is {worst}. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 
-- **Tamaas**: more laws of adhesion (squared exponential, Maugis); plastic flow inside the body with isotropic
-  hardening; several threads (OpenMP), and many machines (MPI) when built from source.
+- **Tamaas**: more laws of adhesion (squared exponential, Maugis); several threads (OpenMP), and many machines (MPI)
+  when built from source.
 - **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
   which analyses measured surfaces.
 
@@ -52,9 +52,7 @@ materials. The [README](../README.md#how-it-compares) has a table of both sides.
 
 ## Contacts without a period
 
-`python benchmarks/free_peers.py` presses a rough ball on 512 x 512 nodes under [three
-loads](free_contacts.md#other-codes). gfmd-numba takes 0.24, 0.26 and 0.37 s, Tamaas takes 21, 23 and 24 times as long,
-and ContactMechanics takes 22, 24 and 25 times as long. On 128 and 256 nodes a side they take 4 to 14 times as long.
+[Their page](free_contacts.md#other-codes) compares areas and times (`python benchmarks/free_peers.py`).
 
 ## Programs that stop at an error
 

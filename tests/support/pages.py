@@ -155,14 +155,6 @@ CAMPAIGN = {
     "limits": {"eps_c": [1, "1/4"], "eps_f": ["1/4", "1/64"]},
     "fit": {"fixed": {"eps_c": 2, "eps_f": 1}},
 }
-LOOP = CAMPAIGN | {
-    "name": "loop",
-    "scene": SCENE["scene"] | {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}}},
-    "reference": {"eps_c": "1/2", "eps_f": "1/8", "eps_t": "1/2"},
-    "limits": {"eps_f": ["1/4", "1/16"]},
-    "path": [{"sliding": "20 nm"}, {"sliding": 0}],
-    "fit": {"variable": "hysteresis", "fixed": {"eps_f": 1}},
-}
 LOADS = CAMPAIGN | {"name": "loads", "grid": {"reduced_pressure": [0.1, 0.14, 0.2]}}
 CLUSTER = {"cores": 2, "memory": "4 GB", "walltime": "1 h", "jobs": {"max": 2}}
 # files that pages speak of without printing them
@@ -171,7 +163,6 @@ FILES = {
     "map.yaml": MAP,
     "campaign.yaml": CAMPAIGN,
     "loads.yaml": LOADS,
-    "loop.yaml": LOOP,
     "cluster.yaml": CLUSTER,
 }
 

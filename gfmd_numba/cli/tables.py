@@ -174,6 +174,9 @@ def of_fit(fitted: xr.Dataset) -> Told:
         laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)
         found = f"{laws}, exponent {_exponent_found(fitted, limit)}, extrapolated {_distance(fitted, limit)}"
         yield Line(LIMITS[limit], f"{limit}: {found}", width=14)
+    if "eps_t" in varied and (fitted["aspect_ratio"] < inf).any():
+        thick = "as eps_t -> 0 a slab becomes infinitely thick, so that this limit is that of a half-space"
+        yield Line("note", f"{thick}: leave eps_t out, with levels of your own, for a slab of finite height")
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
         yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")

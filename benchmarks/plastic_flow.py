@@ -113,11 +113,15 @@ def elements(meshes=((32, 24), (64, 44))):
         found = pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, 64, 1))[-1]
         flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
-        theirs = steps[-1].max(), (steps[-1] > 1e-3 * stress).mean(), body.equivalent.max()
+        spread = [
+            np.sqrt((weight * p * (at - 0.5) ** 2).sum() / (weight * p).sum())
+            for weight, p, at in ((body._lengths(), steps[-1], body.x), (1.0, p, x))
+        ]
+        theirs = steps[-1].max(), spread[0], body.equivalent.max()
         both = zip(
-            ("peak pressure", "touching", "largest plastic strain", "its integral"),
+            ("peak pressure", "rms distance of the pressure from the middle", "largest plastic strain", "its integral"),
             (*theirs, (body.equivalent * body.points.dx).sum()),
-            (p.max(), (p > 0.0).mean(), flow.equivalent.max(), volume),
+            (p.max(), spread[1], flow.equivalent.max(), volume),
             strict=True,
         )
         told = "  ".join(f"{name} {own / other - 1.0:+.2%}" for name, other, own in both)

@@ -37,6 +37,7 @@ _OF_WAVES = Common(1e-10, 0.1, "shorter than an atom", "longer than 10 cm", ("um
 _OF_LAWS = Common(1e-10, 1e-5, "shorter than an atom", "longer than forces between surfaces reach", ("nm", "um"))
 _OF_FORMS = Common(1e-9, 1.0, "sharper than any tip", "more than 1 m", ("mm", "um", "nm"))
 _OF_PUNCHES = Common(1e-13, 1e-2, "less than a thousandth of an atom", "more than 1 cm", ("um", "nm"))
+_OF_YIELD = Common(1e5, 1e11, "softer than wax", "harder than diamond", ("GPa", "MPa"))
 Given = tuple[Location, float, Quantity]
 _OF_BODIES = Common(1e5, 2e12, "softer than rubber", "stiffer than diamond", ("GPa", "MPa", "kPa"))
 _OF_TIMES = Common(1e-12, 1e10, "shorter than atoms vibrate", "longer than a century", ("min", "h"))
@@ -48,6 +49,9 @@ COMMON = {
     "speed": Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),
     "rate": Common(1e-20, 1e-9, "less than any material wears", "more than chalk wears", ("mm^2/N", "mm^3/N/m")),
     "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
+    **dict.fromkeys(("yield_stress", "saturation_stress"), _OF_YIELD),
+    "hardening": _OF_YIELD._replace(high=2e12, above="stiffer than diamond"),
+    "depth": Common(1e-10, 0.1, "thinner than an atom", "thicker than 10 cm", ("um", "mm", "nm")),
     "work_of_adhesion": Common(1e-4, 10.0, "weaker than van der Waals forces", "stronger than a glue", ("mJ/m^2",)),
     "range": _OF_LAWS,
     "normal_length": _OF_LAWS,
@@ -66,7 +70,12 @@ _OF_BOUNDARIES = {
     for component in COMPONENTS[2]
     for name, quantity in (("traction", PRESSURE), ("displacement", LENGTH))
 }
-_UP_TO_MODULUS = {*LOADS, "hardness", *(name for name, quantity in _OF_BOUNDARIES.items() if quantity is PRESSURE)}
+_UP_TO_MODULUS = {
+    *LOADS,
+    "hardness",
+    "yield_stress",
+    *(name for name, quantity in _OF_BOUNDARIES.items() if quantity is PRESSURE),
+}
 _WITHIN_PERIOD = {"range", "normal_length", "tangential_length", "rms_height", "displacement"}
 _WITHIN_PERIOD |= {name for name, quantity in _OF_BOUNDARIES.items() if quantity is LENGTH}
 _LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
@@ -130,7 +139,9 @@ def _against_modulus(scales: Compared, given: Iterable[Given], of_its_own: bool)
     whole = f" (E* = {_readable(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
     for place, value, quantity in given:
         name, one = str(place[-1]), quantity.scale(scales.length or 1.0, scales.modulus)
-        if name not in _UP_TO_MODULUS or (of_its_own and name == "hardness"):  # a large one may stand for none
+        if name not in _UP_TO_MODULUS or (
+            of_its_own and name in ("hardness", "yield_stress")
+        ):  # a large one may stand for none
             continue
         ratio, told = abs(value) / one, _told(place, value, quantity, scales)
         if ratio > 1.0:

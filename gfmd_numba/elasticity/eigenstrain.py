@@ -36,13 +36,15 @@ class Sublayers:
 
         It is 0 in the mean, and `strains` then knows the eigenstrain.
         """
-        spectrum = grid.coefficients(eigenstrain, 2)
-        spectrum *= 2.0 * self.shear
+        some = eigenstrain.any(axis=(0, 2, 3))
+        waves = self.shape[0], self.shape[1] // 2 + 1
+        spectrum = np.zeros((self.components, some.size, *waves), dtype=np.complex128)
+        spectrum[:, some] = grid.coefficients(2.0 * self.shear * eigenstrain[:, some], 2)
         self._spectrum = spectrum.reshape(*spectrum.shape[:2], -1)
         self._found, out = np.empty_like(self._spectrum), np.empty(self.waves.q.size, dtype=np.complex128)
         kernels.waves_upwards(self._spectrum, self.waves, self._found, self._surface)
         kernels.reflect(self._surface, self.waves, out)
-        return grid.signal(out.reshape(spectrum.shape[2:]), *self.shape)
+        return grid.signal(out.reshape(waves), *self.shape)
 
     def strains(self, pressure: Reals, with_normal: bool = False) -> Reals:
         """Deviatoric strains `[component, sublayer, y, x]` under a pressure `[y, x]` by the eigenstrain of `moved`.

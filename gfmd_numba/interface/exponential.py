@@ -28,8 +28,13 @@ class ExponentialLaw:
 
     @property
     def strength(self) -> float:
-        """Traction at zero gap."""
+        """Largest traction where no gap is negative, that at zero gap."""
         return self.work / self.length
+
+    @property
+    def reach(self) -> float:
+        """Gap over which its attraction falls to 1/e; 0 for repulsion."""
+        return self.length if self.work > 0.0 else 0.0
 
     @property
     def softening(self) -> float:

@@ -19,7 +19,11 @@ class NormalLaw(Protocol):
 
     @property
     def strength(self) -> float:
-        """Traction at zero gap."""
+        """Largest traction where no gap is negative; below 0 for repulsion."""
+
+    @property
+    def reach(self) -> float:
+        """Gap over which its attraction falls off; 0 for repulsion."""
 
     @property
     def softening(self) -> float:

@@ -12,6 +12,7 @@ _ARRAYS_OF_LAWS = {
     (1, "friction"): 180,
     (2, "friction"): 256,
     (2, "exponential"): 32,
+    (2, "squared_exponential"): 32,
     (2, "cohesive"): 96,
     (2, "boundary"): 32,
 }
@@ -19,6 +20,7 @@ _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at 
 _ARRAYS_OF_INCLINED_SURFACES = 56  # and more above order 0
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
 _ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
+_ARRAYS_OF_A_SUBLAYER = {1: 36, 2: 60}
 _ARRAYS_OF_A_BRANCH, _ARRAYS_OF_WEAR = 24, 8
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
 _FIELDS_WITHOUT_DRAG = 4
@@ -58,9 +60,10 @@ def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
 
 
 def arrays_of_memory(scene: Scene) -> int:
-    """Return how many more arrays the past of a scene takes: of a viscoelastic body, and of a punch that wears."""
-    branches = len(scene.body.relaxation or ())
-    return _ARRAYS_OF_A_BRANCH * branches + (_ARRAYS_OF_WEAR if scene.interface.wear is not None else 0)
+    """Return how many more arrays the past of a scene takes: of a body that creeps or flows, of a punch that wears."""
+    branches, plasticity = len(scene.body.relaxation or ()), scene.body.plasticity
+    flow = 0 if plasticity is None else _ARRAYS_OF_A_SUBLAYER[scene.dimension] * plasticity.sublayers
+    return flow + _ARRAYS_OF_A_BRANCH * branches + (_ARRAYS_OF_WEAR if scene.interface.wear is not None else 0)
 
 
 def beyond_memory(nodes: float, arrays: int, whose: str = "this") -> str:

@@ -69,6 +69,20 @@ class Exponential(LawRecord):
         return self
 
 
+class SquaredExponential(LawRecord):
+    """Attraction with energy -work_of_adhesion exp(-(gap/range)^2 / 2) per area."""
+
+    title: ClassVar = "squared exponential law"
+    ability: ClassVar = "normal law"
+    implementation: ClassVar = "gfmd_numba.interface.squared_exponential:SquaredExponentialLaw"
+    normal: ClassVar = True
+    across_open_gap: ClassVar = True
+    needs_touching_nodes: ClassVar = True
+    keeps_apart: ClassVar = False
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    range: Length = Field(description="Gap of the largest attraction, in m if the scene has a length, else in L_x")
+
+
 class Cohesive(LawRecord):
     """Xu and Needleman's cohesive law of gap and slip together."""
 
@@ -106,7 +120,7 @@ class Wear(BaseModel):
     rate: WearRate = Field(description="Depth over pressure and sliding distance in m^2/N (1/E* without moduli)")
 
 
-Law = HardWall | Exponential | Cohesive | Friction
+Law = HardWall | Exponential | SquaredExponential | Cohesive | Friction
 
 
 class Interface(BaseModel):
@@ -115,6 +129,9 @@ class Interface(BaseModel):
     model_config = RECORD
     hard_wall: HardWall | None = Field(None, description="Non-overlap constraint")
     exponential: Exponential | None = Field(None, description="Finite-range attraction or repulsion")
+    squared_exponential: SquaredExponential | None = Field(
+        None, description="Attraction that is largest at a gap, and none at no gap"
+    )
     cohesive: Cohesive | None = Field(None, description="Attraction, repulsion and resistance to slip in one law")
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
     wear: Wear | None = Field(None, description="Loss of material of the punch where it slides")

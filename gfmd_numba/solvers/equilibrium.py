@@ -191,7 +191,8 @@ def _check_hardness(load: float | None, interface: Interactions) -> None:
     """Raise ValueError for a load that the hardness cannot carry."""
     if load is None or interface.hardness is None:
         return
-    most = interface.hardness - (0.0 if interface.normal_law is None else interface.normal_law.strength)
+    law = interface.normal_law
+    most = interface.hardness - (0.0 if law is None else float(law.traction(np.zeros(1))[0]))
     if load >= most:
         raise ValueError(f"a mean pressure of {load:g} at or above the {most:g} that the hardness bears")
 

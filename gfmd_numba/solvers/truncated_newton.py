@@ -37,7 +37,7 @@ class EnergyOfGap:
 
     def __init__(self, law: NormalLaw) -> None:
         self._law = law
-        self.reach = law.strength / law.softening if law.softening > 0.0 else 0.0
+        self.reach = law.reach
         self.normal_traction = law.traction
 
     def fill_traction(self, gap: Reals, slip: Reals, traction: Reals) -> None:

@@ -65,6 +65,9 @@ def _fit(hursts=(0.3, 0.8)):
 
 WRITTEN = {
     "contact": _contact,
+    "body that flows": lambda: gfmd_numba.solve(
+        FILE | {"scene": SCENE | {"body": {"poissons_ratio": 0.3, "plasticity": {"yield_stress": 5e-3}}}}
+    ),
     "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
     "load curve": lambda: gfmd_numba.load_curve(FILE, [0.1, 0.2]),
     "creep curve": lambda: gfmd_numba.creep_curve(

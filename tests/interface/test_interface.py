@@ -10,26 +10,35 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.squared_exponential import SquaredExponentialLaw
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
 from support.kernel_twins import both
 from support.laws import nearly_flat, surface
 
+LAWS = [ExponentialLaw(0.3, 0.2), ExponentialLaw(-0.3, 0.2), SquaredExponentialLaw(0.3, 0.2)]
 
-@pytest.mark.parametrize("work", [0.3, -0.3])
-def test_traction_and_stiffness_are_derivatives_of_the_energy(work):
-    law, gap, h = ExponentialLaw(work, 0.2), np.linspace(-0.1, 1.0, 12), 1e-6
+
+@pytest.mark.parametrize("law", LAWS, ids=["attraction", "repulsion", "squared"])
+def test_traction_and_stiffness_are_derivatives_of_the_energy(law):
+    gap, h = np.linspace(-0.1, 1.0, 12), 1e-6
     # the gap shrinks as the body moves towards the punch
     np.testing.assert_allclose(law.traction(gap), (law.energy(gap + h) - law.energy(gap - h)) / (2 * h), rtol=1e-8)
-    np.testing.assert_allclose(law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), rtol=1e-8)
+    np.testing.assert_allclose(
+        law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), 1e-8, 1e-9
+    )
     worst = law.stiffness(np.maximum(gap, 0.0)).max()
     assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
+    fine = np.linspace(0.0, 1.0, 5001)
+    assert law.softening == pytest.approx(max(-law.stiffness(fine).min(), 0.0), rel=1e-6)
+    largest = law.traction(fine)[np.abs(law.traction(fine)).argmax()]
+    assert law.strength == pytest.approx(largest, rel=1e-6)
 
 
 @pytest.mark.filterwarnings("error")
-def test_the_change_of_energy_is_that_of_the_energy_near_and_far():
-    law = ExponentialLaw(0.3, 0.2)
+@pytest.mark.parametrize("law", [LAWS[0], LAWS[2]], ids=["exponential", "squared"])
+def test_the_change_of_energy_is_that_of_the_energy_near_and_far(law):
     gap = np.array([0.0, 0.5, 0.5, 0.5, 0.5, 400.0, 400.0, 1e3])
     closing = np.array([-0.2, 0.0, 0.3, -0.3, 1e-14, 400.0, 399.5, -1e3])
     expected = law.energy(gap - closing) - law.energy(gap)
@@ -229,3 +238,14 @@ def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, s
     path.write_text(text.replace("solver: auto", f"solver: {solver}"))
     with pytest.raises(InputError, match=f"numerics.solver: you gave '{solver}'; gfmd allows "):
         gfmd_numba.solve(path)
+
+
+def test_a_flat_punch_is_pulled_by_the_squared_exponential_law_at_its_gap(tmp_path):
+    law, first, nu = SquaredExponentialLaw(1e-5, 0.02), -0.03, 0.3
+    asked = {"work_of_adhesion": law.work, "range": law.length}
+    found = nearly_flat(tmp_path, [-0.01, -0.05], first, hard_wall={}, squared_exponential=asked)
+    assert (found["status"] == 0).all()
+    gap, pressure = found["gap"].mean("x").values, found["mean_pressure"].values
+    np.testing.assert_allclose(pressure, -law.traction(gap), rtol=1e-6)
+    stiffness = (1.0 - nu) ** 2 / (1.0 - 2.0 * nu) / 0.1
+    np.testing.assert_allclose(gap, [0.03, 0.01, 0.05] + pressure / stiffness, rtol=1e-6)

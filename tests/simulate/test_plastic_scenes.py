@@ -63,10 +63,8 @@ def test_a_dent_stays_in_the_units_of_the_file_and_is_that_of_a_scene_without_un
 
 def test_voce_hardening_lies_between_no_hardening_and_the_saturation_stress():
     def stress(**plasticity):
-        file = changed(
-            "scene", "body", plasticity={"yield_stress": "400 MPa", "sublayers": 16, "increments": 4} | plasticity
-        )
-        return float(gfmd_numba.solve(file)["largest_von_mises"][0])
+        own = {"yield_stress": "400 MPa", "sublayers": 16, "increments": 4} | plasticity
+        return float(gfmd_numba.solve(changed("scene", "body", plasticity=own))["largest_von_mises"][0])
 
     assert stress() == pytest.approx(400e6, rel=1e-5)
     voce = stress(saturation_stress="600 MPa", saturation_strain=0.002)
@@ -116,7 +114,7 @@ def test_what_does_not_go_with_plastic_flow_is_refused(name):
 
 def test_fields_below_a_body_that_flows_are_refused():
     with pytest.raises(InputError, match="a body that flows inside"):
-        gfmd_numba.fields(gfmd_numba.solve(changed("scene", loading={"pressure": "1 MPa"})))
+        gfmd_numba.body_fields(gfmd_numba.solve(changed("scene", loading={"pressure": "1 MPa"})))
 
 
 def test_campaigns_vary_the_yield_stress(tmp_path):

@@ -1,0 +1,68 @@
+"""Attraction that falls off as a Gauss curve of the gap: energy, traction and curvature."""
+
+from dataclasses import dataclass
+from math import exp
+from typing import Self
+
+import numpy as np
+
+from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.scene.interface_records import SquaredExponential
+from gfmd_numba.scene.units import rounded
+
+
+@dataclass(frozen=True)
+class SquaredExponentialLaw:
+    """Law with energy -work exp(-(gap / length)^2 / 2) per area, which pulls most at a gap of its length.
+
+    Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
+    """
+
+    work: float
+    length: float
+
+    @classmethod
+    def scaled(cls, asked: SquaredExponential, length: float, energy: float) -> Self:
+        """Law of a scene, its lengths and its energies per area over these."""
+        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length))
+
+    @property
+    def strength(self) -> float:
+        """Largest traction, at a gap of one length."""
+        return exp(-0.5) * self.work / self.length
+
+    @property
+    def reach(self) -> float:
+        """Gap of the largest traction."""
+        return self.length
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2, at a gap of 3^(1/2) lengths."""
+        return 2.0 * exp(-1.5) * self.work / self.length**2
+
+    def energy(self, gap: Reals) -> Reals:
+        """Energy per area of the surfaces at a gap."""
+        return np.asarray(-self.work * np.exp(-0.5 * (gap / self.length) ** 2))
+
+    def traction(self, gap: Reals) -> Reals:
+        """Traction that pulls the body towards the punch."""
+        return np.asarray(-self.energy(gap) * gap / self.length**2)
+
+    def stiffness(self, gap: Reals) -> Reals:
+        """Restoring stiffness -d traction / du at a gap; beyond one length the law softens."""
+        return np.asarray(-self.energy(gap) * (1.0 - (gap / self.length) ** 2) / self.length**2)
+
+    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
+        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
+        gain = closing * (gap - 0.5 * closing) / self.length**2  # of the exponent
+        deepest = np.where(gain > 0.0, self.energy(gap - closing), self.energy(gap))
+        return np.asarray(-np.sign(gain) * deepest * np.expm1(-np.abs(gain)))
+
+    def stiffest(self, pressure: float, hard_wall: bool) -> float:
+        """Largest stiffness the law adds, at no gap."""
+        return self.work / self.length**2
+
+    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the restoring traction `ku` in the active rows."""
+        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])

@@ -58,6 +58,7 @@ def test_a_scene_is_refused_by_check_and_by_solve_alike(tmp_path, name):
     assert said in done.stderr.replace(f"{tmp_path}/", "")
 
 
+@pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 def test_the_options_of_the_solver_that_is_named_are_accepted(tmp_path):
     named = "{solver: verlet, time_step: 0.5, damping: 1, residual: 1e-3}"
     text = changed(changed(SCENE, *FRICTION), "{solver: auto}", named)

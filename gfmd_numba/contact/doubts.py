@@ -152,10 +152,10 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     if scene.interface.reaches_across:
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    touching = dataset["gap"] <= 0.0
-    counts = touching.sum(nodes)
+    bears = dataset["pressure"] > 0.0
+    counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
-        extents = [touching.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
+        extents = [bears.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
         across = xr.concat(extents, "axis").min("axis")
     else:  # a disc of as many nodes
         across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5

@@ -81,9 +81,11 @@ def compliance(
     if len(shape) == 1:
         return quarter[:, 0]
     rows, _ = padded_shape(shape, ends)
-    mirrored = quarter[:, (rows - 1) // 2 : 0 : -1]
-    signs = np.array([-1.0 if odd_y else 1.0 for odd_y, _ in _ODD[number]])
-    return np.concatenate((quarter, signs[:, np.newaxis, np.newaxis] * mirrored), axis=1)
+    whole = np.concatenate((quarter, quarter[:, (rows - 1) // 2 : 0 : -1]), axis=1)
+    for element, (odd_y, _) in zip(whole, _ODD[number], strict=True):
+        if odd_y:
+            np.negative(element[quarter.shape[1] :], out=element[quarter.shape[1] :])
+    return whole
 
 
 def _side(shape: tuple[int, ...]) -> int:

@@ -60,6 +60,7 @@ def test_one_long_step_is_near_many_short_ones_and_these_are_of_first_order():
     assert (ratios > 1.5).all()
 
 
+@pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 def test_a_sine_wears_to_its_flat():
     """Under a small load a blunt sine loses its caps, of the worn volume; its flat bears an even pressure."""
     n, amplitude, load, rate = 512, 1e-3, 1e-5, 40.0

@@ -158,6 +158,7 @@ def test_a_bad_boundary_under_a_punch_is_refused_where_it_stands(folder, name):
     assert complaint(folder, gfmd_numba.solve, changed(PRESSED, *change)).startswith(expected)
 
 
+@pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 @pytest.mark.parametrize("text", [LOADED, PRESSED])
 def test_what_the_bad_ones_were_made_from_is_good(folder, text):
     path = folder / "good.yaml"

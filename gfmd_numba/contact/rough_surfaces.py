@@ -1,7 +1,7 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import hypot, prod
 
 import numpy as np
@@ -33,6 +33,10 @@ Place = tuple[str, ...]  # of a roughness in the scene
 MeasuredSurfaces = Mapping[Place, MeasuredSurface]
 
 BODIES = ("body", "counter_body")
+_FADED = (
+    "periodic: window fades the measured surface to a plane at its ends, and area, gap and pressure are those of the "
+    "faded surface: take periodic: mirror for a contact, and a window for spectra"
+)
 _UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 STEEPEST = 0.030  # rms gradient that the thesis allows order 0 (5.3.4)
 _WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that its ends do not meet
@@ -280,6 +284,8 @@ def _measured(
         found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, scene.periodic)
     except ValueError as error:
         raise _unusable_file(record, document, place, error) from None
+    if record.periodic == "window":
+        found = replace(found, doubts=(*found.doubts, _FADED))
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
     if len(set(found.heights.shape)) > 1 or unequal:
         points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))

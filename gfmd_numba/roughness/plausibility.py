@@ -274,7 +274,7 @@ def _seams(heights: Reals, ends: tuple[bool, ...]) -> Iterable[str]:
         if jump > SEAM * rms and jump > SEAM_OVER_LARGEST * largest:
             yield (
                 f"the heights jump by {jump:.3g} where the period along {name} closes, {jump / rms:.3g} rms steps "
-                "between neighbours: periodic: mirror or window makes the ends meet, detrend: tilt removes a slope"
+                "between neighbours: periodic: mirror makes the ends meet, detrend: tilt removes a slope"
                 if rms > 0.0
                 else f"the heights jump by {jump:.3g} where the period along {name} closes, and nowhere else"
             )

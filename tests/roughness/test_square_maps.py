@@ -61,6 +61,7 @@ def test_a_stretch_is_stated(tmp_path):
     assert "a square once stretched by 0.1 %" in found.done[0]
 
 
+@pytest.mark.filterwarnings("ignore:periodic. window fades")
 def test_a_rectangle_in_a_scene_names_the_remedy(tmp_path):
     scene = {
         "roughness": {

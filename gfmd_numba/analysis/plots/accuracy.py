@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import ACCURACY
@@ -34,6 +35,7 @@ _YLABELS = {
     "topography order": "Displacement by the next order over $L_x$",
 }
 _COLUMNS = 3
+_LABELS = 3.4  # heights of notes that labels take below a panel
 
 
 @checked
@@ -66,7 +68,9 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
     axis.grid()
-    axis.legend(fontsize=small(), loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    below = ScaledTranslation(0.0, -_LABELS * small() / 72.0, axis.figure.dpi_scale_trans)  # type: ignore[union-attr]
+    place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": axis.transAxes + below}
+    axis.legend(fontsize=small(), loc="upper center", ncols=2, **place)
 
 
 def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:

@@ -16,7 +16,7 @@ from gfmd_numba.analysis.arguments import Variable, checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import CAMPAIGN, FIT
 from gfmd_numba.analysis.plots.parameter import Key, Looks, looks_of, plot_parameter
-from gfmd_numba.analysis.plots.style import Width, add_legend, first_columns, of_variable, sheet, small
+from gfmd_numba.analysis.plots.style import Width, add_legend, first_columns, of_variable, sheet, small, usual
 from gfmd_numba.analysis.selection import (
     at_nyquist,
     discretisations,
@@ -70,6 +70,8 @@ def plot_campaign(
             _draw_limit(axis, select_limit(dataset, limit), limit, variable, looks, fitted)
         if fitted:
             _draw_extrapolated(panels[-1], fitted, looks)
+        low, high = _usual_means(dataset, variable, fitted)
+        panels[0].set_ylim(max(panels[0].get_ylim()[0], low), min(panels[0].get_ylim()[1], high))
         for axis in first_columns(panels):
             axis.set_ylabel(of_variable(dataset, variable))
         for axis in panels:
@@ -87,6 +89,14 @@ def plot_campaign(
             panels[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
         add_legend(figure, handles, -(-len(handles) // max(1, len(handles) // 4)))
     return figure
+
+
+def _usual_means(dataset: xr.Dataset, variable: str, fitted: dict[Key, xr.Dataset]) -> tuple[float, float]:
+    """Return the ends of an axis for all limits and means that are no outliers, with room for error bars."""
+    drawn = [ensemble_mean(dataset, name)[0] for name in (variable, "kappa_counted") if name in dataset]
+    low, high = usual(np.concatenate([*drawn, [float(in_the_limit(fit)[0]) for fit in fitted.values()]]))
+    room = (high - low) or abs(high) or 1.0
+    return low - room, high + room
 
 
 def _without_cross_levels(dataset: xr.Dataset) -> xr.Dataset:

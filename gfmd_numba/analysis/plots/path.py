@@ -3,6 +3,7 @@
 from functools import partial
 from typing import NamedTuple
 
+import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -143,7 +144,7 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
         place = int(group["_place"][0])
         look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
         values = x.values if panel.x == "step" else x.values[place]
-        axis.plot(across * values, up * mean.values[place], **look)
+        axis.plot(across * values, up * mean.values[place], ms=0.7 * mpl.rcParams["lines.markersize"], **look)
         if panel.x != "step":
             _mark_way(axis, across * values, up * mean.values[place], look["color"])
         if panel.x == "step_load":
@@ -165,7 +166,13 @@ def _mark_way(axis: Axes, x: Reals, y: Reals, colour: str) -> None:
         i = int(np.searchsorted(ends, share * ends[-1]))
         if lengths[i] > 0.0:
             tail, head = ((x[i] + t * steps[0, i], y[i] + t * steps[1, i]) for t in (0.45, 0.55))
-            look = {"arrowstyle": "-|>", "color": colour, "shrinkA": 0.0, "shrinkB": 0.0}
+            look = {
+                "arrowstyle": "-|>",
+                "color": colour,
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+                "mutation_scale": 1.6 * small(),
+            }
             axis.annotate("", head, tail, arrowprops=look)
 
 

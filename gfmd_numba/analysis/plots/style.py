@@ -144,22 +144,20 @@ def last_rows(axes: Iterable[Axes]) -> list[Axes]:
 
 def _settle(figure: Figure, columns: int) -> None:
     """Break labels that are longer than their place, and thin or turn labels of ticks that collide."""
-    for bins in (4, 3, 2):
+    for bins in (4, 4, 3, 3, 2, 2):
         figure.get_layout_engine().execute(figure)  # type: ignore[union-attr]
-        changed = [_break(text, figure.bbox.width / columns) for text in figure.findobj(Text) if text.get_text()]
+        changed = [_break(axes, axis, figure.bbox.width / columns) for axes in figure.axes for axis in ("x", "y", "")]
         changed += [_thin(axis, bins) for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
         if not any(changed):
             return
 
 
-def _break(text: Text, across: float) -> bool:
-    """Break a label or title in one more line at spaces outside formulae, if it is longer than its panel."""
-    axes = text.axes
-    if axes is None or text not in (axes.title, axes.xaxis.label, axes.yaxis.label):
-        return False
+def _break(axes: Axes, which: str, across: float) -> bool:
+    """Break the label of an axis, or the title, in one more line at spaces outside formulae, if it is too long."""
+    text: Text = getattr(axes, f"{which}axis").label if which else axes.title
     box, panel = text.get_window_extent(), axes.get_window_extent()
     middle = 0.5 * (box.x0 + box.x1) % across
-    upright = text is axes.yaxis.label
+    upright = which == "y"
     if (box.height if upright else box.width) <= (panel.height if upright else 2.0 * min(middle, across - middle)):
         return False
     said, lines = text.get_text(), 2 + text.get_text().count("\n")
@@ -174,7 +172,8 @@ def _thin(axis: Axis, bins: int) -> bool:
     ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
     labels = [label for tick in ticks for label in (tick.label1, tick.label2)]
     boxes = [label.get_window_extent() for label in labels if label.get_visible() and label.get_text()]
-    ends = sorted((box.x0, box.x1) if isinstance(axis, XAxis) else (box.y0, box.y1) for box in boxes)
+    apart = 0.4 * max((min(box.width, box.height) for box in boxes), default=0.0) if isinstance(axis, XAxis) else 0.0
+    ends = sorted((box.x0, box.x1 + apart) if isinstance(axis, XAxis) else (box.y0, box.y1) for box in boxes)
     if all(before[1] < after[0] for before, after in pairwise(ends)):
         return False
     if isinstance(axis.get_major_locator(), FixedLocator):

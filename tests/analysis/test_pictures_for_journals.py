@@ -1,4 +1,4 @@
-"""Pictures in the width of a journal's column: sizes, text that can be read and stays text, and what an outlier does."""
+"""Pictures in the width of a journal's column: their text can be read and stays text; what is marked in pictures."""
 
 import functools
 import re
@@ -19,6 +19,7 @@ from gfmd_numba.storage.atomic_file import write_picture
 from support import synthetic_campaigns
 from support.legible import faults
 from support.solved_maps import paraboloid, pressed
+from support.synthetic_campaigns import with_axes
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
 SCENE = {
@@ -30,7 +31,10 @@ SCENE = {
 }
 GRID = {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}
 SLIDING = [{"sliding": 5e-9 * step} for step in (1, 2, 1, 0)]
-CREEPING = SCENE | {"interface": {"hard_wall": {}}, "body": BODY | {"relaxation": [{"modulus": 2e9, "time": 1.0}]}}
+CREEPING = {
+    "scene": SCENE | {"interface": {"hard_wall": {}}, "body": BODY | {"relaxation": [{"modulus": 2e9, "time": 1.0}]}},
+    "discretisation": GRID,
+}
 
 
 @functools.cache
@@ -64,10 +68,8 @@ def rounds():
 
 
 def studies():
-    names = ("solver residual", "eps_c", "eps_f", "surfaces")
-    rows = [
-        (name, curve, 0.5**i, 0.1 * 0.5**i, 2.0**i) for name in names for curve in ("one", "other") for i in range(4)
-    ]
+    curves = [(name, curve) for name in ("solver residual", "eps_c", "eps_f", "surfaces") for curve in ("one", "other")]
+    rows = [(*curve, 0.5**i, 0.1 * 0.5**i, 2.0**i) for curve in curves for i in range(4)]
     columns = zip(("study", "curve", "setting", "error", "seconds"), zip(*rows, strict=True), strict=True)
     return xr.Dataset({name: ("point", list(each)) for name, each in columns} | {"failed": ("point", [0] * len(rows))})
 
@@ -96,15 +98,7 @@ DRAWN = {
     "contact of a profile": draws("contact", contact),
     "contact of a map": draws("contact", map_),
     "loading path": lambda width: plot_path(contact(), width=width),
-    "load curve": draws(
-        "load curve", lambda: gfmd_numba.load_curve({"scene": SCENE, "discretisation": GRID}, [0.1, 0.2])
-    ),
-    "creep curve": draws(
-        "creep curve", lambda: gfmd_numba.creep_curve({"scene": CREEPING, "discretisation": GRID}, [0.1, 1.0])
-    ),
-    "friction curve": draws(
-        "friction curve", lambda: gfmd_numba.friction_curve({"scene": CREEPING, "discretisation": GRID}, [1e-6, 1e-5])
-    ),
+    "creep curve": draws("creep curve", lambda: gfmd_numba.creep_curve(CREEPING, [0.1, 1.0])),
     "campaign": lambda width: plot_campaign(campaign(), fit(), width=width),
     "fit": draws("fit", fit),
     "rounds": lambda width: plot_rounds(rounds(), width=width),
@@ -138,7 +132,7 @@ def crowded(figure):
     return found
 
 
-@pytest.mark.parametrize("width", ["single", "double"])
+@pytest.mark.parametrize("width", ["single", pytest.param("double", marks=pytest.mark.long)])
 @pytest.mark.parametrize("kind", DRAWN)
 def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     figure = DRAWN[kind](width)
@@ -151,54 +145,50 @@ def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
 
 @pytest.mark.parametrize("kind", ["pdf", "svg"])
 def test_text_stays_text_in_vector_graphics(kind, tmp_path):
-    figure = DRAWN["fit"]("single")
-    write_picture(tmp_path / f"fit.{kind}", figure)
-    written = (tmp_path / f"fit.{kind}").read_bytes()
+    write_picture(tmp_path / f"rounds.{kind}", DRAWN["rounds"]("single"))
+    written = (tmp_path / f"rounds.{kind}").read_bytes()
     if kind == "pdf":
         assert b"/FontFile2" in written
         assert b"/Subtype /Type3" not in written
     else:
         said = re.sub(r"<[^>]*>", "", written.decode())
-        assert "in the TFC limit" in said
+        assert "Processor time of the contacts" in said
         assert b"<text" in written
 
 
 def test_an_outlier_makes_no_map_grey_and_stretches_no_axis():
-    plain, spoilt = step(map_()).drop_attrs(deep=False), step(map_()).copy(deep=True)
+    spoilt = step(map_()).copy(deep=True)
     spread = float(spoilt["height"].std())
     spoilt["height"][3, 5] -= 55.0 * spread
     spoilt["gap"][3, 5] += 55.0 * spread
-    before, after = (plot_contact(each).axes[0].images[0] for each in (plain, spoilt))
-    assert after.norm.vmax - after.norm.vmin == pytest.approx(before.norm.vmax - before.norm.vmin, rel=0.2)
-    assert after.colorbar.extend == "min"
+    heights = plot_contact(spoilt).axes[0].images[0]
+    assert np.ptp(np.quantile(heights.norm(heights.get_array()), [0.05, 0.95])) > 0.4
+    assert heights.colorbar.extend == "min"
     gap = plot_statistics(gfmd_numba.contact_statistics(spoilt)).axes[1]
     assert gap.get_xlim()[1] < 8.0
 
 
 def test_a_mean_with_an_error_beyond_all_others_stretches_no_axis():
     spoilt = campaign().copy(deep=True)
-    spoilt["kappa"][0, 0] = 55.0
+    spoilt["kappa"][0, :2] += [55.0, -55.0]
     usual = plot_campaign(campaign()).axes[0].get_ylim()
-    assert np.ptp(plot_campaign(spoilt).axes[0].get_ylim()) < 4.0 * np.ptp(usual)
+    assert np.ptp(plot_campaign(spoilt).axes[0].get_ylim()) < 3.0 * np.ptp(usual)
 
 
 def test_what_a_fit_tends_to_along_a_limit_is_drawn_in_its_panel():
     panel = plot_campaign(campaign(), fit()).axes[0]
     found = fit().isel(group=0)
-    others = found["correction"].sel(limit=["eps_f", "eps_t"]).sum() + found["interaction"].sel(
-        pair="eps_f eps_t"
-    ).fillna(0)
+    corrections = found["correction"].sel(limit=["eps_f", "eps_t"]).sum()
+    others = corrections + found["interaction"].sel(pair="eps_f eps_t").fillna(0.0)
     drawn = [line.get_ydata()[0] for line in panel.lines if line.get_linestyle() == ":"]
     assert min(abs(np.array(drawn) - float(found["kappa_tfc"] + others))) < 1e-9
 
 
 def test_loads_are_told_apart_by_colour():
-    loads = xr.concat(
-        [campaign().assign_coords(reduced_pressure=("case", [p] * campaign().sizes["case"])) for p in (0.1, 0.2)],
-        "case",
-    )
-    figure = plot_campaign(loads.isel(case=loads["hurst"].values == 0.3))
-    assert len({handle.get_color() for handle in figure.legends[0].legend_handles[:2]}) == 2
+    one = campaign().isel(case=campaign()["hurst"].values == 0.3)
+    loads = [one.assign_coords(reduced_pressure=("case", [load] * one.sizes["case"])) for load in (0.1, 0.2)]
+    handles = plot_campaign(with_axes(xr.concat(loads, "case"))).legends[0].legend_handles
+    assert len({handle.get_color() for handle in handles[:2]}) == 2
 
 
 def test_a_loop_has_arrows_and_a_jump_is_named():
@@ -221,7 +211,7 @@ def test_the_hottest_spot_of_a_large_map_is_enlarged():
     small, large = paraboloid(24), pressed(paraboloid(96), 4.0 / 3.0 * (9 / 96) ** 3 / 100.0)
     (inset,) = plot_contact(large).axes[1].child_axes
     x, y = inset.get_xlim(), inset.get_ylim()
-    row, column = np.unravel_index(int(large["pressure"].argmax()), large["pressure"].shape)
+    row, column = np.unravel_index(int(np.argmax(large["pressure"].values)), large["pressure"].shape)
     assert x[0] < (column + 0.5) / 96 < x[1]
     assert y[0] < (row + 0.5) / 96 < y[1]
     assert plot_conductance(gfmd_numba.contact_conductance(large)).axes[0].child_axes

@@ -68,7 +68,7 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
     axis.grid()
-    below = ScaledTranslation(0.0, -_LABELS * small() / 72.0, axis.figure.dpi_scale_trans)  # type: ignore[union-attr]
+    below = ScaledTranslation(0.0, -_LABELS * small() / 72.0, axis.figure.dpi_scale_trans)
     place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": axis.transAxes + below}
     axis.legend(fontsize=small(), loc="upper center", ncols=2, **place)
 

@@ -95,7 +95,7 @@ def _usual_means(dataset: xr.Dataset, variable: str, fitted: dict[Key, xr.Datase
     """Return the ends of an axis for all limits and means that are no outliers, with room for error bars."""
     drawn = [ensemble_mean(dataset, name)[0] for name in (variable, "kappa_counted") if name in dataset]
     low, high = usual(np.concatenate([*drawn, [float(in_the_limit(fit)[0]) for fit in fitted.values()]]))
-    room = (high - low) or abs(high) or 1.0
+    room = 0.5 * (high - low) or abs(high) or 1.0
     return low - room, high + room
 
 

@@ -169,13 +169,14 @@ def _break(axes: Axes, which: str, across: float) -> bool:
 def _thin(axis: Axis, bins: int) -> bool:
     """Have fewer labels on an axis on which some collide; turn those that stand at fixed places."""
     low, high = sorted(axis.get_view_interval())
-    ticks = [tick for tick in axis.get_major_ticks() if low <= tick.get_loc() <= high]
-    labels = [label for tick in ticks for label in (tick.label1, tick.label2)]
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    labels = [label for tick in ticks if low <= tick.get_loc() <= high for label in (tick.label1, tick.label2)]
     boxes = [label.get_window_extent() for label in labels if label.get_visible() and label.get_text()]
     apart = 0.4 * max((min(box.width, box.height) for box in boxes), default=0.0) if isinstance(axis, XAxis) else 0.0
     ends = sorted((box.x0, box.x1 + apart) if isinstance(axis, XAxis) else (box.y0, box.y1) for box in boxes)
     if all(before[1] < after[0] for before, after in pairwise(ends)):
         return False
+    axis.set_minor_formatter(NullFormatter())
     if isinstance(axis.get_major_locator(), FixedLocator):
         axis.set_tick_params(rotation=90)
     else:

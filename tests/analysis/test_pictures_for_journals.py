@@ -162,7 +162,7 @@ def test_an_outlier_makes_no_map_grey_and_stretches_no_axis():
     spoilt["height"][3, 5] -= 55.0 * spread
     spoilt["gap"][3, 5] += 55.0 * spread
     heights = plot_contact(spoilt).axes[0].images[0]
-    assert np.ptp(np.quantile(heights.norm(heights.get_array()), [0.05, 0.95])) > 0.4
+    assert np.ptp(np.quantile(np.asarray(heights.norm(heights.get_array())), [0.05, 0.95])) > 0.4
     assert heights.colorbar.extend == "min"
     gap = plot_statistics(gfmd_numba.contact_statistics(spoilt)).axes[1]
     assert gap.get_xlim()[1] < 8.0

@@ -43,10 +43,8 @@ def _plot_section(dataset: xr.Dataset, title: str, width: Width | None) -> Figur
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
     deepest, highest = np.unravel_index(int(np.argmax(mises)), mises.shape)
-    with sheet(3, 1, (9.0, 3.2), width, title=title, around=(2.0, 1.0), height_ratios=[1.2, 3.3, 2.3]) as (
-        figure,
-        axes,
-    ):
+    grid: dict[str, Any] = {"around": (2.0, 1.0), "height_ratios": [1.2, 3.3, 2.3]}
+    with sheet(3, 1, (9.0, 3.2), width, title=title, **grid) as (figure, axes):
         above, whole, close = axes
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)

@@ -20,7 +20,7 @@ _LEAST_ENLARGED = 48  # nodes along a side of a map that has hot spots
 _ENLARGED = 0.16  # of the shorter side, that is enlarged
 _FEW = 0.2  # of all nodes
 _SHARE = 0.98  # of the values above 0 that colours tell apart
-_LEFT, _ABOVE_AND_BELOW = 0.75, 1.15  # inches beside and above a map: labels, and the bar of its colours
+_LEFT, _ABOVE_AND_BELOW = 0.75, 1.4  # inches beside and above a map: labels, and the bar of its colours
 OF_MAPS: dict[str, Any] = {"least": 1.65, "around": (_LEFT, _ABOVE_AND_BELOW)}  # of a sheet of maps
 
 
@@ -57,7 +57,8 @@ def enlarge_peak(axis: Axes, values: Reals) -> None:
     Hot spots are so small that a map of the width of a column does not show them.
     """
     ny, nx = values.shape
-    if min(ny, nx) < _LEAST_ENLARGED or np.count_nonzero(values > 0.0) > _FEW * values.size:
+    spots = np.count_nonzero(values > 0.0)
+    if min(ny, nx) < _LEAST_ENLARGED or not 0 < spots <= _FEW * values.size:
         return
     row, column = np.unravel_index(int(np.nanargmax(values)), values.shape)
     (left, right), (bottom, top) = axis.get_xlim(), axis.get_ylim()

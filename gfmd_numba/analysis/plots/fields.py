@@ -1,6 +1,6 @@
 """Picture of the body under a contact: pressure, von Mises's stress, and a close-up of its largest value."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr

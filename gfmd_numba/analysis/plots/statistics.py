@@ -65,14 +65,14 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
 
 
 def _end(statistics: xr.Dataset, over: str) -> float:
-    """Return where no density has more than a thousandth of its values left, so that an outlier stretches no axis."""
+    """Return where no density has more than 2 per mille of its values left, so that an outlier stretches no axis."""
     density = statistics[f"{over}_density"]
     left = density.cumsum(over) < (1.0 - _BEYOND) * density.sum(over)
     last = min(int(left.sum(over).max()) + 1, density.sizes[over] - 1)
     return float(density[over][last])
 
 
-_BEYOND = 1e-3
+_BEYOND = 2e-3
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")
 # how contacts were counted, over what, and how that is labelled
 _CONTACTS = {

@@ -10,6 +10,7 @@ from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import SURFACE
+from gfmd_numba.analysis.plots.map_image import draw_image
 from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, edges, log_ticks, prefix, scaled, sheet
 
 
@@ -33,11 +34,7 @@ def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
         axis.plot(x, h, color="0.25", lw=0.8)
         axis.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
         return
-    y, y_label = scaled(dataset["y"], "Position $y$", "L_x")
-    extent = (x[0], x[-1] + x[1], y[0], y[-1] + y[1])
-    image = axis.imshow(h, origin="lower", extent=extent, cmap="cividis", interpolation="none")
-    axis.figure.colorbar(image, ax=axis, label=h_label)
-    axis.set(xlabel=x_label, ylabel=y_label)
+    draw_image(axis, dataset, h, h_label, cmap="cividis")
 
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:

@@ -29,9 +29,8 @@ def share_that_differs(one, other):
     return (abs(one - other).max(axis=-1) > 0.25).mean()
 
 
-@pytest.mark.parametrize("name", ["load_curve", "campaign"])
-def test_a_picture_without_one_of_its_lines_is_another(name):
-    shipped = imread(GALLERY / f"{name}.png")[..., :3]
+def test_a_picture_without_its_lines_is_another():
+    shipped = imread(GALLERY / "load_curve.png")[..., :3]
     line = abs(shipped - to_rgb("#0072B2")).max(axis=-1) < 0.05
     assert share_that_differs(shipped, np.where(line[..., np.newaxis], 1.0, shipped)) > 0.002
 

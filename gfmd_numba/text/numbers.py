@@ -33,9 +33,13 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     return 1 / scale, letter + _PREFIXED[unit]
 
 
+_ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
+
+
 def typical(values: Iterable[float]) -> float:
     """Return the size that tables and pictures choose the prefix of many numbers by: halfway between their powers."""
-    sizes = [abs(value) for value in values if isfinite(value) and value != 0.0]
+    known = [abs(value) for value in values if isfinite(value)]
+    sizes = [size for size in known if size > _ROUNDING * max(known)]
     return sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
 
 

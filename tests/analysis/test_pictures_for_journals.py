@@ -11,10 +11,11 @@ from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 import gfmd_numba
-from gfmd_numba.analysis import plot_campaign, plot_conductance, plot_contact, plot_statistics
+from gfmd_numba.analysis import plot_campaign, plot_conductance, plot_contact, plot_curve, plot_statistics
 from gfmd_numba.analysis.plots.kinds import KINDS
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
+from gfmd_numba.cli.tables import column
 from gfmd_numba.storage.atomic_file import write_picture
 from support import synthetic_campaigns
 from support.legible import faults
@@ -203,8 +204,19 @@ def test_a_loop_has_arrows_and_a_jump_is_named():
         {"punch_displacement": ("step", x, {"units": "m"})},
     )
     (axis,) = plot_path(path).axes
+    assert axis.get_xlabel() == "Punch displacement (nm)"  # 0 to within rounding has no say in the prefix
     assert sum(each.arrow_patch is not None for each in axis.texts) == 5
     assert [each.get_text() for each in axis.texts if each.get_text()] == ["jump"]
+
+
+def test_a_table_and_a_picture_of_a_curve_have_the_same_units():
+    curve = gfmd_numba.load_curve(
+        {"scene": SCENE | {"interface": {"hard_wall": {}}}, "discretisation": GRID}, [1e-3, 1.0]
+    )
+    picture = plot_curve(curve)
+    drawn = [axes.get_ylabel() for axes in picture.axes[1:]] + [picture.axes[2].get_xlabel()]
+    for name, label in zip(("mean_gap", "contact_stiffness", "peak_pressure", "mean_pressure"), drawn, strict=True):
+        assert column(curve, name)[0].rpartition(" (")[2] == label.rpartition(" (")[2]
 
 
 def test_the_hottest_spot_of_a_large_map_is_enlarged():

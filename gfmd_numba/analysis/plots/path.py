@@ -182,7 +182,9 @@ def _mark_jumps(axis: Axes, x: Reals, y: Reals) -> None:
     before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
     for i in np.flatnonzero((size > _JUMP * np.ptp(y)) & (size > 3.0 * np.maximum(before, after))):
         axis.plot(x[i : i + 2], y[i : i + 2], ":", color="white", marker="")
-        axis.annotate("jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (4, 0), textcoords="offset points", fontsize=small())
+        axis.annotate(
+            "jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points", fontsize=small()
+        )
 
 
 def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:

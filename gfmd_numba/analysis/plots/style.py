@@ -97,7 +97,7 @@ def sheet(
         elif fitting < columns:
             grid.pop("width_ratios", None)
             up = min(up, max(_STACKED * across, _LOWEST))
-    rows = -(-count // fitting)
+    rows = max(1, -(-count // fitting))
     with mpl.rc_context(_STYLE | {name: scale * size for name, size in _SIZES.items()}):
         figure = _Picture((fitting * across, rows * up), dpi=150 if width is None else 300, layout="constrained")
         axes = figure.subplots(rows, fitting, squeeze=False, **grid).ravel().tolist()

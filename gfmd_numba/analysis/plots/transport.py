@@ -17,7 +17,7 @@ from gfmd_numba.analysis.plots.style import COLOURS, Width, named_last_step, sca
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction, of a path that of the last step."""
     title, last = named_last_step(dataset), dataset.isel(step=-1) if "step" in dataset.dims else dataset
-    with sheet(2, 2, panel_of(last, 5.0), width, title=title, **OF_MAPS) as (figure, axes):
+    with sheet(2, 2, panel_of(last, 4.4), width, title=title, **OF_MAPS) as (figure, axes):
         for axis, along in zip(axes, ("x", "y"), strict=True):
             flow = last["local_flow"].sel(direction=along).values
             label = f"Flow along ${along}$ over its mean, none in grey" if flow.any() else f"No flow along ${along}$"

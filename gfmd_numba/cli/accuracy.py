@@ -55,7 +55,7 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
         points.append(point)
     dataset = work_precision.dataset(points)
     write(results, dataset)
-    write_picture(picture, lambda: plot_accuracy(dataset), dpi=120)
+    write_picture(picture, lambda: plot_accuracy(dataset))
     for study, group in groupby(points, key=lambda point: point.study):
         _show_study(study, list(group))
 

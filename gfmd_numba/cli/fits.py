@@ -29,6 +29,8 @@ from gfmd_numba.text.printable import printable
 if TYPE_CHECKING:
     import xarray as xr
 
+    from gfmd_numba.analysis.plots.style import Width
+
 
 @main.command()
 @results_argument
@@ -108,8 +110,11 @@ def _write_function(fitted: xr.Dataset, path: Path) -> None:
 @variable_option
 @exponents_option
 @fixed_option
-@click.option("-o", "--output", type=NEW_FILE, help="Picture to write [next to RESULTS]")
-def plot(results: Path, output: Path | None, **asked: Any) -> None:
+@click.option("-o", "--output", type=NEW_FILE, help="Picture to write, like kappa.pdf, .svg or .png [next to RESULTS]")
+@click.option(
+    "--width", type=click.Choice(["single", "double"]), help="Column of a journal: 3.4 or 7 in wide, text of 8 points"
+)
+def plot(results: Path, output: Path | None, width: Width | None, **asked: Any) -> None:
     """Draw RESULTS, whatever command of gfmd wrote them.
 
     RESULTS is the output directory of a campaign, or the netCDF file of a campaign, a fit, a contact, a load curve, a
@@ -132,7 +137,7 @@ def plot(results: Path, output: Path | None, **asked: Any) -> None:
             if asked[name] and not has_fit:
                 raise click.UsageError(f"--{name}: the picture of {file} has no fit; leave the option out")
         fitted = _fit(dataset, **asked) if has_fit else None
-        for path, drawing in pictures(dataset, fitted, picture).items():
+        for path, drawing in pictures(dataset, fitted, picture, width).items():
             write_picture(path, drawing)
 
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from gfmd_numba.analysis.plots.style import Width
+
 _NETCDF = (".nc", ".nc4")
 
 
@@ -82,12 +84,12 @@ def write(path: Path, dataset: xr.Dataset, label: str = "results", *, err: bool 
     say_written(label, path, err=err)
 
 
-def write_picture(path: Path, drawing: Callable[[], Figure], *, dpi: int = 150, err: bool = False) -> None:
+def write_picture(path: Path, drawing: Callable[[], Figure], *, err: bool = False) -> None:
     """Draw a picture, write it and say so."""
     from gfmd_numba.storage import atomic_file
 
     with waiting("drawing"):
-        atomic_file.write_picture(path, drawing(), dpi=dpi)
+        atomic_file.write_picture(path, drawing())
     say_written("picture", path, err=err)
 
 
@@ -96,15 +98,17 @@ def say_written(label: str, path: Path, *, err: bool = False) -> None:
     click.echo(f"{label:<9}{printable(path)}", err=err)
 
 
-def pictures(dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path) -> dict[Path, Callable[[], Figure]]:
+def pictures(
+    dataset: xr.Dataset, fitted: xr.Dataset | None, path: Path, width: Width | None = None
+) -> dict[Path, Callable[[], Figure]]:
     """Return what draws a campaign with its fit, or anything else without, by path; some have a second picture."""
     from gfmd_numba.analysis import plot_campaign
     from gfmd_numba.analysis.plots.kinds import picture_of, second_picture_of
 
     own, second = picture_of(dataset), second_picture_of(dataset)
-    found: dict[Path, Callable[[], Figure]] = {path: partial(own or plot_campaign, dataset)}
+    found: dict[Path, Callable[[], Figure]] = {path: partial(own or plot_campaign, dataset, width=width)}
     if own is None and fitted is not None:
-        found[path] = partial(plot_campaign, dataset, fitted, fitted.attrs["variable"])
+        found[path] = partial(plot_campaign, dataset, fitted, fitted.attrs["variable"], width)
     if second is not None:
-        found[path.with_stem(f"{path.stem}-{second[0]}")] = partial(second[1], dataset)
+        found[path.with_stem(f"{path.stem}-{second[0]}")] = partial(second[1], dataset, width=width)
     return found

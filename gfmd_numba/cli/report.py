@@ -138,7 +138,7 @@ def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[_Picture]
 
     for path, draw in pictures(dataset, fitted, Path("picture.png")).items():
         figure, content = draw(), io.BytesIO()
-        figure.savefig(content, format="png", dpi=150)
+        figure.savefig(content, format="png")
         yield _Picture(path.stem, figure.get_figwidth(), base64.b64encode(content.getvalue()).decode())
 
 

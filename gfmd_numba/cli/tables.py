@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
 from gfmd_numba.cli.terminal import Line, Table, Told
-from gfmd_numba.text.numbers import si_prefix, with_error
+from gfmd_numba.text.numbers import si_prefix, typical, with_error
 
 if TYPE_CHECKING:
     import xarray as xr
 
-from math import isfinite, sqrt
+from math import isfinite
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -108,9 +108,7 @@ def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
 
 
 def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
-    sizes = [abs(value) for value in dataset[name].values.ravel().tolist() if isfinite(value) and value != 0.0]
-    middle = sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
-    return si_prefix(middle, unit(dataset, name))
+    return si_prefix(typical(dataset[name].values.ravel().tolist()), unit(dataset, name))
 
 
 def readable(value: float, unit: str) -> tuple[str, str]:

@@ -20,7 +20,7 @@ from gfmd_numba.text.numbers import si_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
-LARGEST_UNLOCATED = 0.1
+LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
@@ -71,7 +71,8 @@ def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
         return ""
     lost = dataset["energy_lost"].fillna(0.0)
     whole, apart = float(lost.sum()), float(lost.where(np.isnan(dataset[jump]), 0.0).sum())
-    if not apart > LARGEST_UNLOCATED * whole:
+    forces, ways = abs(dataset["mean_pressure"]), abs(dataset["mean_gap"].diff("step"))
+    if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * float(forces.max() * ways.sum())):
         return ""
     return (
         f"{apart / whole:.0%} of the energy that the path seems to lose belong to steps without a jump, where forces "

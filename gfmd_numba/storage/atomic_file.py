@@ -214,10 +214,10 @@ def netcdf(dataset: xr.Dataset) -> memoryview:
     return content
 
 
-def write_picture(path: Path, figure: Figure, dpi: int) -> None:
+def write_picture(path: Path, figure: Figure) -> None:
     """Write a picture of the kind that its suffix names as `replace` does."""
     content = io.BytesIO()
-    figure.savefig(content, format=path.suffix.removeprefix(".").lower(), dpi=dpi)
+    figure.savefig(content, format=path.suffix.removeprefix(".").lower())
     replace(path, mark.marked(content.getvalue()), mark.is_product)
 
 

@@ -1,6 +1,7 @@
 """Numbers as text, chosen here alone for tables, figures and sentences: with an SI prefix, with a standard error."""
 
-from math import floor, isfinite, isnan, log10
+from collections.abc import Iterable
+from math import floor, isfinite, isnan, log10, sqrt
 
 _PREFIXES = (
     (1e9, "G"),
@@ -30,6 +31,16 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     smallest = _PREFIXES[-1] if largest > _LEAST else (1.0, "")
     scale, letter = next(((s, p) for s, p in _PREFIXES if largest >= s * _NEARLY), smallest)
     return 1 / scale, letter + _PREFIXED[unit]
+
+
+_ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
+
+
+def typical(values: Iterable[float]) -> float:
+    """Return the size that tables and pictures choose the prefix of many numbers by: halfway between their powers."""
+    known = [abs(value) for value in values if isfinite(value)]
+    sizes = [size for size in known if size > _ROUNDING * max(known)]
+    return sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
 
 
 _FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten

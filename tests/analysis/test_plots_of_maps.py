@@ -60,8 +60,8 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension, tmp_path):
 
 def test_a_contact_under_a_displacement_is_not_called_a_step(rough):
     held = rough.drop_vars("reduced_pressure")  # which a displacement leaves out
-    _, (pressure, _) = panels(plot_contact(held))
-    assert [text.get_text() for text in pressure.get_legend().get_texts()] == ["Simulation", "Persson"]
+    (legend,) = plot_contact(held).legends
+    assert [text.get_text() for text in legend.get_texts()] == ["Simulation", "Persson"]
 
 
 @pytest.mark.long

@@ -63,7 +63,7 @@ def test_results_of_another_program_at_the_usual_name_of_an_accuracy_stay(tmp_pa
 def test_pictures_of_ours_are_known_from_those_of_others(tmp_path, kind):
     figure = Figure()
     with mpl.rc_context({"svg.fonttype": "none"}):
-        write_picture(tmp_path / f"ours.{kind}", figure, dpi=50)
+        write_picture(tmp_path / f"ours.{kind}", figure)
         figure.savefig(tmp_path / f"other.{kind}")
     assert not foreign(tmp_path / f"ours.{kind}")
     assert foreign(tmp_path / f"other.{kind}")
@@ -72,7 +72,7 @@ def test_pictures_of_ours_are_known_from_those_of_others(tmp_path, kind):
 @pytest.mark.parametrize("kind", ["png", "pdf", "svg", "ps", "eps"])
 def test_a_picture_of_ours_that_somebody_drew_into_is_his(tmp_path, kind):
     picture = tmp_path / f"ours.{kind}"
-    write_picture(picture, Figure(), dpi=50)
+    write_picture(picture, Figure())
     content = picture.read_bytes()
     middle = len(content) // 2
     for edited in (

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.image import imread
 
 GALLERY = Path(__file__).parents[2] / "docs/gallery"
 EXAMPLES = sorted(GALLERY.glob("*.py"))
@@ -22,6 +24,17 @@ def limit_is_that_of_finer_levels(example):
     assert abs(kappa - 1.957) < 2.0 * np.hypot(error, 0.023)
 
 
+def share_that_differs(one, other):
+    """Share of the pixels that differ by more than other versions of FreeType draw the edges of letters."""
+    return (abs(one - other).max(axis=-1) > 0.25).mean()
+
+
+def test_a_picture_without_its_lines_is_another():
+    shipped = imread(GALLERY / "load_curve.png")[..., :3]
+    line = abs(shipped - to_rgb("#0072B2")).max(axis=-1) < 0.05
+    assert share_that_differs(shipped, np.where(line[..., np.newaxis], 1.0, shipped)) > 0.002
+
+
 CLAIMS = {"campaign": limit_is_that_of_finer_levels}
 
 
@@ -31,4 +44,6 @@ def test_an_example_runs_and_draws_its_picture(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     example = runpy.run_path(str(path), run_name="__main__")
     CLAIMS.get(path.stem, dict)(example)
-    assert (tmp_path / path.with_suffix(".png").name).stat().st_size > 5_000
+    drawn, shipped = (imread(folder / path.with_suffix(".png").name)[..., :3] for folder in (tmp_path, GALLERY))
+    assert drawn.shape == shipped.shape
+    assert share_that_differs(drawn, shipped) < 0.002

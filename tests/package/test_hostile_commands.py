@@ -75,6 +75,7 @@ COMMANDS = {
         "exponents": "shared",
         "fixed": ["eps_c=1", "eps_f=0.5:1"],
         "output": things.new("p.png"),
+        "width": "single",
     },
     "relaxation": lambda things: {
         "file": things.file("dma.csv", "1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n"),

@@ -3,15 +3,15 @@
 from itertools import cycle
 from typing import Annotated
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.transforms import ScaledTranslation
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import ACCURACY
-from gfmd_numba.analysis.plots.style import MARKERS, STYLE, log_ticks, ordered_colours
+from gfmd_numba.analysis.plots.style import MARKERS, Width, log_ticks, ordered_colours, sheet, small
 from gfmd_numba.arrays import Reals
 
 TITLES = {
@@ -35,10 +35,11 @@ _YLABELS = {
     "topography order": "Displacement by the next order over $L_x$",
 }
 _COLUMNS = 3
+_LABELS = 3.4  # heights of notes that labels take below a panel
 
 
 @checked
-def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY]) -> Figure:
+def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY], width: Width | None = None) -> Figure:
     """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand next to the points.
 
     Settings with failed surfaces are left out. Raises UnusableDataError for a dataset without studies.
@@ -46,11 +47,8 @@ def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY]) -> Figure:
     good = dataset.isel(point=dataset["failed"].values == 0)
     studies = {name: _drawn(good.isel(point=good["study"].values == name), name) for name in TITLES}
     shown = {name: study for name, study in studies.items() if study.sizes["point"]}
-    rows = -(-len(shown) // _COLUMNS)
-    with mpl.rc_context(STYLE):
-        figure = Figure((13.0, 4.4 * max(rows, 1)), dpi=150, layout="constrained")
-        for position, (name, study) in enumerate(shown.items(), start=1):
-            axis = figure.add_subplot(rows, min(_COLUMNS, len(shown)), position)
+    with sheet(len(shown), _COLUMNS, (4.3, 4.4), width) as (figure, axes):
+        for axis, (name, study) in zip(axes, shown.items(), strict=True):
             _draw(axis, name, study)
     return figure
 
@@ -60,18 +58,19 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     for curve, colour, marker in zip(curves, ordered_colours(len(curves)), cycle(MARKERS), strict=False):
         points = study.isel(point=study["curve"].values == curve)
         x, y = _over(name, points)
-        axis.plot(x, y, marker=marker, color=colour, label=curve, ms=5, lw=1.3)
+        axis.plot(x, y, marker=marker, color=colour, label=curve)
         if name in _WRITTEN:
             _write_settings(axis, x, y, points["setting"].values, name)
     axis.set(xscale="log", yscale="log", title=TITLES[name])
-    axis.title.set_fontsize(11)
     axis.set_xlabel("Damping over critical damping" if name == "damping of Verlet" else "Processor time (s)")
     axis.set_ylabel(_YLABELS.get(name, f"Relative error of {_symbol(study)}"))
     axis.margins(x=0.12, y=0.12)
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
-    axis.grid(color="0.9", lw=0.6)
-    axis.legend(fontsize=9, loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    axis.grid()
+    below = ScaledTranslation(0.0, -_LABELS * small() / 72.0, axis.figure.dpi_scale_trans)
+    place = {"bbox_to_anchor": (0.5, 0.0), "bbox_transform": axis.transAxes + below}
+    axis.legend(fontsize=small(), loc="upper center", ncols=2, **place)
 
 
 def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:
@@ -103,4 +102,4 @@ def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
 def _write_settings(axis: Axes, x: Reals, y: Reals, settings: Reals, name: str) -> None:
     for at, height, setting in zip(x, y, settings, strict=True):
         label = f"{setting:g}" if name in _AS_THEY_ARE else f"{1 / setting:g}"
-        axis.annotate(label, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=8)
+        axis.annotate(label, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=small())

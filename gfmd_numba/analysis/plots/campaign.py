@@ -1,9 +1,8 @@
 """Figure of a campaign, drawn without pyplot so that no state is shared."""
 
 from itertools import pairwise
-from typing import Annotated
+from typing import Annotated, Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -16,8 +15,8 @@ from matplotlib.ticker import NullLocator
 from gfmd_numba.analysis.arguments import Variable, checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import CAMPAIGN, FIT
-from gfmd_numba.analysis.plots.parameter import Key, Look, Looks, looks_of, plot_parameter
-from gfmd_numba.analysis.plots.style import LINE, STYLE, of_variable
+from gfmd_numba.analysis.plots.parameter import Key, Looks, looks_of, plot_parameter
+from gfmd_numba.analysis.plots.style import Width, add_legend, first_columns, of_variable, sheet, small, usual
 from gfmd_numba.analysis.selection import (
     at_nyquist,
     discretisations,
@@ -43,6 +42,7 @@ def plot_campaign(
     dataset: Annotated[xr.Dataset, CAMPAIGN],
     fit: Annotated[xr.Dataset, FIT] | None = None,
     variable: Variable = "kappa",
+    width: Width | None = None,
 ) -> Figure:
     """Draw case means with standard errors against 1/eps, one panel per varied limit, with a fit.
 
@@ -55,7 +55,7 @@ def plot_campaign(
     dataset = dataset[shown]  # all others would be copied for each group
     present = [limit for limit in discretisations(dataset) if np.unique(select_limit(dataset, limit)[limit]).size > 1]
     if not present:
-        return plot_parameter(_without_cross_levels(dataset), variable)
+        return plot_parameter(_without_cross_levels(dataset), variable, width)
     if fit is not None and fit.attrs["variable"] != variable:
         raise InputError(
             f"fit: you gave one of {fit.attrs['variable']!r}; gfmd allows one of {variable!r}, as is drawn"
@@ -63,33 +63,40 @@ def plot_campaign(
     looks = looks_of(dataset)
     fitted = {} if fit is None else _fitted(fit, looks)
     widths = [3.0] * len(present) + [1.3] * bool(fitted)
-    with mpl.rc_context(STYLE):
-        figure = Figure((max(sum(widths), 5.0) + 0.6, 4.6), dpi=150, layout="constrained")
-        panels = figure.subplots(1, len(widths), sharey=True, squeeze=False, width_ratios=widths)[0]
+    size = (max(sum(widths), 5.0) + 0.6) / len(widths), 4.0
+    grid: dict[str, Any] = {"least": 1.65, "sharey": True, "width_ratios": widths}
+    with sheet(len(widths), len(widths), size, width, **grid) as (figure, panels):
         for axis, limit in zip(panels, present, strict=False):
             _draw_limit(axis, select_limit(dataset, limit), limit, variable, looks, fitted)
         if fitted:
             _draw_extrapolated(panels[-1], fitted, looks)
-        panels[0].set_ylabel(of_variable(dataset, variable))
+        low, high = _usual_means(dataset, variable, fitted)
+        panels[0].set_ylim(max(panels[0].get_ylim()[0], low), min(panels[0].get_ylim()[1], high))
+        for axis in first_columns(panels):
+            axis.set_ylabel(of_variable(dataset, variable))
         for axis in panels:
-            axis.grid(axis="y", color="0.9", linewidth=0.8)
-            axis.set_axisbelow(True)
+            axis.grid(axis="y")
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.of.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if len(looks.of) > 1:
-            figure.supxlabel(
-                "Markers are shifted sideways, so that their error bars can be seen.", fontsize=9, color="0.35"
-            )
+            said = "Markers are shifted sideways, so that their error bars can be seen."
+            figure.supxlabel(said, fontsize=small(), color="0.35")
+        if fitted:
+            handles.append(Line2D([], [], color="0.4", ls=":", label=r"limit along a panel, $1/\varepsilon\to\infty$"))
         if any(map(_omits_nyquist, fitted.values())) and at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             panels[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
-        longest = max(len(str(handle.get_label()).replace("\\", "")) for handle in handles)
-        fitting = max(1, int(figure.get_figwidth() / (0.6 + 0.085 * longest)))  # inches of a column of the legend
-        rows = -(-len(handles) // fitting)
-        figure.set_figheight(4.6 + LINE * max(0, rows - 3))  # the panels keep their height
-        figure.legend(handles=handles, loc="outside upper center", ncols=-(-len(handles) // rows))
+        add_legend(figure, handles, -(-len(handles) // max(1, len(handles) // 4)))
     return figure
+
+
+def _usual_means(dataset: xr.Dataset, variable: str, fitted: dict[Key, xr.Dataset]) -> tuple[float, float]:
+    """Return the ends of an axis for all limits and means that are no outliers, with room for error bars."""
+    drawn = [ensemble_mean(dataset, name)[0] for name in (variable, "kappa_counted") if name in dataset]
+    low, high = usual(np.concatenate([*drawn, [float(in_the_limit(fit)[0]) for fit in fitted.values()]]))
+    room = 0.5 * (high - low) or abs(high) or 1.0
+    return low - room, high + room
 
 
 def _without_cross_levels(dataset: xr.Dataset) -> xr.Dataset:
@@ -133,11 +140,13 @@ def _draw_limit(
         position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
             counted, _ = ensemble_mean(group, "kappa_counted")
-            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", ms=6, mew=0.7, zorder=1)
+            axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", mew=0.7, zorder=1)
         mean, error = ensemble_mean(group, variable)
-        axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"], ms=4, capsize=3, lw=1.3)
+        axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"])
         if physics in fitted:
-            _draw_curve(axis, fitted[physics], limit, look)
+            one = fitted[physics].sel(limit=limit)
+            axis.plot(1 / one["curve_eps"], one["curve"], look["linestyle"], c=look["color"])
+            axis.axhline(_limit_along(fitted[physics], limit), ls=":", lw=0.8, color=look["color"], zorder=1)
     title, label = _PANELS[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
@@ -153,16 +162,18 @@ def _collide(labels: list[str], levels: Reals) -> bool:
     return any(0.5 * len(one + other) + 0.6 > gap for (one, other), gap in zip(pairwise(labels), room, strict=True))
 
 
-def _draw_curve(axis: Axes, fit: xr.Dataset, limit: str, look: Look) -> None:
-    one = fit.sel(limit=limit)
-    axis.plot(1 / one["curve_eps"], one["curve"], look["linestyle"], c=look["color"])
+def _limit_along(fit: xr.Dataset, limit: str) -> float:
+    """Return what the fit tends to along one limit, the others at the reference."""
+    corrections = fit["correction"].where(fit["limit"] != limit).sum()
+    interactions = fit["interaction"].where(~fit["pair"].str.contains(limit)).sum()
+    return float(fit[f"{fit.attrs['variable']}_tfc"] + corrections + interactions)
 
 
 def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) -> None:
     for each, fit in fitted.items():
         look = looks.of[each]
         position, (value, error) = looks.position(each), map(float, in_the_limit(fit))
-        axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"], ms=4.5, capsize=3, lw=1.3)
+        axis.errorbar(position, value, error, fmt=look["marker"], color=look["color"])
     axis.set_xticks(range(len(looks.coloured)), [f"{value:g}" for value in looks.coloured])
     axis.tick_params(axis="x", rotation=90 if len(looks.coloured) > 4 else 0)
     axis.set(title="TFC limit", xlabel=looks.label, xlim=(-0.6, len(looks.coloured) - 0.4))

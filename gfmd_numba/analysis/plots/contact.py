@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, UnusableDataError
-from gfmd_numba.analysis.plots.map_image import decades, draw_image, draw_pressure, most
+from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
 from gfmd_numba.analysis.plots.statistics import draw_statistics
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, named_last_step, prefix, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, named_last_step, prefix, scaled, sheet
 from gfmd_numba.arrays import Flags, Reals
 
 _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
@@ -25,7 +25,7 @@ _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
 
 
 @checked
-def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
+def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
     """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps with their statistics.
 
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
@@ -33,13 +33,10 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
     """
     step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
-    figure = plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
-    if step:
-        figure.suptitle(step, fontsize=11, x=0.01, ha="left")
-    return figure
+    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, step, width)
 
 
-def _plot_profile(dataset: xr.Dataset) -> Figure:
+def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
     """Punch and body over x, with the pressure below, and other tractions where there are any."""
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
@@ -54,40 +51,37 @@ def _plot_profile(dataset: xr.Dataset) -> Figure:
     pressure, *tractions = (per_unit * each.values for each in every)
     rubs = r"Tractions $p$, $\tau$" if others == ["tangential_traction"] else "Tractions"
     named = rubs if others else "Pressure $p$"
-    with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 6.6), dpi=150, layout="constrained")
-        whole, above, below = figure.subplots(3, 1, sharex=True, height_ratios=[3, 6, 4])
+    with sheet(3, 1, (9.0, 2.1), width, title=step, sharex=True, height_ratios=[3, 6, 4]) as (figure, axes):
+        whole, above, below = axes
         # valleys of the punch rise far above the contact: the close-up below follows the body
         span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
         bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
         highest = max(top, high.max())
         whole.fill_between(x, high, highest, color="0.82", lw=0)
         whole.plot(x, high, color="0.35", lw=0.8)
-        whole.plot(x, low, color=COLOURS[0], lw=1.2)
+        whole.plot(x, low, color=COLOURS[0])
         whole.set(ylabel=f"Height ({unit})")
         whole.margins(y=0.0)
         above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
-        above.plot(x, high, color="0.35", lw=1.0)
+        above.plot(x, high, color="0.35", lw=0.8)
         if "plastic_depth" in dataset and dataset["plastic_depth"].any():
             before = factor * (punch - dataset["plastic_depth"]).values
             above.plot(x, before, color="0.35", lw=0.8, ls=":", label="punch before it yielded")
-        above.plot(x, low, color=COLOURS[0], lw=1.2)
+        above.plot(x, low, color=COLOURS[0])
         above.set(ylabel=f"Close-up ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
         whole.axhspan(bottom, top, color=COLOURS[5], alpha=0.25, lw=0, zorder=0, label="range of the close-up")
         figure.align_ylabels()
         below.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
-        below.plot(x, pressure, color=COLOURS[1], lw=0.9)
+        below.plot(x, pressure, color=COLOURS[1], lw=0.9, label="pressure $p$" if others else None)
         below.axhline(pressure.mean(), color="0.25", lw=1.0, ls="--", label=r"mean $\bar{p}$")
         for (label, colour, dashes), traction in zip((_TRACTIONS[name] for name in others), tractions, strict=True):
-            below.plot(x, traction, dashes, color=colour, lw=1.1, label=label)
+            below.plot(x, traction, dashes, color=colour, label=label)
         below.set(xlabel=x_label, ylabel=f"{named} ({unit_of_tractions})")
         if min(each.min() for each in (pressure, *tractions)) >= 0:
             below.set_ylim(bottom=0)
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
-        figure.legend(
-            handles=handles, loc="outside lower center", ncols=4 + (len(others) == 1)
-        )  # above stands the step
+        add_legend(figure, handles, 4 + (len(others) == 1), "outside lower center")  # above stands the step
     return figure
 
 
@@ -96,7 +90,7 @@ _FLATTENED = "#D55E00"
 _LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it surrounds
 
 
-def plot_map(dataset: xr.Dataset) -> Figure:
+def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
     """Draw the contact of a map in its units, tangential tractions if it has any, and statistics where they are known.
 
     Outlines surround the contact, and on the heights what has been flattened, where clusters are large enough for it.
@@ -107,12 +101,10 @@ def plot_map(dataset: xr.Dataset) -> Figure:
     except UnusableDataError:  # a run that is not ok, or a part of a map
         statistics = None
     touching = dataset["gap"].values == 0.0
-    with mpl.rc_context(STYLE):
-        drags = "tangential_traction_y" in dataset
-        rows = 1 + drags + (statistics is not None)
-        figure = Figure((14.0, 1.0 + 4.2 * rows), dpi=150, layout="constrained")
-        maps = figure.add_gridspec(rows, 3)
-        heights, pressure, gap = (figure.add_subplot(maps[0, i]) for i in range(3))
+    drags = "tangential_traction_y" in dataset
+    count = 3 * (1 + drags + (statistics is not None))
+    with sheet(count, 3, panel_of(dataset, 3.3), width, title=step, **OF_MAPS) as (figure, axes):
+        heights, pressure, gap = axes[:3]
         punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
         of = "both surfaces together" if "body_height" in dataset else "the punch"
         values, label = scaled(punch, f"Height of {of}", "L_x")
@@ -125,9 +117,10 @@ def plot_map(dataset: xr.Dataset) -> Figure:
         _draw_gap(gap, dataset, touching)
         if drags:
             draw = draw_friction if "slip" in dataset else draw_cohesion
-            draw([figure.add_subplot(maps[1, i]) for i in range(3)], dataset)
+            draw(axes[3:6], dataset)
         if statistics is not None:
-            draw_statistics([figure.add_subplot(maps[rows - 1, i]) for i in range(3)], statistics)
+            draw_statistics(axes[-3:], statistics)
+            add_legend(figure, axes[-3].get_legend_handles_labels()[0], 2, "outside lower center")
     return figure
 
 

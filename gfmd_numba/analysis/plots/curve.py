@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -10,8 +9,9 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CREEP, CURVE, FRICTION, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, log_ticks, prefix
+from gfmd_numba.analysis.plots.style import COLOURS, Width, last_rows, log_ticks, prefix, sheet
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.numbers import typical
 
 _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
     ("contact_area_fraction", "Contact area fraction", "", True),
@@ -29,7 +29,7 @@ _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANEL
 
 
 @checked
-def plot_curve(dataset: Annotated[xr.Dataset, CURVE]) -> Figure:
+def plot_curve(dataset: Annotated[xr.Dataset, CURVE], width: Width | None = None) -> Figure:
     """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
 
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
@@ -42,29 +42,29 @@ def plot_curve(dataset: Annotated[xr.Dataset, CURVE]) -> Figure:
         if by_pressure
         else (dataset["prescribed_load"], "Punch displacement", "L_x")
     )
-    return _drawn(dataset, over, label, natural, _PANELS)
+    return _drawn(dataset, over, label, natural, _PANELS, width)
 
 
 @checked
-def plot_creep(dataset: Annotated[xr.Dataset, CREEP]) -> Figure:
+def plot_creep(dataset: Annotated[xr.Dataset, CREEP], width: Width | None = None) -> Figure:
     """Draw a creep curve of `gfmd curve --times` over the time.
 
     Times that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no creep curve, or has no time with a result.
     """
     dataset = _with_results(dataset, "time")
-    return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME)
+    return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME, width)
 
 
 @checked
-def plot_friction(dataset: Annotated[xr.Dataset, FRICTION]) -> Figure:
+def plot_friction(dataset: Annotated[xr.Dataset, FRICTION], width: Width | None = None) -> Figure:
     """Draw a friction curve of `gfmd curve --speeds` over the speed.
 
     Speeds that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no friction curve, or has no speed with a result.
     """
     dataset = _with_results(dataset, "speed")
-    return _drawn(dataset, dataset["speed"], "Sliding speed", "L_x", _OVER_SPEED)
+    return _drawn(dataset, dataset["speed"], "Sliding speed", "L_x", _OVER_SPEED, width)
 
 
 def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:
@@ -77,12 +77,20 @@ def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:
 
 
 def _drawn(
-    dataset: xr.Dataset, over: xr.DataArray, label: str, natural: str, panels: tuple[tuple[str, str, str, bool], ...]
+    dataset: xr.Dataset,
+    over: xr.DataArray,
+    label: str,
+    natural: str,
+    panels: tuple[tuple[str, str, str, bool], ...],
+    width: Width | None,
 ) -> Figure:
-    factor, unit = prefix(over, natural)
-    with mpl.rc_context(STYLE):
-        figure = Figure((9.6, 6.6), dpi=150, layout="constrained")
-        for axis, (name, text, free, logarithmic) in zip(figure.subplots(2, 2, sharex=True).flat, panels, strict=True):
+    factor, unit = prefix(over, natural, typical)
+    counts = dataset["n_realisations"]
+    least, most = int(counts.min()), int(counts.max())
+    surfaces = f"{most}" if least == most else f"{least} to {most}"
+    title = f"Mean of {surfaces} surfaces, band: standard error" if most > 1 else ""
+    with sheet(len(panels), 2, (4.8, 3.2), width, title=title, sharex=True) as (figure, axes):
+        for axis, (name, text, free, logarithmic) in zip(axes, panels, strict=True):
             drawn = _draw(axis, dataset, name, text, free, factor * over.values)
             if logarithmic and drawn.size and drawn.min() > 0.0:
                 axis.set_yscale("log")
@@ -90,13 +98,8 @@ def _drawn(
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)
-        for axis in figure.axes[2:]:
+        for axis in last_rows(axes):
             axis.set_xlabel(f"{label} ({unit})")
-        counts = dataset["n_realisations"]
-        if int(counts.max()) > 1:
-            least, most = int(counts.min()), int(counts.max())
-            surfaces = f"{most}" if least == most else f"{least} to {most}"
-            figure.suptitle(f"Mean of {surfaces} surfaces, band: standard error", fontsize=11)
     return figure
 
 
@@ -112,14 +115,14 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
     """Draw one variable with its error; gives the values that are drawn."""
     known = np.isfinite(dataset[name].values)  # full contact is infinitely stiff
     finite = dataset[name][known]
-    factor, unit = prefix(finite, natural) if finite.size and natural else (1.0, "")
+    factor, unit = prefix(finite, natural, typical) if finite.size and natural else (1.0, "")
     values = factor * finite.values
-    axis.plot(x[known], values, "o-", ms=4, lw=1.2, color=COLOURS[0])
+    axis.plot(x[known], values, "o-", color=COLOURS[0])
     if f"{name}_standard_error" in dataset:
         error = factor * dataset[f"{name}_standard_error"].values[known]
         axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)
     if name == "contact_stiffness":
         unit = _per_gap(dataset, unit)
     axis.set_ylabel(f"{text} ({unit})" if unit else text)
-    axis.grid(color="0.9", lw=0.6)
+    axis.grid()
     return values

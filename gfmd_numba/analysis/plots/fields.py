@@ -1,8 +1,7 @@
 """Picture of the body under a contact: pressure, von Mises's stress, and a close-up of its largest value."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -10,15 +9,16 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import FIELDS, UnusableDataError
-from gfmd_numba.analysis.plots.map_image import draw_image, draw_pressure
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, named_last_step, scaled, told
+from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
+from gfmd_numba.analysis.plots.style import COLOURS, Width, named_last_step, scaled, sheet, told
 from gfmd_numba.arrays import Reals
 
+_USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
 _DEEPEST = 0.5  # of L_x: below, the waves have died out
 
 
 @checked
-def plot_body(dataset: Annotated[xr.Dataset, FIELDS]) -> Figure:
+def plot_body(dataset: Annotated[xr.Dataset, FIELDS], width: Width | None = None) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     step = named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
@@ -26,14 +26,12 @@ def plot_body(dataset: Annotated[xr.Dataset, FIELDS]) -> Figure:
         raise UnusableDataError(
             "you gave fields of a run that is not ok; gfmd allows those of one that is, see `status`"
         )
-    figure = plot_planes(dataset) if dataset["von_mises"].ndim == 3 else _plot_section(dataset)
     of_other = "Counter body" if dataset.attrs.get("body") == "counter_body" else ""
-    if step or of_other:
-        figure.suptitle(". ".join(filter(None, (of_other, step))), fontsize=11, x=0.01, ha="left")
-    return figure
+    title = ". ".join(filter(None, (of_other, step)))
+    return (_plot_planes if dataset["von_mises"].ndim == 3 else _plot_section)(dataset, title, width)
 
 
-def _plot_section(dataset: xr.Dataset) -> Figure:
+def _plot_section(dataset: xr.Dataset, title: str, width: Width | None) -> Figure:
     dim = str(dataset["von_mises"].dims[1])
     period = float(dataset[dim][-1] + dataset[dim][1])
     dataset = dataset.isel(z=dataset["z"].values >= -_DEEPEST * period)
@@ -45,9 +43,9 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
     pressure, pressure_label = scaled(dataset["pressure"], "Pressure $p$", "E^*")
     mises, mises_label = scaled(dataset["von_mises"], "von Mises stress", "E^*")
     deepest, highest = np.unravel_index(int(np.argmax(mises)), mises.shape)
-    with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 9.8), dpi=150, layout="constrained")
-        above, whole, close = figure.subplots(3, 1, height_ratios=[1.2, 3.3, 2.3])
+    grid: dict[str, Any] = {"around": (2.0, 1.0), "height_ratios": [1.2, 3.3, 2.3]}
+    with sheet(3, 1, (9.0, 3.2), width, title=title, **grid) as (figure, axes):
+        above, whole, close = axes
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
         above.set(
@@ -59,26 +57,24 @@ def _plot_section(dataset: xr.Dataset) -> Figure:
         if not pressure.any():
             above.set(yticks=[], ylabel="Pressure $p$")
             above.text(0.5, 0.4, "no pressure along this section", ha="center", transform=above.transAxes)
-        # stresses at the edges of contacts are far above all others: these colours follow the rest
         z_label = x_label.replace(f"Position ${dim}$", "Height $z$")
-        _draw(figure, whole, x, z, mises, float(np.quantile(mises, 0.998)), mises_label)
+        _draw(figure, whole, x, z, mises, float(np.quantile(mises, _USUAL)), mises_label)
         whole.set(xlabel=x_label, ylabel=z_label, aspect="equal")
-        # and these show the largest one
         peak = float(mises.max())
         depth = max(-1.5 * z[deepest], (x[-1] + x[1]) / 24.0, -np.sort(z)[-2])  # two levels at least
-        width = min(3.0 * depth, x[-1])  # flat, so that its title fits
-        near = np.abs(x - np.clip(x[highest], width / 2.0, x[-1] - width / 2.0)) <= width / 2.0
+        across = min(3.0 * depth, x[-1])  # flat, so that its title fits
+        near = np.abs(x - np.clip(x[highest], across / 2.0, x[-1] - across / 2.0)) <= across / 2.0
         shallow = z >= -depth
         _draw(figure, close, x[near], z[shallow], mises[np.ix_(shallow, near)], peak, mises_label)
-        close.plot(x[highest], z[deepest], "+", color="#D55E00", ms=10, mew=2)
+        close.plot(x[highest], z[deepest], "+", color=COLOURS[1], ms=8, mew=1.5)
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")
         length = x_label.partition("(")[2].rstrip(")")
         at = f"${dim}$ = {told(x[highest], length)}, $z$ = {told(z[deepest], length, 3)}"
         other = "y" if dim == "x" else "x"
         if other in dataset.coords:  # a section below a map
             place = told(float(dataset[other]) * unit, length)
-            above.set_title(f"Section at ${other}$ = {place}", fontsize=11)
-        close.set_title(f"Close-up of the largest stress, {told(peak, unit_of_stress)} at {at}", fontsize=11)
+            above.set_title(f"Section at ${other}$ = {place}")
+        close.set_title(f"Largest stress, {told(peak, unit_of_stress)} at {at}")
         close.set(xlabel=x_label, ylabel=z_label, aspect="equal")
     return figure
 
@@ -95,26 +91,21 @@ _COLUMNS = 3
 _MOST = 8  # planes that are drawn: the highest
 
 
-def plot_planes(dataset: xr.Dataset) -> Figure:
+def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure:
     """Draw the pressure on the surface and von Mises's stress on planes of `gfmd fields`, with its largest value."""
     dataset = dataset.isel(z=np.argsort(-dataset["z"].values)[:_MOST])
-    panels = 1 + dataset.sizes["z"]
-    columns = min(_COLUMNS, panels)
-    rows = -(-panels // columns)
     z, z_label = scaled(dataset["z"], "", "L_x")
     unit = z_label.strip(" ()")
-    with mpl.rc_context(STYLE):
-        figure = Figure((4.7 * columns, 1.4 + 4.4 * rows), dpi=150, layout="constrained")
-        places = figure.add_gridspec(rows, columns)
-        axes = [figure.add_subplot(places[divmod(i, columns)]) for i in range(panels)]
+    with sheet(1 + len(z), _COLUMNS, panel_of(dataset, 3.8), width, title=title, **OF_MAPS) as (figure, axes):
         draw_pressure(axes[0], dataset)
         for i, axis in enumerate(axes[1:]):
             level = dataset.isel(z=i)
             values, label = scaled(level["von_mises"], "von Mises stress", "E^*")
-            draw_image(axis, level, values, label, cmap="cividis", vmin=0.0)
+            usual = float(np.quantile(values, _USUAL))
+            draw_image(axis, level, values, label, "max", cmap="cividis", vmin=0.0, vmax=usual)
             row, column = np.unravel_index(int(np.argmax(values)), values.shape)
             (x, _), (y, _) = (scaled(level[dim], "", "") for dim in ("x", "y"))
-            axis.plot(x[column], y[row], "+", color="#D55E00", ms=10, mew=2)
+            axis.plot(x[column], y[row], "+", color=COLOURS[1], ms=8, mew=1.5)
             stress = label.partition("(")[2].rstrip(")")
-            axis.set_title(f"$z$ = {told(z[i], unit, 3)}, at most {told(values.max(), stress)}", fontsize=11)
+            axis.set_title(f"$z$ = {told(z[i], unit, 3)}, at most {told(values.max(), stress)}")
     return figure

@@ -1,6 +1,6 @@
 """The table of what can be drawn without a fit: what tells a kind of dataset, and its picture."""
 
-from collections.abc import Callable
+from typing import Protocol
 
 import xarray as xr
 from matplotlib.figure import Figure
@@ -15,10 +15,19 @@ from gfmd_numba.analysis.plots.parameter import plot_fit
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.statistics import plot_statistics
+from gfmd_numba.analysis.plots.style import Width
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 
-KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable that no later kind has
+
+class Draw(Protocol):
+    """A function that draws a dataset, as it suits a screen or in the width of a journal's column."""
+
+    def __call__(self, dataset: xr.Dataset, /, width: Width | None = None) -> Figure:
+        """Return the figure."""
+
+
+KINDS: dict[str, tuple[str, Draw]] = {  # a variable that no later kind has
     "fields inside a body": ("von_mises", plot_body),
     "body that flows": ("equivalent_plastic_strain", plot_flow),
     "surface": ("spectral_density", plot_surface),
@@ -36,7 +45,7 @@ KINDS: dict[str, tuple[str, Callable[[xr.Dataset], Figure]]] = {  # a variable t
 }
 
 
-def picture_of(dataset: xr.Dataset) -> Callable[[xr.Dataset], Figure] | None:
+def picture_of(dataset: xr.Dataset) -> Draw | None:
     """Function that draws this kind of dataset; None for one that is drawn with its fit: a campaign without a path."""
     if "case" in dataset.dims and "step" not in dataset.dims:
         return None
@@ -44,7 +53,7 @@ def picture_of(dataset: xr.Dataset) -> Callable[[xr.Dataset], Figure] | None:
     return next((draw for variable, draw in KINDS.values() if variable in tells), None)
 
 
-def second_picture_of(dataset: xr.Dataset) -> tuple[str, Callable[[xr.Dataset], Figure]] | None:
+def second_picture_of(dataset: xr.Dataset) -> tuple[str, Draw] | None:
     """What the name of a second picture ends in, and the function that draws it; None where one picture shows all."""
     if "round" in dataset.dims and (dataset["round_error"] > 0).any():
         return "rounds", plot_rounds

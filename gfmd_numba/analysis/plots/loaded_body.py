@@ -2,14 +2,13 @@
 
 from typing import Annotated, Any
 
-import matplotlib as mpl
 import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import LOADED_BODY
-from gfmd_numba.analysis.plots.map_image import draw_image
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, prefix, scaled
+from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, panel_of
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, prefix, scaled, sheet
 
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
 _OF_MAPS = (("normal", "", "out of the body"), ("tangential", "", "along $x$"), ("tangential", "_y", "along $y$"))
@@ -19,32 +18,29 @@ _ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
 @checked
-def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY]) -> Figure:
+def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY], width: Width | None = None) -> Figure:
     """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
-    return _plot_map(dataset) if "y" in dataset.dims else _plot_profile(dataset)
+    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, width)
 
 
-def _plot_profile(dataset: xr.Dataset) -> Figure:
+def _plot_profile(dataset: xr.Dataset, width: Width | None) -> Figure:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-    with mpl.rc_context(STYLE):
-        rough = "body_height" in dataset
-        figure = Figure((9.0, 7.0 if rough else 5.4), dpi=150, layout="constrained")
-        topography, *panels = (
-            figure.subplots(3, 1, sharex=True) if rough else (None, *figure.subplots(2, 1, sharex=True))
-        )
-        if topography is not None:
+    rough = "body_height" in dataset
+    with sheet(2 + rough, 1, (9.0, 2.4), width, sharex=True) as (figure, axes):
+        panels = axes[-2:]
+        if rough:
             heights, unit = prefix(dataset["body_height"], "L_x")
-            topography.plot(x, heights * dataset["body_height"].values, color="0.35", lw=0.8)
-            topography.set(ylabel=f"Topography ({unit})")
+            axes[0].plot(x, heights * dataset["body_height"].values, color="0.35", lw=0.8)
+            axes[0].set(ylabel=f"Topography ({unit})")
         for axis, (quantity, natural) in zip(panels, _QUANTITIES.items(), strict=True):
             both = [dataset[f"{component}_{quantity}"] for component, _, _ in _COMPONENTS]
             factor, unit = prefix(max(both, key=lambda each: float(abs(each).max())), natural)
             for (component, dashes, colour), values in zip(_COMPONENTS, both, strict=True):
-                axis.plot(x, factor * values.values, dashes, color=colour, lw=1.3, label=component)
+                axis.plot(x, factor * values.values, dashes, color=colour, label=component)
             axis.axhline(0.0, color="0.8", lw=0.8, zorder=0)
             axis.set(ylabel=f"{quantity.capitalize()} ({unit})", xlim=(x[0], x[-1]))
         panels[1].set_xlabel(x_label)
-        figure.legend(handles=panels[0].get_legend_handles_labels()[0], loc="outside upper right", ncols=2)
+        add_legend(figure, panels[0].get_legend_handles_labels()[0], 2)
     return figure
 
 
@@ -55,11 +51,10 @@ def _limits(every: list[xr.DataArray], values: xr.DataArray, factor: float) -> d
     return {"vmin": -factor * largest, "vmax": factor * largest} if zero and largest else {}
 
 
-def _plot_map(dataset: xr.Dataset) -> Figure:
+def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
     """Draw a column for each component; a row has one unit, so that components can be compared."""
-    with mpl.rc_context(STYLE):
-        figure = Figure((14.0, 9.4), dpi=150, layout="constrained")
-        for row, (quantity, natural) in zip(figure.subplots(2, 3), _QUANTITIES.items(), strict=True):
+    with sheet(6, 3, panel_of(dataset, 3.8), width, **OF_MAPS) as (figure, axes):
+        for row, (quantity, natural) in zip((axes[:3], axes[3:]), _QUANTITIES.items(), strict=True):
             every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _OF_MAPS]
             factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
             for axis, (_, _, way), values in zip(row, _OF_MAPS, every, strict=True):

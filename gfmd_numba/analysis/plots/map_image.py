@@ -8,28 +8,71 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LogNorm
-from matplotlib.ticker import AutoLocator, MaxNLocator
+from matplotlib.ticker import AutoLocator, MaxNLocator, NullFormatter
 
-from gfmd_numba.analysis.plots.style import scaled
+from gfmd_numba.analysis.plots.style import COLOURS, scaled, usual
 from gfmd_numba.arrays import Reals
 
+_AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
 _TICKS = 5
 _DECADES = 1e-3  # of the largest value, which logarithmic colours still tell
+_LEAST_ENLARGED = 48  # nodes along a side of a map that has hot spots
+_ENLARGED = 0.16  # of the shorter side, that is enlarged
+_FEW = 0.2  # of all nodes
 _SHARE = 0.98  # of the values above 0 that colours tell apart
+_LEFT, _ABOVE_AND_BELOW = 0.75, 1.4  # inches beside and above a map: labels, and the bar of its colours
+OF_MAPS: dict[str, Any] = {"least": 1.65, "around": (_LEFT, _ABOVE_AND_BELOW)}  # of a sheet of maps
+
+
+def panel_of(dataset: xr.Dataset, across: float) -> tuple[float, float]:
+    """Return the size in inches of the panel of a map, so that the map fills it."""
+    x, y = (float(dataset[dim][-1] + dataset[dim][1]) for dim in ("x", "y"))
+    return across, _ABOVE_AND_BELOW + (across - _LEFT) * y / x
 
 
 def draw_image(
     axis: Axes, dataset: xr.Dataset, values: Reals, label: str, extend: str = "neither", **look: Any
 ) -> Colorbar:
-    """Draw values `[y, x]` over the positions of a dataset; `look` is told to matplotlib's imshow."""
+    """Draw values `[y, x]` over the positions of a dataset; `look` is told to matplotlib's imshow.
+
+    Without limits or a norm, outliers have the colours of the ends, which then are arrows.
+    """
+    if not look.keys() & {"norm", "vmin", "vmax"}:
+        look["vmin"], look["vmax"] = ends = usual(values)
+        beyond = bool((values < ends[0]).any()), bool((values > ends[1]).any())
+        extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(beyond, extend)
     (x, x_label), (y, y_label) = (scaled(dataset[dim], f"Position ${dim}$", "L_x") for dim in ("x", "y"))
     extent = (0.0, x[-1] + x[1], 0.0, y[-1] + y[1])
-    image = axis.imshow(values, origin="lower", extent=extent, interpolation="none", **look)
+    image = axis.imshow(values, **_AS_IT_IS, extent=extent, **look)
     axis.set(xlabel=x_label, ylabel=y_label)
     bar = axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
+    bar.minorformatter = NullFormatter()
     if isinstance(bar.locator, AutoLocator):
         bar.locator = MaxNLocator(_TICKS)  # so few that long numbers have room
     return bar
+
+
+def enlarge_peak(axis: Axes, values: Reals) -> None:
+    """Enlarge the surroundings of the largest value `[y, x]` of a map in the farther corner, if few nodes have values.
+
+    Hot spots are so small that a map of the width of a column does not show them.
+    """
+    ny, nx = values.shape
+    spots = np.count_nonzero(values > 0.0)
+    if min(ny, nx) < _LEAST_ENLARGED or not 0 < spots <= _FEW * values.size:
+        return
+    row, column = np.unravel_index(int(np.nanargmax(values)), values.shape)
+    (left, right), (bottom, top) = axis.get_xlim(), axis.get_ylim()
+    x, y = left + (column + 0.5) / nx * (right - left), bottom + (row + 0.5) / ny * (top - bottom)
+    half = 0.5 * _ENLARGED * min(right - left, top - bottom)
+    x, y = np.clip(x, left + half, right - half), np.clip(y, bottom + half, top - half)
+    corner = (0.02 if column > nx / 2 else 0.56, 0.02 if row > ny / 2 else 0.56)
+    inset = axis.inset_axes((*corner, 0.42, 0.42))
+    image = axis.images[0]
+    inset.imshow(values, **_AS_IT_IS, extent=image.get_extent(), cmap=image.cmap, clim=image.get_clim())
+    inset.set(xticks=[], yticks=[], xlim=(x - half, x + half), ylim=(y - half, y + half))
+    inset.spines[:].set(visible=True, color=COLOURS[0])
+    axis.indicate_inset_zoom(inset, edgecolor=COLOURS[0], alpha=1.0)
 
 
 def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:
@@ -39,6 +82,7 @@ def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:
     tension = most(-values) or 0.0
     shown, extend = np.where(values != 0.0, values, np.nan), "both" if tension else "max"
     draw_image(axis, dataset, shown, label, extend, cmap=colours, vmin=-tension, vmax=most(values))
+    enlarge_peak(axis, shown)
 
 
 def decades(values: Reals) -> LogNorm | None:

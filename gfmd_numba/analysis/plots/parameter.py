@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -17,14 +16,15 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.names import has_names, plain, shown
 from gfmd_numba.analysis.plots.style import (
-    LINE,
     MARKERS,
-    STYLE,
+    Width,
+    add_legend,
     few_ticks,
     log_ticks,
     of_variable,
     ordered_colours,
     scaled,
+    sheet,
     with_unit,
 )
 from gfmd_numba.analysis.selection import axes, ensemble_mean, groups, key
@@ -64,11 +64,13 @@ class Looks:
 
 
 def looks_of(dataset: xr.Dataset) -> Looks:
-    """Look of each group: a colour for each Hurst exponent, or else value of the first parameter that varies."""
+    """Look of each group: a colour for each Hurst exponent if it varies, or value of the first parameter that does."""
     names = axes(dataset)
     keys = [key(parameters) for parameters, _ in groups(dataset)]
     varied = [i for i in range(len(names)) if len({each[i] for each in keys}) > 1]
-    column = names.index("hurst") if "hurst" in names else next(iter(varied), 0)
+    column = names.index("hurst") if "hurst" in names else 0
+    if varied and column not in varied:
+        column = varied[0]
     found = Looks({each: {} for each in sorted(keys)}, names, column, _label(dataset[names[column]]))
     coloured, others = found.coloured, found.others
     told = sorted({column, *varied})
@@ -113,7 +115,7 @@ _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis 
 ValuesOf = Callable[[xr.Dataset], tuple[Reals, Reals]]  # values (case) of cases, and their errors
 
 
-def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
+def plot_parameter(dataset: xr.Dataset, variable: str, width: Width | None) -> Figure:
     """Draw case means with standard errors against the parameter that has most values, a line for each set of others.
 
     A parameter of names, like files, is taken only where no number is varied, and no line joins its values.
@@ -124,23 +126,20 @@ def plot_parameter(dataset: xr.Dataset, variable: str) -> Figure:
             "you gave results in which no discretisation is varied, and no other parameter; "
             "gfmd allows results of a campaign with limits or a grid"
         )
-    return over_parameter(dataset, lambda cases: ensemble_mean(cases, variable), of_variable(dataset, variable))
+    label = of_variable(dataset, variable)
+    return over_parameter(dataset, lambda cases: ensemble_mean(cases, variable), label, width)
 
 
-def over_parameter(dataset: xr.Dataset, values_of: ValuesOf, label: str) -> Figure:
+def over_parameter(dataset: xr.Dataset, values_of: ValuesOf, label: str, width: Width | None) -> Figure:
     """Draw values of cases, with their errors, against the parameter that has most values."""
     name = most_varied(dataset) or next(iter(axes(dataset)))
     looks = looks_of(_without(dataset, name))
-    with mpl.rc_context(STYLE):
-        figure = Figure((5.6, 4.6), dpi=150, layout="constrained")
-        panel = figure.subplots()
+    with sheet(1, 1, (5.6, 4.0), width) as (figure, (panel,)):
         draw_values(panel, dataset, values_of, name, looks)
         panel.set_ylabel(label)
-        panel.grid(axis="y", color="0.9", linewidth=0.8)
+        panel.grid(axis="y")
         if len(looks.of) > 1:
-            handles = [Line2D([], [], **look) for look in looks.of.values()]
-            figure.set_figheight(4.6 + LINE * max(0, -(-len(handles) // 2) - 3))  # the panel keeps its height
-            figure.legend(handles=handles, loc="outside upper center", ncols=2)
+            add_legend(figure, [Line2D([], [], **look) for look in looks.of.values()], 2)
     return figure
 
 
@@ -158,7 +157,7 @@ def draw_values(panel: Axes, dataset: xr.Dataset, values_of: ValuesOf, name: str
         ordered = group.sortby("_value")
         value, error = values_of(ordered)
         look = looks.of[key(parameters)] | ({"linestyle": "none"} if has_names(dataset[name]) else {})
-        panel.errorbar(ordered["_value"].values, value, error, ms=5.5, capsize=2.5, lw=1.3, **look)
+        panel.errorbar(ordered["_value"].values, value, error, **look)
     if panel.get_xscale() == "log":
         log_ticks(panel.xaxis)
 
@@ -196,7 +195,7 @@ _SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes",
 
 
 @checked
-def plot_fit(fit: Annotated[xr.Dataset, FIT]) -> Figure:
+def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Figure:
     """Draw the limits that `fit_tfc` found, with standard errors, against the parameter that has most values.
 
     Groups whose fit is refused are left out. UnusableDataError for anything but a fit, or one without a limit.
@@ -208,7 +207,7 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT]) -> Figure:
     if not accepted.sizes["group"]:
         raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
     label = with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
-    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label)
+    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label, width)
 
 
 def _limits(groups: xr.Dataset) -> tuple[Reals, Reals]:

@@ -13,10 +13,13 @@ from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.plots.parameter import Looks, draw_values, looks_of, most_varied
-from gfmd_numba.analysis.plots.style import LINE, STYLE, few_ticks, prefix
+from gfmd_numba.analysis.plots.style import Width, add_legend, few_ticks, prefix, sheet, small
 from gfmd_numba.analysis.selection import axes, ensemble_mean, good, groups, key
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.numbers import typical
 
+_ARROWS = 5  # along a loop
+_JUMP = 0.2  # least part of all that happens along a path
 _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
 
 
@@ -36,7 +39,7 @@ class _Panel(NamedTuple):
     natural: str
 
 
-def plot_path(dataset: xr.Dataset) -> Figure:
+def plot_path(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     """Draw a contact or a campaign along a path: what came of each step, and of the path against a parameter.
 
     Of a campaign these are means over the realisations, and of cases that differ in their grid alone the finest
@@ -54,28 +57,20 @@ def plot_path(dataset: xr.Dataset) -> Figure:
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)
     of_path = [name for name in _OF_PATH if varied and name in dataset and good(dataset, name).any()]
-    columns = 1 if len(panels) + len(of_path) == 1 else 2
-    rows = -(-(len(panels) + len(of_path)) // columns)
-    with mpl.rc_context(STYLE):
-        figure = Figure((5.0 * columns, 3.6 * rows), dpi=150, layout="constrained")
-        drawn = figure.subplots(rows, columns, squeeze=False).ravel()
+    with sheet(len(panels) + len(of_path), 2, (5.0, 3.6), width) as (figure, drawn):
         for axis, panel in zip(drawn, panels, strict=False):
             _draw(axis, dataset, panel, looks)
         for axis, name in zip(drawn[len(panels) :], of_path, strict=False):
             label, natural = _OF_PATH[name]
             drawn_values = dataset[name].where(good(dataset, name)).mean("realisation", keep_attrs=True)
-            factor, unit = prefix(drawn_values, natural)
+            factor, unit = prefix(drawn_values, natural, typical)
             others = looks_of(dataset.drop_vars(varied or ""))
             draw_values(axis, dataset, partial(_scaled_mean, name, factor), varied or "", others)
             axis.set(ylabel=f"{label} ({unit})")
-        for axis in drawn[len(panels) + len(of_path) :]:
-            axis.remove()
-        for axis in figure.axes:
-            axis.grid(color="0.9", lw=0.6)
+        for axis in drawn:
+            axis.grid()
         if len(looks.of) > 1:
-            handles = [Line2D([], [], **look) for look in looks.of.values()]
-            figure.set_figheight(3.6 * rows + LINE * -(-len(handles) // (2 * columns)))
-            figure.legend(handles=handles, loc="outside upper center", ncols=2 * columns)
+            add_legend(figure, [Line2D([], [], **look) for look in looks.of.values()], 4)
     return figure
 
 
@@ -141,21 +136,55 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
         mean = mean.cumsum("step", skipna=False)
     mean.attrs = dataset[panel.y].attrs
     label, natural = _over(dataset, panel.x)
-    across, unit_across = prefix(x, natural) if natural else (1.0, "")
-    up, unit_up = prefix(mean, panel.natural) if panel.natural else (1.0, "")
+    across, unit_across = prefix(x, natural, typical) if natural else (1.0, "")
+    up, unit_up = prefix(mean, panel.natural, typical) if panel.natural else (1.0, "")
     for parameters, group in groups(
         _of_varied(dataset).assign_coords(_place=("case", np.arange(dataset.sizes["case"])))
     ):
         place = int(group["_place"][0])
         look = {name: value for name, value in looks.of[key(parameters)].items() if name != "label"}
         values = x.values if panel.x == "step" else x.values[place]
-        axis.plot(across * values, up * mean.values[place], ms=3.5, lw=1.2, **look)
+        axis.plot(across * values, up * mean.values[place], ms=0.7 * mpl.rcParams["lines.markersize"], **look)
+        if panel.x != "step":
+            _mark_way(axis, across * values, up * mean.values[place], look["color"])
+        if panel.x == "step_load":
+            _mark_jumps(axis, across * values, up * mean.values[place])
     if panel.x == "step":
         axis.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
     else:
         few_ticks(axis.xaxis)
     axis.set_xlabel(f"{label} ({unit_across})" if unit_across else label)
     axis.set_ylabel(f"{panel.label} ({unit_up})" if unit_up else panel.label)
+
+
+def _mark_way(axis: Axes, x: Reals, y: Reals, colour: str) -> None:
+    """Draw arrows at equal distances along a loop."""
+    steps = np.stack([np.diff(each) for each in (x, y)])
+    lengths = np.hypot(*(each / (np.ptp(drawn) or 1.0) for each, drawn in zip(steps, (x, y), strict=True)))
+    ends = np.nancumsum(lengths)
+    for share in (np.arange(_ARROWS) + 0.5) / _ARROWS:
+        i = int(np.searchsorted(ends, share * ends[-1]))
+        if lengths[i] > 0.0:
+            tail, head = ((x[i] + t * steps[0, i], y[i] + t * steps[1, i]) for t in (0.45, 0.55))
+            look = {
+                "arrowstyle": "-|>",
+                "color": colour,
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+                "mutation_scale": 1.6 * small(),
+            }
+            axis.annotate("", head, tail, arrowprops=look)
+
+
+def _mark_jumps(axis: Axes, x: Reals, y: Reals) -> None:
+    """Name the steps in which a contact jumps: far more happens in them than in the step before and the one after."""
+    size = abs(np.diff(y))
+    before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
+    for i in np.flatnonzero((size > _JUMP * np.ptp(y)) & (size > 3.0 * np.maximum(before, after))):
+        axis.plot(x[i : i + 2], y[i : i + 2], ":", color="white", marker="")
+        axis.annotate(
+            "jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points", fontsize=small()
+        )
 
 
 def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:

@@ -2,7 +2,6 @@
 
 from typing import Annotated, Any
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -11,10 +10,9 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
 from gfmd_numba.analysis.arguments import checked, targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, STYLE
+from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, sheet
 
 _TARGET = COLOURS[2]
-_ROUNDS: dict[str, Any] = {"ms": 5.5, "capsize": 3, "lw": 1.3}
 _BARS = "rounds, bars to 90 % confidence"
 _TIMES = {  # ticks of an axis of time, in s
     "1 ms": 1e-3,
@@ -44,7 +42,7 @@ _TIMES = {  # ticks of an axis of time, in s
 
 
 @checked
-def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
+def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS], width: Width | None = None) -> Figure:
     """Draw the error of the worst group after each round against processor time, and its target, of each variable.
 
     Bars go to the error that is not exceeded with 90 % probability. UnusableDataError for results without a round that
@@ -55,9 +53,7 @@ def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
         raise UnusableDataError(
             "you gave results without a round that has an error; gfmd allows those of `gfmd run --until`"
         )
-    with mpl.rc_context(STYLE):
-        figure = Figure((7.2, 4.8), dpi=150, layout="constrained")
-        axis = figure.subplots()
+    with sheet(1, 1, (7.2, 4.2), width) as (figure, (axis,)):
         which = _symbol(next(iter(targets))) if len(targets) == 1 else "each target"
         ylabel = f"Relative error of {which} in the limit"
         axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=ylabel)
@@ -67,8 +63,8 @@ def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS]) -> Figure:
             of_target = dataset.sel(target=name) if "target" in dataset.dims else dataset
             _draw(axis, of_target, target, number, f"{_symbol(name)}: " if len(targets) > 1 else "")
         _tick(axis)
-        axis.grid(color="0.9", linewidth=0.8)
-        figure.legend(loc="outside upper center", ncols=2)
+        axis.grid()
+        add_legend(figure, axis.get_legend_handles_labels()[0], 2)
     return figure
 
 
@@ -78,13 +74,13 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     seconds, errors = known["round_cpu_seconds"].values, known["round_error"].values
     colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
     line: dict[str, Any] = {"color": colour, "ls": "--"} if whose else {"color": _TARGET}
-    axis.axhline(target, lw=1.3, label=f"{whose}target {100 * target:.3g} %", **line)
+    axis.axhline(target, label=f"{whose}target {100 * target:.3g} %", **line)
     expected = known["round_predicted_error"]
     label = f"{whose}expected before the round"
-    axis.plot(seconds, expected, marker, color=colour, mfc="none", ms=9, label=label)
+    axis.plot(seconds, expected, marker, color=colour, mfc="none", ms=8, label=label)
     sure = errors * (known["round_error_factor"].values - 1.0)
     bars = [0.0 * sure, sure]
-    axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}", **_ROUNDS)
+    axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}")
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
         _write(axis, str(which) if which else "pilot", (x, y), (-5, -7), "right")
 

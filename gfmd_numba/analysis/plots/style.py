@@ -1,29 +1,187 @@
-"""What all figures share: colours, fonts, and values in the SI prefix that suits them."""
+"""What all figures share: their sheet, colours, fonts, and values in the SI prefix that suits them."""
 
-from typing import Any
+import re
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from itertools import pairwise
+from typing import Annotated, Any, Literal
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
-from matplotlib.axis import Axis
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis, XAxis
 from matplotlib.colors import to_hex
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
+from gfmd_numba.analysis.arguments import Kind
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import si_prefix
 
 # Okabe and Ito: told apart with any colour vision. In grey the first two are alike: lines of both need a dash or marker
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-LINE = 0.34  # inches of a line of a legend
-STYLE: dict[Any, Any] = {
-    "font.size": 11,
-    "axes.spines.top": False,
+_FENCE = 3.5  # of the distance of the quartiles: three of them beyond either quartile
+_KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
+
+
+Width = Annotated[Literal["single", "double"], Kind(Literal["single", "double"], "'single' or 'double'")]
+_INCHES = {"single": 3.4, "double": 7.0}  # columns of journals
+_POINTS, _POINTS_OF_COLUMNS = 11.0, 8.0
+_STACKED = 0.55  # height over width of a panel that would stand beside others, were the column wider
+_LOWEST = 1.7  # inches that it has at least
+_SIZES = {  # in points, of text of 11 points
+    "font.size": 11.0,
+    "axes.linewidth": 0.8,
+    "errorbar.capsize": 2.5,
+    "grid.linewidth": 0.7,
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.5,
+    **{f"{axis}tick.{kind}": size for axis in "xy" for kind, size in (("major.size", 3.5), ("major.width", 0.8))},
+    **{f"{axis}tick.{kind}": size for axis in "xy" for kind, size in (("minor.size", 2.0), ("minor.width", 0.6))},
+}
+_STYLE: dict[Any, Any] = {
+    "axes.axisbelow": True,
     "axes.spines.right": False,
+    "axes.spines.top": False,
+    "grid.color": "0.9",
     "legend.frameon": False,
     "legend.handlelength": 2.6,  # a whole dash and dot
+    **dict.fromkeys(("axes.titlesize", "figure.labelsize", "figure.titlesize"), "medium"),
 }
-_KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
+
+
+class _Picture(Figure):
+    """A figure whose text stays text in the files of vector graphics."""
+
+    def savefig(self, *args: Any, **options: Any) -> None:
+        """Save the figure as matplotlib does."""
+        with mpl.rc_context({"pdf.fonttype": 42, "ps.fonttype": 42, "svg.fonttype": "none"}):
+            super().savefig(*args, **options)
+
+
+_Place = Literal["outside upper center", "outside lower center"]
+
+
+@contextmanager
+def sheet(
+    count: int,
+    columns: int,
+    panel: tuple[float, float],
+    width: Width | None,
+    *,
+    title: str = "",
+    least: float = 2.2,
+    around: tuple[float, float] | None = None,
+    **grid: Any,
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """Yield a figure and so many axes by rows, and see to it that all its text has room once it is drawn.
+
+    A panel has a width and a height in inches if text has 11 points. A column of a journal has text of 8 points, and
+    has panels below each other that would be narrower than `least` inches. A map keeps its shape within the inches
+    `around` it, for text of 11 points. `grid` goes to matplotlib's subplots.
+    """
+    scale, fitting = 1.0, max(1, min(columns, count))
+    across, up = panel
+    if width is not None:
+        scale, columns = _POINTS_OF_COLUMNS / _POINTS, fitting
+        fitting = min(fitting, max(1, int(_INCHES[width] / least)))
+        across, up = _INCHES[width] / fitting, scale * up
+        if around is not None:
+            beside, above = (scale * inches for inches in around)
+            up = min(up, above + (across - beside) * (panel[1] - around[1]) / (panel[0] - around[0]))
+        elif fitting < columns:
+            grid.pop("width_ratios", None)
+            up = min(up, max(_STACKED * across, _LOWEST))
+    rows = max(1, -(-count // fitting))
+    with mpl.rc_context(_STYLE | {name: scale * size for name, size in _SIZES.items()}):
+        figure = _Picture((fitting * across, rows * up), dpi=150 if width is None else 300, layout="constrained")
+        axes = figure.subplots(rows, fitting, squeeze=False, **grid).ravel().tolist()
+        for spare in axes[count:]:
+            spare.remove()
+        if title:
+            figure.suptitle(title, x=0.01, ha="left")
+            _grow(figure, 1.6 * scale * _POINTS / 72.0)
+        yield figure, axes[:count]
+        if width is not None:
+            _settle(figure, fitting)
+
+
+def small() -> float:
+    """Return the size in points of notes within a panel, of a figure that is being drawn."""
+    return 0.875 * float(mpl.rcParams["font.size"])
+
+
+def _grow(figure: Figure, inches: float) -> None:
+    """Make a figure higher, so that its panels keep their height."""
+    figure.set_figheight(figure.get_figheight() + inches)
+
+
+def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, place: _Place = "outside upper center") -> None:
+    """Put a legend above or below all panels, which keep their height, in so many columns or as many as fit."""
+    for fitting in range(min(columns, len(handles)), 0, -1):
+        legend = figure.legend(handles=handles, loc=place, ncols=fitting)
+        box = legend.get_window_extent()
+        if box.width <= figure.bbox.width or fitting == 1:
+            break
+        legend.remove()
+    _grow(figure, box.height / figure.dpi)
+
+
+def first_columns(axes: Iterable[Axes]) -> list[Axes]:
+    """Return the axes at the left edge of a sheet."""
+    return [axis for axis in axes if axis.get_subplotspec().is_first_col()]  # type: ignore[union-attr]
+
+
+def last_rows(axes: Iterable[Axes]) -> list[Axes]:
+    """Return the axes at the lower edge of a sheet."""
+    return [axis for axis in axes if axis.get_subplotspec().is_last_row()]  # type: ignore[union-attr]
+
+
+def _settle(figure: Figure, columns: int) -> None:
+    """Break labels that are longer than their place, and thin or turn labels of ticks that collide."""
+    for bins in (4, 4, 3, 3, 2, 2):
+        figure.get_layout_engine().execute(figure)  # type: ignore[union-attr]
+        changed = [_break(axes, axis, figure.bbox.width / columns) for axes in figure.axes for axis in ("x", "y", "")]
+        changed += [_thin(axis, bins) for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
+        if not any(changed):
+            return
+
+
+def _break(axes: Axes, which: str, across: float) -> bool:
+    """Break the label of an axis, or the title, in one more line at spaces outside formulae, if it is too long."""
+    text: Text = getattr(axes, f"{which}axis").label if which else axes.title
+    box, panel = text.get_window_extent(), axes.get_window_extent()
+    middle = 0.5 * (box.x0 + box.x1) % across
+    upright = which == "y"
+    if (box.height if upright else box.width) <= (panel.height if upright else 2.0 * min(middle, across - middle)):
+        return False
+    said, lines = text.get_text(), 2 + text.get_text().count("\n")
+    tied = re.sub(r"\$[^$]*\$", lambda formula: formula[0].replace(" ", "\0"), said.replace("\n", " "))
+    text.set_text(textwrap.fill(tied, len(tied) // lines + 4, break_long_words=False).replace("\0", " "))
+    return text.get_text() != said
+
+
+def _thin(axis: Axis, bins: int) -> bool:
+    """Have fewer labels on an axis on which some collide; turn those that stand at fixed places."""
+    low, high = sorted(axis.get_view_interval())
+    ticks = [*axis.get_major_ticks(), *axis.get_minor_ticks()]
+    labels = [label for tick in ticks if low <= tick.get_loc() <= high for label in (tick.label1, tick.label2)]
+    boxes = [label.get_window_extent() for label in labels if label.get_visible() and label.get_text()]
+    apart = 0.4 * max((min(box.width, box.height) for box in boxes), default=0.0) if isinstance(axis, XAxis) else 0.0
+    ends = sorted((box.x0, box.x1 + apart) if isinstance(axis, XAxis) else (box.y0, box.y1) for box in boxes)
+    if all(before[1] < after[0] for before, after in pairwise(ends)):
+        return False
+    axis.set_minor_formatter(NullFormatter())
+    if isinstance(axis.get_major_locator(), FixedLocator):
+        axis.set_tick_params(rotation=90)
+    else:
+        axis.set_major_locator(LogLocator(numticks=bins) if axis.get_scale() == "log" else MaxNLocator(bins))
+    return True
 
 
 def ordered_colours(count: int) -> list[str]:
@@ -75,10 +233,15 @@ def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]
     return factor * variable.values, f"{text} ({unit})"
 
 
-def prefix(variable: xr.DataArray, natural: str) -> tuple[float, str]:
-    """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1."""
+def prefix(
+    variable: xr.DataArray, natural: str, size: Callable[[list[float]], float] | None = None
+) -> tuple[float, str]:
+    """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1.
+
+    The prefix is that of the largest value, or of a `size` of them all, like the one that tables take.
+    """
     unit = str(variable.attrs.get("units", "1"))
-    largest = float(abs(variable).max())
+    largest = float(abs(variable).max()) if size is None else size(variable.values.ravel().tolist())
     if unit == "1":
         power = int(np.floor(np.log10(largest))) if largest else 0
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
@@ -103,6 +266,14 @@ def named_last_step(dataset: xr.Dataset) -> str:
             factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
             said += f", {symbol} = {told(factor * float(dataset[name][-1]), unit)}"
     return said
+
+
+def usual(values: Reals) -> tuple[float, float]:
+    """Return the least and the largest finite value that is no outlier (Tukey's outer fences)."""
+    known = values[np.isfinite(values)]
+    low, high = np.quantile(known, (0.25, 0.75))
+    inside = known[abs(known - 0.5 * (low + high)) <= _FENCE * (high - low)]
+    return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))
 
 
 def edges(centres: Reals) -> Reals:

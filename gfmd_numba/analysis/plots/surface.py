@@ -2,7 +2,6 @@
 
 from typing import Annotated
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -11,21 +10,20 @@ from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import SURFACE
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, edges, log_ticks, prefix, scaled
+from gfmd_numba.analysis.plots.map_image import draw_image
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, edges, log_ticks, prefix, scaled, sheet
 
 
 @checked
-def plot_surface(dataset: Annotated[xr.Dataset, SURFACE]) -> Figure:
+def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = None) -> Figure:
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
-    with mpl.rc_context(STYLE):
-        figure = Figure((11.0, 7.6), dpi=150, layout="constrained")
-        heights, spectrum, correlation, distribution = figure.subplots(2, 2).ravel()
+    with sheet(4, 2, (5.0, 3.6), width) as (figure, axes):
+        heights, spectrum, correlation, distribution = axes
         _draw_heights(heights, dataset)
         _draw_spectrum(spectrum, dataset)
         _draw_correlation(correlation, dataset)
         _draw_distribution(distribution, dataset)
-        handles, labels = spectrum.get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside upper right", ncols=3)
+        add_legend(figure, spectrum.get_legend_handles_labels()[0], 3)
     return figure
 
 
@@ -36,11 +34,7 @@ def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
         axis.plot(x, h, color="0.25", lw=0.8)
         axis.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
         return
-    y, y_label = scaled(dataset["y"], "Position $y$", "L_x")
-    extent = (x[0], x[-1] + x[1], y[0], y[-1] + y[1])
-    image = axis.imshow(h, origin="lower", extent=extent, cmap="cividis", interpolation="none")
-    axis.figure.colorbar(image, ax=axis, label=h_label)
-    axis.set(xlabel=x_label, ylabel=y_label)
+    draw_image(axis, dataset, h, h_label, cmap="cividis")
 
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
@@ -56,15 +50,13 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
         mean,
         bars,
         fmt="o",
-        ms=4,
-        lw=1.0,
         color=COLOURS[0],
         label="surface, with the 68 % range of its ensemble",
     )
     if "spectral_density_theory" in dataset:
         theory = dataset["spectral_density_theory"].values
         drawn = theory > 1e-14 * theory.max()
-        axis.plot(q[drawn], theory[drawn], "--", color=COLOURS[1], lw=1.5, label="theory")
+        axis.plot(q[drawn], theory[drawn], "--", color=COLOURS[1], label="theory")
     density_unit = dataset["spectral_density"].attrs.get("units", "1")
     density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
     axis.set(xscale="log", yscale="log", xlabel=f"Wave number $q$ (1/{unit})", ylabel="$C(q)$" + density_label)
@@ -75,14 +67,14 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
 def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
     distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
     axis.axhline(0.0, color="0.8", lw=0.8)
-    axis.plot(distance, dataset["autocorrelation"], color=COLOURS[0], lw=1.2)
+    axis.plot(distance, dataset["autocorrelation"], color=COLOURS[0])
     if "autocorrelation_theory" in dataset:
-        axis.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1], lw=1.5)
+        axis.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1])
     axis.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
 
 
 def _draw_distribution(axis: Axes, dataset: xr.Dataset) -> None:
     level = dataset["level"].values
     axis.stairs(dataset["height_density"], edges(level), color=COLOURS[0], fill=True, alpha=0.35)
-    axis.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1], lw=1.5)
+    axis.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1])
     axis.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))

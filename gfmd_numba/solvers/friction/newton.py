@@ -263,7 +263,7 @@ class FrictionalNewton:
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (slid - slid[middle_slip(slid, pressure, contact)])  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
-        unsure = _UNSURE * max(self._asked, progress.inner * progress.moved) * float(np.abs(tractions[-1]).max())
+        unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())
         revision = guess.revision(found, self._friction, self._rounding[i], unsure)
         nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))

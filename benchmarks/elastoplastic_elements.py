@@ -17,7 +17,7 @@ class PlasticBody(Body):
     def __init__(self, columns, z_edges, poissons_ratio, yield_stress, hardening):
         super().__init__(columns, z_edges, poissons_ratio)
         self.points = Basis(self.mesh, self.element, intorder=3)
-        self.at = self.points.global_coordinates().value
+        self.at = np.asarray(self.points.global_coordinates())
         self.mu, self.bulk = float(self.shear[0, 0]), float(self._volume()[0, 0]) + 2.0 / 3.0 * float(self.shear[0, 0])
         self.yield_stress, self.hardening = yield_stress, hardening
         self.plastic = np.zeros((4, *self.at.shape[1:]))  # xx, zz, xz, yy

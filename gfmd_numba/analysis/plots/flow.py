@@ -35,7 +35,7 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
         above.set(ylabel=label, ylim=(0.0, None), xlim=(x[0], x[-1]))
-        moved, label = scaled(dataset["residual_displacement"], "Residual displacement", "L_x")
+        moved, label = scaled(dataset["residual_displacement"], "Residual $u_z$", "L_x")
         other = above.twinx()
         other.plot(x, moved, color=COLOURS[0], lw=1.1, ls="--")
         other.set_ylabel(label, color=COLOURS[0])

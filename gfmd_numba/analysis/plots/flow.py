@@ -2,18 +2,18 @@
 
 from typing import Annotated
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import DRAWN_CONTACT
-from gfmd_numba.analysis.plots.style import COLOURS, STYLE, named_last_step, prefix, scaled
+from gfmd_numba.analysis.plots.style import COLOURS, Width, named_last_step, prefix, scaled, sheet
+from gfmd_numba.arrays import Reals
 
 
 @checked
-def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
+def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
     """Draw what has flown below a contact over x and depth, of a map on the row where most has; of a path at its end.
 
     Above it are the pressure and the residual displacement. Raises UnusableDataError for a dataset without these
@@ -28,9 +28,8 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
     depth, depth_label = scaled(dataset["depth"], "Depth", "L_x")
     edges = np.append(0.0, np.cumsum(_thicknesses(depth)))
     sides = np.append(x, 2.0 * x[-1] - x[-2]) - 0.5 * (x[1] - x[0])
-    with mpl.rc_context(STYLE):
-        figure = Figure((9.0, 7.6), dpi=150, layout="constrained")
-        above, strain, stress = figure.subplots(3, 1, sharex=True, height_ratios=[3, 4, 4])
+    panels = sheet(3, 1, (9.0, 2.5), width, title=step, sharex=True, height_ratios=[3, 4, 4])
+    with panels as (figure, (above, strain, stress)):
         pressure, label = scaled(dataset["pressure"], "Pressure", "E^*")
         above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
         above.plot(x, pressure, color=COLOURS[1], lw=0.9)
@@ -51,12 +50,10 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT]) -> Figure:
         if plastic.any():
             stress.contour(x, depth, plastic > 0.0, [0.5], colors="w", linewidths=0.8)
         stress.set_xlabel(x_label)
-        if step:
-            figure.suptitle(step, fontsize=11, x=0.01, ha="left")
     return figure
 
 
-def _thicknesses(middles: np.ndarray) -> np.ndarray:
+def _thicknesses(middles: Reals) -> Reals:
     """Thicknesses of sublayers with these middles, the first of which begins at the surface."""
     found, top = np.empty_like(middles), 0.0
     for i, middle in enumerate(middles):

@@ -32,6 +32,5 @@ for name, each in (("elastic", elastic), ("with plastic flow", contact)):
     print(f"{name}: {100 * area:.1f} % of the surface touch, under at most {1e-9 * peak:.1f} GPa")
 strain = 100 * float(contact["largest_plastic_strain"][0])
 print(f"plastic strain of up to {strain:.1f} %, error by the increments {float(contact['increment_error'][0]):.1%}")
-print(contact.attrs["validity"])
 
 plot_flow(contact).savefig("plastic_flow.png", dpi=80)

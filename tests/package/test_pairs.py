@@ -141,6 +141,8 @@ def covering(choices):
 
 @pytest.mark.filterwarnings("ignore:contacts are")  # a few nodes are enough here
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
+@pytest.mark.filterwarnings("ignore:pressures or residual displacements")
+@pytest.mark.filterwarnings("ignore:what has flown is at most")
 def test_every_choice_is_refused_by_the_table_or_allowed_and_every_allowed_pair_solved(tmp_path):
     """One test, as most of its time goes into sorting out what is allowed."""
     said = {choice: refusal(choice) for choice in product(*FACTORS.values())}
@@ -158,7 +160,7 @@ def test_every_choice_is_refused_by_the_table_or_allowed_and_every_allowed_pair_
         for pair in pairs_of(choice):
             kinds[pair].add(kind)
     counted = Counter(next(kind for kind in ("solved", "solver", "physics") if kind in each) for each in kinds.values())
-    assert counted == {"solved": 630, "solver": 113, "physics": 86}  # of 829; change with the tables
+    assert counted == {"solved": 675, "solver": 131, "physics": 92}  # of 898; change with the tables
     failed = [(choice, status) for choice in covering(allowed) if (status := solved(choice, tmp_path)) != "ok"]
     assert not failed, failed
 

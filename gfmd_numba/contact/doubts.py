@@ -67,7 +67,8 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
 def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
     laws, jump = given.file.scene.interface, next((name for name in dataset if str(name).startswith("jump_")), None)
-    if jump is None or laws.friction is not None or given.file.scene.body.relaxation is not None:
+    loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.body.relaxation is not None
+    if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
     lost = dataset["energy_lost"].fillna(0.0)
     whole, apart = float(lost.sum()), float(lost.where(np.isnan(dataset[jump]), 0.0).sum())
@@ -160,7 +161,7 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
         across = xr.concat(extents, "axis").min("axis")
     else:  # a disc of as many nodes
         across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5
-    fewest = float(across.where(counts > 0).min())
+    fewest = float(across.where(counts > 0).max())  # of a path where it is widest: each contact begins with a node
     least = FEWEST if scene.form is not None else 1.5
     if not fewest < least:
         return ""
@@ -168,10 +169,10 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     finer = f"at least {points} points" + (" both ways" if len(nodes) == 2 else "")
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(points / (2 * discretisation.cut_off_index))} or finer ({finer})"
-    return (
-        f"{FEW_NODES}, which is {fewest:.2g} wide. The radius of a ball is off by up to 30 % with 5, by 65 % "
-        f"with 3, and with one or two the contact is that of the nodes alone: take {finer}, or a larger load"
-    )
+    off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"
+    if scene.form is None:
+        off = "area and pressure are those of the node alone"
+    return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}. Take {finer}, or a larger load"
 
 
 def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:

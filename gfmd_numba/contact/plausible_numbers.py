@@ -59,8 +59,8 @@ COMMON = {
     "length": Common(1e-8, 0.1, "shorter than 10 nm", "longer than 10 cm", ("um", "mm", "nm")),
     "height": Common(1e-10, 0.1, "thinner than an atom", "thicker than 10 cm", ("um", "mm", "nm")),
     "rms_height": Common(1e-11, 1e-3, "less than a tenth of an atom", "more than 1 mm", ("um", "nm")),
-    **dict.fromkeys(("cut_on", "roll_off", "cutoff", "correlation_length", "mound_separation"), _OF_WAVES),
-    **dict.fromkeys(("correlation_length_x", "correlation_length_y"), _OF_WAVES),
+    **dict.fromkeys(("cut_on", "roll_off", "cutoff", "spacing", "correlation_length"), _OF_WAVES),
+    **dict.fromkeys(("correlation_length_x", "correlation_length_y", "mound_separation"), _OF_WAVES),
     **dict.fromkeys(("radius", "radius_y", "width", "edge_radius"), _OF_FORMS),
     **dict.fromkeys(("displacement", "sliding", "sliding_y"), _OF_PUNCHES),
 }

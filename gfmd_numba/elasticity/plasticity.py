@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.kernels import Hardening
@@ -29,6 +28,8 @@ class Plasticity:
         first, powers = 1.0 / nx, np.arange(self.sublayers)
         if depth <= self.sublayers * first:
             return np.full(self.sublayers, depth / self.sublayers)
+        from scipy.optimize import brentq  # which contacts that do not flow never need
+
         growth = brentq(lambda factor: first * float((factor**powers).sum()) - depth, 1.0, depth / first)
         found = growth**powers
         return np.asarray(depth / found.sum() * found)

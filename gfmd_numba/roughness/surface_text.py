@@ -369,7 +369,7 @@ def _bad_row(lines: list[str], first: int, layout: Layout, columns: int) -> Valu
         for cell in layout.cells(line.partition("#")[0]):
             if _parsed([cell], Layout("", layout.decimal)) is None:
                 return ValueError(
-                    f"{_short(cell)} in line {i}, not a number (a missing height is an empty cell, or nan)"
+                    f"{_short(cell)} in line {i}, not a number (what is missing is an empty cell, or nan)"
                 )
     return ValueError("rows of numbers that do not make a table")
 

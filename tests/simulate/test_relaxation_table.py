@@ -58,7 +58,7 @@ def test_the_command_prints_keys_of_a_body(tmp_path, unit, separator):
         ("1,2,3\n4,5,6\n", "you gave 2 rows of numbers; gfmd allows at least 3 different frequencies"),
         ("1 2\n3 4\n", "you gave rows of 2 numbers; gfmd allows three numbers above 0"),
         ("1,2,3\n1,2,-3\n", "you gave 1 2 -3 in row 2 of numbers; gfmd allows three numbers above 0"),
-        ("1,2,3\n1,2,x\n", "you gave 'x' in line 2, not a number; gfmd allows a text file"),
+        ("1,2,3\n1,2,x\n", "you gave 'x' in line 2, not a number (what is missing is an empty cell, or nan); gfmd"),
     ],
 )
 def test_tables_that_are_none_are_refused(tmp_path, text, said):

@@ -137,7 +137,7 @@ def test_a_guess_is_revised_as_node_by_node(components):
     guess = FrictionGuess.sticking(contact.copy(), np.array([*shear, pressure]), np.zeros(N))
     guess.direction = direction.copy()
     found = Found(np.array([*slid, -gap]), np.array([*shear, pressure]), np.zeros(N), np.zeros((components, N)))
-    revision = guess.revision(found, FRICTION, 0.05)
+    revision = guess.revision(found, FRICTION, 0.05, 0.0)
     guess.revise(revision, found, FRICTION, None)
     wrong = []
     for j in range(N):

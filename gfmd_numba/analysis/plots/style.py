@@ -269,8 +269,10 @@ def named_last_step(dataset: xr.Dataset) -> str:
 
 
 def usual(values: Reals) -> tuple[float, float]:
-    """Return the least and the largest finite value that is no outlier (Tukey's outer fences)."""
+    """Return the least and the largest finite value that is no outlier (Tukey's outer fences); 0 and 1 without any."""
     known = values[np.isfinite(values)]
+    if not known.size:
+        return 0.0, 1.0
     low, high = np.quantile(known, (0.25, 0.75))
     inside = known[abs(known - 0.5 * (low + high)) <= _FENCE * (high - low)]
     return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))

@@ -143,7 +143,7 @@ def follow(problem: Problem, state: State) -> Contact:
     if state.last is None or state.last.step is None:
         first = solution.solve(problem, state)
         yielded, pressure = float(plastic_work(first)[0]), float(first.equilibrium.pressure[0].mean())
-        return replace(first, followed=replace(NOTHING_LOST, lost=yielded, least_pressure=pressure))
+        return replace(first, followed=replace(NOTHING_LOST, lost=yielded, yielded=yielded, least_pressure=pressure))
     spent: list[_Point] = []
     start = _Point(problem.under(state.last.step), state.last, state)
     point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
@@ -155,7 +155,8 @@ def follow(problem: Problem, state: State) -> Contact:
     }
     equilibrium = replace(point.contact.equilibrium, **counted)
     least = min(each.pressure for each in spent)
-    followed = Followed(sum(step.lost for step in steps), largest.jump_at, least, largest.jump_sliding)
+    lost, yielded = (sum(getattr(step, name) for step in steps) for name in ("lost", "yielded"))
+    followed = Followed(lost, largest.jump_at, least, largest.jump_sliding, yielded)
     return replace(point.contact, equilibrium=equilibrium, followed=followed)
 
 
@@ -175,12 +176,12 @@ def _advance(
     negligible = _LOST * max(start.adhesion, end.adhesion)
     jumps = least - gained > (negligible or np.inf)  # surfaces that do not touch attract without a jump
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
-        return end, [Followed(lost + yielded, np.nan)]
+        return end, [Followed(lost + yielded, np.nan, yielded=yielded)]
     halfway = start.problem.step.towards(problem.step, 0.5)
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
-        at = Followed(lost + yielded, halfway.load, jump_sliding=halfway.sliding[0])
-        return end, [at if jumps else Followed(lost + yielded, np.nan)]
+        found = Followed(lost + yielded, np.nan, yielded=yielded)
+        return end, [replace(found, jump_at=halfway.load, jump_sliding=halfway.sliding[0]) if jumps else found]
     middle, first = _advance(start, problem.under(halfway), divisions - 1, curved, spent)
     rest = replace(problem, duration=problem.duration - halfway.duration)
     end, second = _advance(middle, rest, divisions - 1, curved, spent)

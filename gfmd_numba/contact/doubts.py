@@ -172,7 +172,7 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"
     if scene.form is None:
         off = "area and pressure are those of the node alone"
-    return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}. Take {finer}, or a larger load"
+    return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
 
 
 def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:

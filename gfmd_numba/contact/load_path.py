@@ -88,6 +88,8 @@ class PathRecord:
             lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
         jumps = contact.followed is not None and not isnan(contact.followed.jump_at)
         yielded = 0.0 if problem.interface.hardness is None else float(plastic_work(contact)[0])
+        if contact.followed is not None:
+            yielded = contact.followed.yielded
         self._certain.append(max(lost, 0.0) if jumps or problem.relaxation is not None else yielded)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))

@@ -169,13 +169,14 @@ class Followed:
 
     The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
     `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
-    displacement of the punch along x at the jump (g L_x).
+    displacement of the punch along x at the jump (g L_x). What has `yielded` took its part of the energy lost.
     """
 
     lost: float
     jump_at: float
     least_pressure: float = np.nan
     jump_sliding: float = np.nan
+    yielded: float = 0.0
 
 
 NOTHING_LOST = Followed(0.0, np.nan)

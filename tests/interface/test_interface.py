@@ -240,6 +240,7 @@ def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, s
         gfmd_numba.solve(path)
 
 
+@pytest.mark.filterwarnings("ignore:100% of the energy")
 def test_a_flat_punch_is_pulled_by_the_squared_exponential_law_at_its_gap(tmp_path):
     law, first, nu = SquaredExponentialLaw(1e-5, 0.02), -0.03, 0.3
     asked = {"work_of_adhesion": law.work, "range": law.length}

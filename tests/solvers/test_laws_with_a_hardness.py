@@ -205,7 +205,7 @@ def test_scenes_with_a_law_keep_their_dents(dimension):
     assert plastic[2] > plastic[1] > plastic[0] == 0.0
     assert (plastic[3:] == 0.0).all()
     assert (depth[2:] == depth[2]).all()
-    assert float(found["hysteresis"]) >= (0.006 - 4e-4) * depth[-1]
+    assert float(found["hysteresis"]) >= (0.006 - 4e-4) * depth[-1] * (1.0 - 1e-12)
     wall = found["pressure"] + 4e-4 * np.exp(-found["gap"] / 5e-4)
     assert float(wall.max()) == pytest.approx(0.006, rel=1e-7)
     assert float(found["pull_off_pressure"]) > 0.0

@@ -39,7 +39,7 @@ PATHS = (
     ("3.2, 4.0", "1.7, 1.8"),
     ("-0.065, 51", "-0.065, 8"),
 )
-RUBBER = (("1 / 16", "1 / 4"), ("1e3, 9", "1e3, 3"), ("1e2, 10", "1e2, 4"), ("realisations=2", "realisations=1"))
+RUBBER = (("1 / 16", "1 / 8"), ("1e3, 9", "1e3, 3"), ("1e2, 10", "1e2, 4"), ("realisations=2", "realisations=1"))
 FEWER_SURFACES = ('"--realisations", "8"', '"--realisations", "4"')
 # a file, what is shrunk in it and in the notebooks that read it; notebooks of no file need none
 NOTEBOOKS = {

@@ -88,6 +88,7 @@ def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: f
 
 
 _COLUMNS = 3
+_TITLE = 0.3  # inches of the title of a panel
 _MOST = 8  # planes that are drawn: the highest
 
 
@@ -96,7 +97,10 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
     dataset = dataset.isel(z=np.argsort(-dataset["z"].values)[:_MOST])
     z, z_label = scaled(dataset["z"], "", "L_x")
     unit = z_label.strip(" ()")
-    with sheet(1 + len(z), _COLUMNS, panel_of(dataset, 3.8), width, title=title, **OF_MAPS) as (figure, axes):
+    across, up = panel_of(dataset, 3.8)
+    beside, above = OF_MAPS["around"]
+    grid = OF_MAPS | {"around": (beside, above + _TITLE)}
+    with sheet(1 + len(z), _COLUMNS, (across, up + _TITLE), width, title=title, **grid) as (figure, axes):
         draw_pressure(axes[0], dataset)
         for i, axis in enumerate(axes[1:]):
             level = dataset.isel(z=i)

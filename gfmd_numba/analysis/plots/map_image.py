@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.colors import LogNorm
-from matplotlib.ticker import AutoLocator, MaxNLocator, NullFormatter
+from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatter
 
 from gfmd_numba.analysis.plots.style import COLOURS, scaled, usual
 from gfmd_numba.arrays import Reals
@@ -47,7 +47,9 @@ def draw_image(
     axis.set(xlabel=x_label, ylabel=y_label)
     bar = axis.figure.colorbar(image, ax=axis, label=label, extend=extend, location="top", shrink=0.9)
     bar.minorformatter = NullFormatter()
-    if isinstance(bar.locator, AutoLocator):
+    if isinstance(look.get("norm"), LogNorm):
+        bar.locator = LogLocator()  # decades alone
+    elif isinstance(bar.locator, AutoLocator):
         bar.locator = MaxNLocator(_TICKS)  # so few that long numbers have room
     return bar
 

@@ -203,7 +203,8 @@ def log_ticks(axis: Axis) -> None:
     """Label a logarithmic axis so that values can be read: with plain numbers, and between few powers of ten."""
     low, high = axis.get_view_interval()
     if high < 100.0 * low:
-        axis.set_major_locator(MaxNLocator(3) if high < 4.0 * low else LogLocator(subs=(1.0, 2.0, 5.0)))
+        between = (1.0, 2.0, 5.0) if high < 20.0 * low else (1.0, 3.0)
+        axis.set_major_locator(MaxNLocator(3) if high < 4.0 * low else LogLocator(subs=between))
         axis.set_minor_formatter(NullFormatter())
     if high < 100.0 * low or (low >= 1e-4 and high < 1e5):
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

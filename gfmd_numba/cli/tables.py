@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
-from math import floor, inf, isnan, log10, nan
+import re
+from math import floor, inf, isfinite, isnan, log10, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS
 from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import si_prefix, typical, with_error
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-from math import isfinite
-from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -138,6 +133,7 @@ _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they v
 _IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
+_KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
 _LONGEST_NAME = 40
 _SHOWN = (
     *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
@@ -388,6 +384,11 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     """Return the exponent of a limit. If groups have different ones, return them in order, or the range of many."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
+    asked = re.search(rf"{limit}: ([\d.e-]+)\.\.([\d.e-]+)", fitted.attrs.get("fixed", ""))
+    if asked is not None:
+        low, high = map(float, asked.groups())
+        if (errors[values == values] > _KNOWN * (high - low) / sqrt(12.0)).all():  # not those that are not-a-number
+            return f"anywhere from {low:g} to {high:g}, as assumed"
     found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
         return found[0]

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
@@ -209,3 +210,20 @@ def test_a_node_on_the_brink_counts(leaves):
     assert changed > 1e-3
     assert changed <= here["kappa_residual_error"] <= 3.0 * changed
     assert measure(contact)["kappa_residual_error"] < 1e-3 * changed
+
+
+def test_a_residual_under_attraction_says_little_and_enough(tmp_path):
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.6, "rms_gradient": 0.01},
+        "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-6, "range": 1e-3}},
+        "loading": {"reduced_pressure": 0.02},
+    }
+    reference = {"eps_c": 1 / 4, "eps_f": 1 / 64, "eps_t": 1 / 4}
+    asked = {"scene": scene, "name": "a", "seed": 1, "realisations": 4, "reference": reference}
+    loose, exact = (
+        gfmd_numba.run(asked | {"numerics": {"residual": residual}}, tmp_path / f"{residual}", workers=0)
+        for residual in (1e-5, 1e-11)
+    )
+    assert (abs(loose["kappa"] - exact["kappa"]) <= loose["kappa_residual_error"]).all()
+    assert (loose["kappa_residual_error"] < 5e-3 * exact["kappa"]).all()

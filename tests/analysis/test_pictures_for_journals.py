@@ -2,7 +2,7 @@
 
 import functools
 import re
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -140,8 +140,16 @@ def crowded(figure):
     return found
 
 
-@pytest.mark.parametrize("width", ["single", pytest.param("double", marks=pytest.mark.long)])
-@pytest.mark.parametrize("kind", DRAWN)
+QUICK = {("campaign", "single"), ("contact of a profile", "single"), ("loading path", "single")}
+
+
+@pytest.mark.parametrize(
+    ("kind", "width"),
+    [
+        pytest.param(*each, marks=() if each in QUICK else pytest.mark.long)
+        for each in product(DRAWN, ("single", "double"))
+    ],
+)
 def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     figure = DRAWN[kind](width)
     assert figure.get_figwidth() == pytest.approx({"single": 3.4, "double": 7.0}[width])

@@ -82,3 +82,11 @@ def test_a_missed_target_is_told_with_what_reaches_it(capsys):
     said = unfolded(capsys.readouterr().out)
     assert "5.00%, 10.00%; missed by 1 of 2 groups" in said
     assert "`gfmd run --until` goes on" in said
+
+
+def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
+    fit = fitted(noisy(campaign(), np.random.default_rng(1))).assign_attrs(fixed="eps_f: 0.5..1.5")
+    for error, said in ((0.99 / 12**0.5, True), (0.5 / 12**0.5, False)):
+        fit["alpha_error"].loc[{"limit": "eps_f"}] = error
+        tell(of_fit(fit))
+        assert ("exponent anywhere from 0.5 to 1.5, as assumed" in unfolded(capsys.readouterr().out)) == said

@@ -146,3 +146,11 @@ def test_uneven_maps_are_to_be_made_even_first(tmp_path, points):
 def test_a_period_of_many_metres_is_doubted(tmp_path):
     found = read(written(tmp_path, nx=16, ny=16, dx=1.0, dy=1.0))
     assert any("a period of 16 m: check the units" in doubt for doubt in found.doubts)
+
+
+def test_a_contact_of_a_faded_surface_is_warned_of():
+    heights = np.random.default_rng(0).normal(size=32)
+    surface = {"method": "measured", "heights": 1e-3 * heights, "units": {"z": "L_x"}, "periodic": "window"}
+    scene = {"roughness": surface, "body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}}
+    with pytest.warns(UserWarning, match="periodic: window fades"):
+        gfmd_numba.solve({"scene": scene | {"loading": {"reduced_pressure": 0.1}}})

@@ -246,3 +246,21 @@ def test_quoted_cells_may_have_decimal_commas(tmp_path):
     table = read_table(tmp_path / "p.csv")
     np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
     assert table.units == ("mm", "um")
+
+
+@pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("Pixel size (um),1.3\nUnits,nm\n", ("nm",)),
+        ("Pixel size [mm]: 0.0013\nHeight unit: um\n", ("um",)),
+        ("Pixel size (um) 1.3\nZ unit: nm\n", ("nm",)),
+        ("Pixel size (um),1.3\n", (None,)),
+    ],
+)
+def test_the_unit_of_a_map_is_not_that_of_its_pixels(tmp_path, header, units):
+    assert read_table(written(tmp_path, MAP, header=header)).units == units
+
+
+def test_entries_of_a_header_state_the_units_of_columns(tmp_path):
+    table = read_table(written(tmp_path, np.column_stack([X, Z]), header="Profile\nX unit: mm\nZ unit: µm\n"))
+    assert table.units == ("mm", "um")

@@ -1,5 +1,7 @@
 """Units of measured surfaces: none is invented, and none but m and L_x is taken for one of them."""
 
+from warnings import catch_warnings
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -134,3 +136,22 @@ def test_moduli_in_pascal_do_not_go_with_heights_without_a_unit(tmp_path):
     found = solve({**wall, **in_mm})
     np.testing.assert_allclose(found["height"], 1e-3 * (HEIGHTS - HEIGHTS.mean()), atol=1e-18)
     assert found.attrs["processing"].startswith("subtracted the mean fitted by least squares")
+
+
+@pytest.mark.parametrize("periodic", ["none", "mirror"])
+def test_a_spacing_tells_the_period_of_heights_without_positions(periodic):
+    heights = np.random.default_rng(0).normal(size=(12, 12))
+    found, twice = (2.0 if periodic == "mirror" else 1.0), {"units": {"z": "nm"}, "periodic": periodic}
+    surface = {"method": "measured", "heights": heights, "spacing": "1.5 um", **twice}
+    with catch_warnings(action="ignore"):
+        made = make_surface({"surface": surface})
+    assert float(made["x"][1]) == pytest.approx(1.5e-6)
+    assert made.sizes["x"] == 12 * found
+    assert float(abs(made["height"]).max()) == pytest.approx(1e-9 * abs(heights - heights.mean()).max(), rel=0.5)
+
+
+def test_a_spacing_next_to_positions_is_refused(tmp_path):
+    np.savetxt(tmp_path / "p.csv", np.column_stack([np.arange(20.0), np.arange(20.0) % 3]), header="x [um] z [um]")
+    surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "spacing": "1 um"}
+    with pytest.raises(InputError, match="spacing has to be left out"):
+        make_surface({"surface": surface})

@@ -76,7 +76,7 @@ def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
     if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * float(forces.max() * ways.sum())):
         return ""
     return (
-        f"{apart / whole:.0%} of the energy that the path seems to lose belong to steps without a jump, where forces "
+        f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump, where forces "
         "between the ends are unknown and little or nothing is lost: take shorter steps there"
     )
 

@@ -23,7 +23,7 @@ from gfmd_numba.contact.scales import (
 )
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
@@ -152,7 +152,7 @@ def _body(
         return ElasticBody(None, None), (condensed, off, unknown)
     if interface.couples:
         return body, (coupled, Effect("slab", "on", "its mean displacement counts"))
-    effect = stiffness.stiffening(body.nu, body.aspect_ratio)
+    effect = body.deviation()
     name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
     bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
     if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
@@ -168,7 +168,7 @@ def _stack(
     name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
     if tangential.state == "on":
         return body, (tangential, Effect(name, "on", "both displacements feel them"))
-    effect = stiffness.deviation(body.condensed_stiffness, body.stack.heights[0])
+    effect = body.deviation()
     bound = f"what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most {effect:.1e}"
     if all_matters or effect > max(_ROUNDING, tolerance):
         return body, (tangential, Effect(name, "on", bound))

@@ -306,15 +306,6 @@ def test_columns_of_a_map_are_taken_multiplied_and_put_back(take, multiply, put,
     np.testing.assert_array_equal(waves, expected)
 
 
-@pytest.mark.parametrize("nx", [14, 15])
-@pytest.mark.parametrize("kernel", both(kernels.power_of_columns))
-def test_the_power_of_columns_is_that_of_parseval(kernel, nx, rng):
-    samples = rng.normal(size=(6, nx))
-    waves, whole = np.fft.rfft2(samples), np.fft.fft2(samples)
-    parts = [kernel(np.ascontiguousarray(waves[:, x : x + 3].T), np.ones(waves.shape), x, nx) for x in (0, 3, 6)]
-    assert sum(parts) == pytest.approx((abs(whole) ** 2).sum() - abs(whole[0, 0]) ** 2)
-
-
 @pytest.mark.parametrize("divide", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.multiply_map))
 def test_a_map_of_waves_is_multiplied_by_a_symbol(kernel, divide, rng):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 from pathlib import Path
@@ -24,6 +23,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.scene import BoundaryFile, Document, SceneFile
     from gfmd_numba.scene.units import Quantity
+    from gfmd_numba.simulate.curve import Over
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
@@ -116,23 +116,12 @@ def surface(file: Path, output: Path) -> None:
 _MOST = 10_000
 
 
-def _loads_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
-    return None if option is None else _values(option, _load, "loads")
-
-
-def _times_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the times of a list or a range, as those of loads."""
-    return None if option is None else _values(option, _time, "times")
-
-
-def _speeds_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the speeds of a list or a range, as those of loads."""
-    return None if option is None else _values(option, _speed, "speeds")
-
-
-def _values(option: str, read: Callable[[str], tuple[float, str]], name: str) -> list[float | str]:
-    ends = option.split(":")
+def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
+    """Return the values of a list `a,b,c`, or of a range `A:B:N` of N values evenly spaced in their logarithm."""
+    if option is None:
+        return None
+    name = str(param.name)
+    ends, read = option.split(":"), {"loads": _load, "times": _time, "speeds": _speed}[name]
     if len(ends) == 1:
         loads = [read(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
@@ -205,19 +194,19 @@ def _text(load: float, si: str) -> float | str:
 @file_argument
 @click.option(
     "--loads",
-    callback=_loads_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
 )
 @click.option(
     "--times",
-    callback=_times_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
 @click.option(
     "--speeds",
-    callback=_speeds_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
 )
@@ -241,10 +230,11 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import curve_dataset, read_curve, read_speeds, read_times, solve_curve
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
-    asked_for = {name: each for name, each in (("loads", loads), ("times", times), ("speeds", speeds)) if each}
+    options: dict[Over, list[float | str] | None] = {"loads": loads, "times": times, "speeds": speeds}
+    asked_for = {name: each for name, each in options.items() if each}
     if len(asked_for) != 1:
         given = " and ".join(f"--{name}" for name in asked_for) or "none"
         raise click.UsageError(f"you gave {given} of --loads, --times and --speeds; gfmd allows one of them")
@@ -255,8 +245,7 @@ def curve(
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    read = {"loads": read_curve, "times": read_times, "speeds": read_speeds}[what]
-    asked = read(described, document, values, realisations)
+    asked = read_curve(described, document, what, values, realisations)
     solved: list[xr.Dataset] = []
     try:
         with waiting(f"solving {what}", len(asked.loads) * realisations) as advance:

@@ -17,67 +17,45 @@ if TYPE_CHECKING:
     from gfmd_numba.scene import Scene
 
 
-WORDS = {
+_WORDS = {  # of variables whose names are no words
     "reduced_pressure": "p*",
     "prescribed_pressure": "pressure",
-    "line_load": "line load",
-    "force": "force",
-    "punch_displacement": "punch displacement",
-    "sliding": "sliding",
     "sliding_y": "sliding along y",
-    "mean_pressure": "mean pressure",
-    "contact_area_fraction": "contact area fraction",
-    "contact_area": "contact area",
-    "contact_radius": "contact radius",
-    "contact_length": "contact length",
-    "approach": "approach",
-    "mean_gap": "mean gap",
     "contact_stiffness": "stiffness",
-    "peak_pressure": "peak pressure",
     "n_segments": "contacts",
-    "elastic_energy": "elastic energy",
-    "kappa": "kappa",
     "kappa_r": "kappa_r",
-    "plastic_area_fraction": "plastic area fraction",
-    "mean_plastic_depth": "mean plastic depth",
-    "mean_worn_depth": "mean worn depth",
-    "mean_tangential_traction": "mean tangential traction",
     "mean_tangential_traction_y": "mean tangential traction along y",
     "stick_fraction": "sticking share",
-    "energy_lost": "energy lost",
-    "time": "time",
     "time_error": "error of time",
-    "speed": "speed",
     "hysteretic_friction": "friction",
     "hysteretic_friction_error": "error of friction",
-    "hysteresis": "hysteresis",
     "pull_off_pressure": "pull-off pressure",
-    "residual": "residual",
 }
-_PRESSURES = {"mean_pressure", "peak_pressure", "pull_off_pressure"} | {
-    "mean_tangential_traction",
-    "mean_tangential_traction_y",
-}
-_LENGTHS = {"contact_radius", "punch_displacement", "sliding", "sliding_y", "approach", "mean_gap"} | {
-    "mean_plastic_depth",
-    "mean_worn_depth",
-}
-_ENERGIES = {"elastic_energy", "energy_lost", "hysteresis"}
+_LENGTHS = ("punch_displacement", "sliding", "sliding_y")
+
+
+def words(name: str) -> str:
+    """Return the name of a variable in words."""
+    return _WORDS.get(name, name.replace("_", " "))
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:
     """Return the unit of a variable in its file, in which E* and L_x stand for what the scene leaves open."""
-    pressure = _units(dataset, "mean_pressure", "E*")
-    length = _units(dataset, "mean_gap", "L_x")
-    if name == "contact_stiffness":
-        return "Pa m-1" if (pressure, length) == ("Pa", "m") else f"{pressure}/{length}"
-    if name in _ENERGIES:
-        return "J m-2" if (pressure, length) == ("Pa", "m") else f"{pressure} {length}"
-    if name == "speed":
-        return "m s-1" if length == "m" else f"{length}/s"
-    if name in _PRESSURES | _LENGTHS:
-        return pressure if name in _PRESSURES else length
-    return _units(dataset, name, "")
+    from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
+
+    pressure, length = _units(dataset, "mean_pressure", "E*"), _units(dataset, "mean_gap", "L_x")
+    row = (OBSERVABLES | PATH_OBSERVABLES).get(name)
+    kind = "height" if name in _LENGTHS else name if row is None else row.unit
+    in_si = (pressure, length) == ("Pa", "m")
+    found = {
+        "contact_stiffness": "Pa m-1" if in_si else f"{pressure}/{length}",
+        "energy": "J m-2" if in_si else f"{pressure} {length}",
+        "speed": "m s-1" if length == "m" else f"{length}/s",
+        "pressure": pressure,
+        "height": length,
+        "length": length,
+    }
+    return found[kind] if kind in found else _units(dataset, name, "")
 
 
 def _units(dataset: xr.Dataset, name: str, free: str) -> str:
@@ -93,13 +71,13 @@ def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[s
     values = dataset[name].values.ravel().tolist()
     deviations = [nan] * len(values) if errors is None else errors.values.ravel().tolist()
     cells = [with_error(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
-    return f"{WORDS[name]} ({shown})" if shown else WORDS[name], cells
+    return f"{words(name)} ({shown})" if shown else words(name), cells
 
 
 def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
     """Return words, number and unit of a variable that is one number."""
     factor, shown = _suited(dataset, name)
-    return WORDS[name], with_error(factor * float(dataset[name]), nan, 6), shown
+    return words(name), with_error(factor * float(dataset[name]), nan, 6), shown
 
 
 def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:

@@ -42,7 +42,7 @@ from gfmd_numba.solvers.status import Status
 
 
 def path_dataset(
-    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact | Pressed]
+    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact]
 ) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
@@ -51,12 +51,11 @@ def path_dataset(
     """
     file = given.file
     record, steps = PathRecord(), []
-    for at_load, each in zip(problem.at_each_load, solved, strict=False):
-        contact = each if isinstance(each, Contact) else each.contact
-        steps.append(step_dataset(given, at_load, each))
+    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
+        steps.append(step_dataset(given, at_load, contact))
         is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(at_load, each, is_ok)
+            record.add(at_load, contact, is_ok)
         if contact.followed is not None:
             _add_followed(steps[-1], given, at_load, contact, contact.followed)
         if not is_ok:
@@ -77,9 +76,9 @@ def path_dataset(
     return dataset
 
 
-def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
+def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    step = contact_dataset(given, problem, solved if isinstance(solved, Contact) else solved.in_plane)
+    step = contact_dataset(given, problem, solved.in_plane)
     if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
         _add_bodies(step, given, given.surfaces.bodies, problem, solved)
     return step
@@ -185,7 +184,7 @@ def _add_bodies(
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
-    dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
+    dims, pairing = found["height"].dims, pressed.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = given.units, given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
@@ -194,19 +193,19 @@ def _add_bodies(
         unit = Units(worth, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
-        along, pressure = tractions_on(body, problem, contact, rms_gradient, pairing)
+        along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
         own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
         for variable, kind, long_name, values in own:
             found[prefix + variable] = unit.variable(dims, kind, long_name.format(whose), values)
         if pairing is None:
             continue
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        along, pressure = tractions_on(body, without, contact, rms_gradient, pairing)
+        along, pressure = tractions_on(body, without, pressed, rms_gradient, pairing)
         assert along is not None  # between inclined surfaces
         for variable, long_name, values in _of_inclined(along, pressure, prefix):
             found[prefix + variable] = unit.variable(dims, "pressure", long_name.format(whose), values)
     if pairing is not None and problem.interface.couples:
-        for variable, long_name, values in _on_surface(contact):
+        for variable, long_name, values in _on_surface(pressed):
             found[variable] = whole.variable(dims, "pressure", long_name, values)
     row = ROUGH_BODY_OBSERVABLES["next_order"]
     found["next_order"] = whole.variable((), "length", row.long_name, pressed.next_order)

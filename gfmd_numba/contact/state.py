@@ -77,6 +77,7 @@ class Change:
 
 
 NO_CHANGE = Change()
+_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 def _sum(parts: Iterable[Any]) -> Any:
@@ -219,6 +220,11 @@ class Contact:
         return self.before.after(self, self.step)
 
     @property
+    def in_plane(self) -> "Contact":
+        """The contact with its tractions along the plane and its pressure out of it, as the load counts them."""
+        return self
+
+    @property
     def sideways(self) -> Reals | None:
         """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
         found, along = self.equilibrium.tangential, self.change.along
@@ -256,6 +262,12 @@ class Contact:
         """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
         depth: Reals | float = self.after.memory.get("dents", 0.0)
         return depth
+
+
+def with_costs(found: Equilibrium, every: Iterable[Equilibrium]) -> Equilibrium:
+    """The same equilibrium with what all that led to it, and are given, have taken."""
+    each = list(every)
+    return replace(found, **{name: sum(getattr(one, name) for one in each) for name in _COSTS})
 
 
 def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:

@@ -1,6 +1,6 @@
 """Fields inside the body under a solved contact, as a dataset: of profiles, and of maps on a section or on planes."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -147,7 +147,7 @@ def body_fields(
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
     elif x is None and y is None and planes is None:
-        steps = [_of_profile(step, inside, heights) for step in every]
+        steps = [_section(step, heights, inside) for step in every]
     else:
         argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
         raise InputError(
@@ -185,17 +185,6 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
         allowed = f"one row of heights from {lowest:g} (the base) to 0 (the surface), in {unit}"
         raise InputError(f"{name}: you gave {given}; gfmd allows {allowed}")
     return z
-
-
-def _of_profile(step: xr.Dataset, inside: _Inside, z: Reals) -> xr.Dataset:
-    elastic, order, depths, names = inside.elastic, inside.order, z / inside.length, _IN_PLANE
-    heights, formed = inside.heights(step), ()
-    if heights is not None:
-        formed = tuple(topography.formed_at(heights, depths, elastic, order, ("u1", "u3")))
-    values = dict(zip(names, inside.below(step).section(depths, names), strict=True))
-    if inside.record.state == "plane_stress":
-        values["stress2"] = np.zeros_like(values["stress2"])
-    return _dataset(step, inside, z, values, dict(zip(("formed_1", "formed_3"), formed, strict=False)), {})
 
 
 def _dataset(
@@ -294,15 +283,20 @@ def _place(
     return across, min(nearest, nodes - 1) if inside.ends[inside.nodes.index(across)] else nearest % nodes
 
 
-def _section(step: xr.Dataset, z: Reals, inside: _Inside, place: tuple[Axis, int]) -> xr.Dataset:
-    across, node = place
-    depths, at, heights = z / inside.length, node / step.sizes[across], inside.heights(step)
-    values = inside.below(step).section(depths, _NAMES, across, at)
-    formed: Iterable[Reals] = ()
+def _section(step: xr.Dataset, z: Reals, inside: _Inside, place: tuple[Axis, int] | None = None) -> xr.Dataset:
+    """Fields of a map on the section across an axis at one of its nodes, or of a profile."""
+    depths, heights = z / inside.length, inside.heights(step)
+    cut: dict[str, int] = {} if place is None else {place[0]: place[1]}
+    at = () if place is None else (place[0], place[1] / step.sizes[place[0]])
+    names, displacements = (_IN_PLANE, _IN_PLANE[:2]) if place is None else (_NAMES, DISPLACEMENTS)
+    values = dict(zip(names, inside.below(step).section(depths, names, *at), strict=True))
+    if inside.record.state == "plane_stress" and place is None:
+        values["stress2"] = np.zeros_like(values["stress2"])
+    formed: dict[str, Reals] = {}
     if heights is not None:
-        formed = topography.formed_at(heights, depths, inside.elastic, inside.order, DISPLACEMENTS, across, at)
-    by_name = {f"formed_{i}": moved for i, moved in enumerate(formed, 1)}
-    return _dataset(step, inside, z, dict(zip(_NAMES, values, strict=True)), by_name, {across: node})
+        moved = topography.formed_at(heights, depths, inside.elastic, inside.order, displacements, *at)
+        formed = {name.replace("u", "formed_"): each for name, each in zip(displacements, moved, strict=True)}
+    return _dataset(step, inside, z, values, formed, cut)
 
 
 def _planes(step: xr.Dataset, z: Reals, inside: _Inside) -> xr.Dataset:

@@ -1,4 +1,4 @@
-"""The commands that say what results cost: the plan of a campaign, also of a run to an accuracy, and accuracy studies."""
+"""The commands that say what results cost: the plan of a campaign, also to an accuracy, and accuracy studies."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from gfmd_numba.contact import branch, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
-from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies, traces
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
@@ -161,9 +161,9 @@ def measured(problem: Problem, realisations: range) -> Measures:
 
 def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
-    names = (process.name for process in processes_of(problem))
-    remembered = traces(names, problem.speed > 0.0, problem.passing is not None)
-    rows = recorded(problem.interface.hardness is not None, problem.ends, problem.has_form, remembered)
+    names = [process.name for process in processes_of(problem)]
+    has_hardness, steadily, passes = problem.interface.hardness is not None, problem.speed > 0.0, problem.passing
+    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 

@@ -11,7 +11,7 @@ from math import expm1, inf, log1p
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import tractions_of
-from gfmd_numba.contact.state import Contact, LoadStep, State, with_costs
+from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
@@ -46,9 +46,7 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
 
 def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Equilibrium]]:
     """The contact that a step ends with, in so many divisions, or the first that is not ok, and all before it."""
-    start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
-    if state.last is not None and state.last.step is not None:
-        start = state.last.step
+    start = state.step_before(problem.step)
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
     assert series is not None
@@ -71,10 +69,5 @@ def difference(coarse: Contact, fine: Contact, before: State) -> float:
     Tractions count in those `before` the step if these are larger, as it may end without contact.
     """
     earlier = 0.0 if before.last is None else float(abs(tractions_of(before.last)).sum())
-    borne = tractions_of(coarse), tractions_of(fine)
-    moved = [each.after.memory["springs"].stretch[0] for each in (coarse, fine)]
-    found = 0.0
-    for (one, other), least in ((borne, earlier), (moved, 0.0)):
-        scale = max(float(abs(other).sum()), least)
-        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
-    return found
+    moved = (each.after.memory["springs"].stretch[0] for each in (coarse, fine))
+    return max(relative_difference(tractions_of(coarse), tractions_of(fine), earlier), relative_difference(*moved))

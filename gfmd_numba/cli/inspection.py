@@ -144,27 +144,21 @@ def _check_scene(document: Document) -> tuple[str, str]:
 
     file, document = load_scene(document)
     doubts: list[str] = []
-    if isinstance(file, BoundaryFile):
-        if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
-            from gfmd_numba.contact.contact_input import with_measured_surfaces
-
-            file, measured = with_measured_surfaces(file, document)
-            doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
-        check_combination(document, file.scene, file.numerics)
-        return "a loaded body", "\n".join((*implausible(file.scene), *doubts))
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
         from gfmd_numba.contact.contact_input import with_measured_surfaces
 
-        file, measured = with_measured_surfaces(file, document)
+        file, measured = with_measured_surfaces(file, document)  # whose files may tell the dimension and the period
         doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
-    check_combination(document, file.scene, file.numerics, file.path)
-    kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
-    doubts = [*implausible(file.scene, file.path), *doubts]
+    path = () if isinstance(file, BoundaryFile) else file.path
+    check_combination(document, file.scene, file.numerics, path)
+    doubts = [*implausible(file.scene, path), *doubts]
+    if isinstance(file, BoundaryFile):
+        return "a loaded body", "\n".join(doubts)
     if file.scene.interface.reaches_across:
         from gfmd_numba.simulate import doubt
 
         doubts.append(doubt(file, document))
-    return kind, "\n".join(doubts)
+    return ", ".join(filter(None, ("a scene", dimensions(file.scene)))), "\n".join(doubts)
 
 
 @main.command()

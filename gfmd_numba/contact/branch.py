@@ -16,7 +16,7 @@ from gfmd_numba.contact import free_window, solution
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State
+from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, with_costs
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
@@ -149,11 +149,7 @@ def follow(problem: Problem, state: State) -> Contact:
     point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
     largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
-    counted = {
-        name: sum(getattr(each.contact.equilibrium, name) for each in spent)
-        for name in ("n_iterations", "n_transforms", "wall_time")
-    }
-    equilibrium = replace(point.contact.equilibrium, **counted)
+    equilibrium = with_costs(point.contact.equilibrium, (each.contact.equilibrium for each in spent))
     least = min(each.pressure for each in spent)
     lost, yielded = (sum(getattr(step, name) for step in steps) for name in ("lost", "yielded"))
     followed = Followed(lost, largest.jump_at, least, largest.jump_sliding, yielded)

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from gfmd_numba.analysis.arguments import Counts, Fixed, Seconds, Target, Variable, checked
-from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals

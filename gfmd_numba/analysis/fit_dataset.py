@@ -8,11 +8,11 @@ from typing import Any, Literal, Self
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.error_budget import SOURCES
 from gfmd_numba.analysis.selection import LIMITS, Group, axes
 from gfmd_numba.arrays import Reals
 
 PAIRS = tuple(combinations(LIMITS, 2))
+SOURCES = (*LIMITS, "interaction", "sampling", "extrapolation", "rivals", "residual")  # of the error of a TFC limit
 STEPS = 48  # of the curve through the levels of a limit
 
 _CORRECTION, _COEFFICIENT, _EXPONENT = (slice(1 + i * len(LIMITS), 1 + (i + 1) * len(LIMITS)) for i in range(3))

@@ -15,27 +15,30 @@ from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
-from gfmd_numba.analysis.error_budget import SOURCES, error_budget
-from gfmd_numba.analysis.extrapolation import doubts, mean_distances, of_thin_layers
-from gfmd_numba.analysis.fit_dataset import PAIRS, STEPS, Estimates, GroupFit, fit_dataset
-from gfmd_numba.analysis.fit_warnings import (
+from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, Estimates, GroupFit, fit_dataset
+from gfmd_numba.analysis.forms import CAMPAIGN
+from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
+from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
+from gfmd_numba.analysis.limit_errors import (
+    Rival,
     additivity,
     advice,
+    disagreement,
     doubtful,
+    doubts,
+    error_budget,
     evidence,
     inseparable,
     logarithmic,
+    mean_distances,
+    of_thin_layers,
     pressed,
     realisations,
+    rivals,
     shortage,
+    without_coarsest,
 )
-from gfmd_numba.analysis.forms import CAMPAIGN
-from gfmd_numba.analysis.gauss_markov import means_of
-from gfmd_numba.analysis.goodness_of_fit import excess_misfit
-from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
-from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
-from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
-from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
+from gfmd_numba.analysis.posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error

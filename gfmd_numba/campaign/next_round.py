@@ -9,8 +9,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.extrapolation import expected_doubts
 from gfmd_numba.analysis.fit_dataset import in_the_limit
+from gfmd_numba.analysis.limit_errors import expected_doubts
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.decision import (

@@ -334,7 +334,7 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 def _values(parameter: xr.DataArray) -> list[str]:
     """Return the values of a parameter as cells; of long names only the ends, if these differ."""
-    from gfmd_numba.analysis.names import has_names, shown
+    from gfmd_numba.analysis.selection import has_names, shown
 
     if not has_names(parameter):
         return list(map(_number, parameter.values))

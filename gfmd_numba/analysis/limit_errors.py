@@ -1,4 +1,4 @@
-"""The error of a TFC limit: what may be wrong with a fit of (4.3), the fits that rival it, and what its error is made of.
+"""The error of a TFC limit: what may be wrong with a fit of (4.3), the fits that rival it, and what its error is of.
 
 Data may not tell a parameter, or press an exponent against an end of its range. Where fits of fewer levels, or of
 exponents that nobody asserts, disagree with a fit, its laws do not hold.
@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, Estimates, in_the_limit
+from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
@@ -128,12 +128,13 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
 
 def additivity(group: Group, error: Reals) -> list[str]:
     """Return a line where no cross level tells by how much corrections together differ from their sum, if it counts."""
-    unknown = Estimates(error).interaction
+    found = named(error)
+    unknown = found["interaction"]
     off = {name: abs(group.log_ratio(name)) > 1e-9 for name in group.levels}
     pairs = [(number, pair) for number, pair in enumerate(PAIRS) if set(pair) <= set(off)]
     open_ones = [number for number, (first, second) in pairs if not (off[first] & off[second]).any()]
     open_part = float(np.hypot.reduce(unknown[open_ones])) if open_ones else 0.0
-    if open_part <= _WORTH_A_CROSS_LEVEL * Estimates(error).tfc:
+    if open_part <= _WORTH_A_CROSS_LEVEL * found["{variable}_tfc"]:
         return []
     which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
     difference = group.shown(open_part)

@@ -23,8 +23,16 @@ from gfmd_numba.campaign.block_work import (
     unfinished,
 )
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
-from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster, load_cluster
+from gfmd_numba.campaign.cluster import (
+    NO_JOBQUEUE,
+    Cluster,
+    check_workers,
+    connected,
+    frozen_replaced,
+    is_client,
+    load_cluster,
+    local,
+)
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.contact.load_path import measured

@@ -9,11 +9,20 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import yaml
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
-from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
-from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.limits import (
+    COUNT,
+    CROSS,
+    FEWEST,
+    FixedExponents,
+    Limits,
+    NumberOfSurfaces,
+    Realisations,
+    discretisation_of,
+    first_levels,
+    limits_around,
+)
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene.checks import (

@@ -15,13 +15,22 @@ from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
-from gfmd_numba.campaign.doubts import is_resolved
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_realisations, limit_of, limits_around
-from gfmd_numba.campaign.limits import CROSS, MOST, Limits, Realisations
+from gfmd_numba.campaign.limits import (
+    CROSS,
+    FEWEST,
+    MOST,
+    Level,
+    Limits,
+    Realisations,
+    discretisation_of,
+    first_realisations,
+    limit_of,
+    limits_around,
+)
 from gfmd_numba.campaign.output_directory import LABEL
-from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.campaign.plan import Plan, is_resolved, plan
 from gfmd_numba.contact.dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file

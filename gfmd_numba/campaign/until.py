@@ -13,12 +13,11 @@ from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import collect, described
-from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.execution import Workers, check, started
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import REACHED, Fitted, after
+from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.results import read_results

@@ -87,7 +87,7 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
 
 def _workers(options: dict[str, Any]) -> Workers:
     """Return the workers that the options name; raises a usage error for workers of two kinds."""
-    from gfmd_numba.campaign.cluster_file import load_cluster
+    from gfmd_numba.campaign.cluster import load_cluster
     from gfmd_numba.campaign.execution import Workers
 
     given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]

@@ -45,9 +45,9 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.plan import plan as plan_campaign
+    from gfmd_numba.campaign.plan import refused_limits
 
     _check_options(target, budget)
     with options_named("target"):

@@ -13,7 +13,7 @@ from gfmd_numba.text.numbers import si_prefix, typical, with_error
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.grid import Grid
+    from gfmd_numba.campaign.axes import Grid
     from gfmd_numba.scene import Scene
 
 

@@ -12,7 +12,7 @@ from gfmd_numba.campaign import next_round, until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
+from gfmd_numba.campaign.limits import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.rounds import Round
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.campaign.until import run_until

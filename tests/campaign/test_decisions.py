@@ -5,16 +5,19 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.campaign.decision import (
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.next_round import (
     Fit,
+    Fitted,
     UnknownExponentsError,
+    _Doubt,
+    _hopeless,
+    after,
     decide,
     judge,
     price_of_realisations,
     whole_price,
 )
-from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import Fitted, _Doubt, _hopeless, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy

@@ -11,7 +11,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import execution, rounds, until
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST
+from gfmd_numba.campaign.limits import FEWEST
 from gfmd_numba.campaign.status import campaign_in, progress, verify
 from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError

@@ -10,14 +10,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis import Design, UnusableDataError, cheapest_design, predictions
-from gfmd_numba.analysis.allocation import level_of_case
+from gfmd_numba.analysis import UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.limit_errors import expected_doubts
 from gfmd_numba.analysis.selection import LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cost import price_of_transform
-from gfmd_numba.campaign.limits import CROSS, MOST, STEP, Level, finer_levels, first_realisations, nodes_of
+from gfmd_numba.campaign.limits import MOST, STEP, Level, finer_levels, first_realisations, nodes_of
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
 from gfmd_numba.theory.exponents import exponent_ranges
 
@@ -159,7 +158,7 @@ def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
                 design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
             except UnusableDataError:
                 raise _out_of_reach(cases, _group_of(results, parameters), target, fit) from None
-            known[identities] = _of_cases(design, cases)
+            known[identities] = design.realisations
         counts[where] = np.maximum(held[where], known[identities])
     return counts
 
@@ -194,20 +193,6 @@ def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit:
     if whole_price(results, price, counts) < _LEAST_GROWTH * whole_price(results, price, held):
         _wanted(results, held, price, target, fit)  # which says why
     return counts
-
-
-def _of_cases(design: Design, cases: xr.Dataset) -> Counts:
-    """Return the realisations (case) of the cases of one group in a design."""
-    number, limits = level_of_case(cases), cases["limit"].values.tolist()
-    crossed = np.unique([each for each, limit in zip(number, limits, strict=True) if limit == CROSS])
-    cross = dict(zip(crossed.tolist(), design.cross, strict=True))
-    counts = []
-    for i, limit in enumerate(limits):
-        if limit == CROSS:
-            counts.append(cross[number[i]])
-        else:
-            counts.append(design.levels[limit][float(cases[limit][i])] if limit in design.levels else design.reference)
-    return np.array(counts, dtype=np.intp)
 
 
 def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:

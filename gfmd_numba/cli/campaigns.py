@@ -172,8 +172,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice, Watch
-    from gfmd_numba.campaign.until import Outcome, Told
+    from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
 
 
 def _check_options(until: object, budget: float | None, choice: Choice) -> None:
@@ -195,7 +194,7 @@ def _run_rounds(
 
     If Ctrl-C stops it, the best estimate is shown first.
     """
-    from gfmd_numba.campaign.until import InterruptedRunError, run_until
+    from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
         with options_named("until"), rounds_shown() as (watch, told):

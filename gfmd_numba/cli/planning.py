@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
-    from gfmd_numba.campaign.until import FirstDecision
+    from gfmd_numba.campaign.run import FirstDecision
 
 _MOST_EFFECTS = 50
 
@@ -134,7 +134,7 @@ def _check_options(target: object, budget: float | None) -> None:
 
 def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.until import first_decision
+    from gfmd_numba.campaign.run import first_decision
 
     try:
         with options_named("target"), rounds_shown() as (watch, told):

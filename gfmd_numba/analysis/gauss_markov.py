@@ -84,11 +84,6 @@ def covariance_of_one(values: Reals) -> Reals:
     return _shrunk(centred) if present.all() else _tree(centred, present)
 
 
-def covariance_of_levels(values: Reals) -> Reals:
-    """Return the covariance (case, case) of one of the complete realisations by which a ragged design is fitted."""
-    return _tree(values - values.mean(axis=0), np.isfinite(values))
-
-
 def _shrunk(centred: Reals) -> Reals:
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)
@@ -142,7 +137,9 @@ def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
 
 def pooled_covariance(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation from all `values` (realisation, case), nan if not asked."""
-    return covariance_of_levels(values) if np.isfinite(values).all() else covariance_of_one(values)
+    if np.isfinite(values).all():  # complete realisations, by which a ragged design is fitted
+        return _tree(values - values.mean(axis=0), np.isfinite(values))
+    return covariance_of_one(values)
 
 
 def degrees_of_freedom(values: Reals, covariance: Reals, columns: Reals) -> float:

@@ -200,7 +200,8 @@ def known_before(means: Means, laws: Laws) -> Before:
     parameters = [parameter for law in laws.values() for parameter in law.parameters]
     middle = np.array([[each.middle for each in parameters]])
     powers = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
-    additive = linear(means, powers, middle, additive_only(means))
+    without_interactions = Before(np.full(len(means.levels), np.inf), np.zeros(len(means.pairs)))
+    additive = linear(means, powers, middle, without_interactions)
     corrections = dict(zip(means.levels, abs(additive.coefficients[0, 1:]), strict=False))
     waning, by = _WANING
     wanes = {waning, by} <= set(means.levels)
@@ -210,11 +211,6 @@ def known_before(means: Means, laws: Laws) -> Before:
         for both in means.pairs
     ]
     return Before(np.array(own), np.array(pair))
-
-
-def additive_only(means: Means) -> Before:
-    """Return that all interactions are 0."""
-    return Before(np.full(len(means.levels), np.inf), np.zeros(len(means.pairs)))
 
 
 def as_if_exact(before: Before) -> Before:

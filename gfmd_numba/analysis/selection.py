@@ -60,11 +60,6 @@ def dimension_of(cases: xr.Dataset) -> int:
     return int(cases["dimension"].values[0]) if "dimension" in cases else 1
 
 
-def thinnest_layer_of(cases: xr.Dataset) -> float:
-    """Return the height of the thinnest layer of the bodies over the period, inf for half-spaces."""
-    return float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf
-
-
 def has_measured_slope_law(cases: xr.Dataset) -> bool:
     """Return whether the law of the unseen slope was measured for contacts of this kind and load; no if not known."""
     low, high = _MEASURED_LOADS
@@ -323,7 +318,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension_of(cases),
         load=load_of(cases),
-        thinnest_layer=thinnest_layer_of(cases),
+        thinnest_layer=float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf,
         has_measured_slope_law=has_measured_slope_law(cases),
         notes=notes,
     )

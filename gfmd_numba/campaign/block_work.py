@@ -36,17 +36,14 @@ _installed = cache(versions)
 def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
     """Solve blocks in this process, store their measures, so many blocks `together`, and return what failed.
 
-    Blocks that are stored and sound are left alone. Raises OSError, because a disk that fails one block fails them all.
+    Raises OSError, because a disk that fails one block fails them all.
     """
     failures: Failures = {}
     for first in range(0, len(task), together):
-        some = task[first : first + together]
-        if shards.are_stored(directory, [block.name for block in some]):
-            continue
         finished: Measured = {}
         try:
-            for block in some:
-                _sort(block, _outcome(block, timeout), finished, failures)
+            for block in task[first : first + together]:
+                _solve(block, timeout, finished, failures)
         finally:  # also what an interrupt leaves
             shards.store(directory, finished)
     return failures
@@ -65,30 +62,28 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     finished: Measured = {}
     failures: Failures = {}
     for block in task:
-        late = _trace(run, block.name)
-        _sort(block, too_long(timeout) if expired(late) else _outcome(block, timeout, late), finished, failures)
+        trace = _trace(run, block.name)
+        if expired(trace):
+            failures[block.name] = too_long(timeout)
+        else:
+            _solve(block, timeout, finished, failures, trace)
     return finished, failures
 
 
-def _outcome(block: Block, timeout: float | None, late: Path | None = None) -> shards.Arrays | Failure:
-    """Return the measures of a block, or why there are none."""
+def _solve(
+    block: Block, timeout: float | None, finished: Measured, failures: Failures, trace: Path | None = None
+) -> None:
+    """Add the measures of a block to those that are finished, or why there are none to the failures."""
     try:
-        with watched(timeout, late):
+        with watched(timeout, trace):
             begun = time.thread_time()
             measures = measured(block.problem, range(block.first, block.stop))
-            count = block.size
-            return measures | {SECONDS: np.full(count, (time.thread_time() - begun) / count)}
+            seconds = np.full(block.size, (time.thread_time() - begun) / block.size)
+            finished[block.name] = measures | {SECONDS: seconds}
     except TooLongError:
-        return too_long(timeout)
+        failures[block.name] = too_long(timeout)
     except Exception as error:  # whatever it is, it concerns this block only
-        return Failure("crashed", f"{type(error).__name__}: {error}")
-
-
-def _sort(block: Block, outcome: shards.Arrays | Failure, finished: Measured, failures: Failures) -> None:
-    if isinstance(outcome, Failure):
-        failures[block.name] = outcome
-    else:
-        finished[block.name] = outcome
+        failures[block.name] = Failure("crashed", f"{type(error).__name__}: {error}")
 
 
 def too_long(timeout: float | None) -> Failure:

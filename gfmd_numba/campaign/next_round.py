@@ -64,20 +64,6 @@ class Judgement:
         return self.sure_error / self.error if 0.0 < self.error < inf else self.factor
 
 
-@dataclass(frozen=True)
-class Decision:
-    """Realisations (case) of the next round, the error and the whole price to expect, and the price of the target.
-
-    `is_last` if the round is meant to reach the target, or to use up the price there is.
-    """
-
-    realisations: Counts
-    predicted_error: float
-    price: float
-    target_price: float | None
-    is_last: bool
-
-
 def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
     """Return the errors of the worst group; raises UnusableDataError for results that do not tell."""
     expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
@@ -93,8 +79,8 @@ def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
 
 def decide(
     results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf, after_pilot: bool = True
-) -> Decision | None:
-    """Return the realisations of the next round, for a price of at most `most` in all; None if that allows no more.
+) -> Round | None:
+    """Return the next round at the same levels, for a price of at most `most` in all; None if that allows no more.
 
     The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. If a later
     error is larger than predicted, the next may be so again, and the round makes up for it. Raises UnusableDataError
@@ -121,8 +107,13 @@ def decide(
     if total > limit:
         asked, wanted, total = _within(limit, results, held, price, asked, fit)
     expected = max(each.error for each in predictions(results, wanted.tolist(), fit.variable, fit.fixed))
-    return Decision(
-        wanted, expected, total, target_price, is_last=min(asked / goal, expected / target) <= 1.0 or limit == most
+    return Round(
+        realisations=tuple(wanted.tolist()),
+        is_last=min(asked / goal, expected / target) <= 1.0 or limit == most,
+        variable=fit.variable,
+        predicted_error=expected,
+        price=total,
+        target_price=target_price,
     )
 
 
@@ -495,7 +486,7 @@ def _for_the_others(
     if decision is None:
         return {}, 0.0
     cases = [now.cases[index] for index in here]
-    return dict(zip(cases, decision.realisations.tolist(), strict=True)), decision.price - spent
+    return dict(zip(cases, decision.realisations, strict=True)), (decision.price or 0.0) - spent
 
 
 def _alike(now: Round, identities: Sequence[str]) -> list[int]:
@@ -518,19 +509,11 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:
         return state.ending(f"not {REACHED}: the budget is too small for another round")
-    another = Round(
-        realisations=tuple(decision.realisations.tolist()),
-        is_last=decision.is_last,
-        levels=state.now.levels,
-        variable=of_target.fit.variable,
-        predicted_error=hypot(decision.predicted_error, of_laws),
-        price=decision.price,
-        target_price=decision.target_price,
-    )
-    return state.followed_by(another)
+    whole_error = hypot(decision.predicted_error or 0.0, of_laws)
+    return state.followed_by(decision.model_copy(update={"levels": state.now.levels, "predicted_error": whole_error}))
 
 
-def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> Decision | None:
+def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> Round | None:
     """Return the realisations that bring what surfaces can mend to an `aim`, for a price of at most `most` in all."""
     found = of_target.found
     mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found

@@ -48,7 +48,7 @@ def test_every_cross_level_has_realisations_of_its_own_wherever_it_stands():
     """A dear one that tells little keeps those of the pilot, whatever the order of the cases."""
     for levels in ((*CROSS, DEAR), (DEAR, *CROSS)):
         found = results(crossed(*levels))
-        counts = decided(found, 0.03).realisations
+        counts = np.array(decided(found, 0.03).realisations)
         dear = (found["eps_c"] == DEAR["eps_c"]).values
         cheap = (found["limit"] == "cross").values & ~dear
         assert counts[dear] == [HELD]
@@ -77,7 +77,7 @@ def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     found = results(grid)
     counts = decided(found, 0.03, Fit("kappa", {"eps_f": 0.6, "eps_t": 1.0})).realisations
     assert (found["limit"] == "cross").sum() == 2
-    assert len(set(counts[(found["limit"] == "cross").values])) == 1
+    assert len(set(np.array(counts)[(found["limit"] == "cross").values])) == 1
 
 
 @pytest.mark.long

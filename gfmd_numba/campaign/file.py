@@ -121,11 +121,6 @@ class Campaign(BaseModel):
         """Whether the run chooses the discretisations of random surfaces by itself."""
         return self.reference is None and self.target is not None
 
-    @property
-    def chooses_realisations(self) -> bool:
-        """Whether the run goes on until its target is reached."""
-        return self.target is not None and "realisations" not in self.model_fields_set
-
     def fits(self) -> Iterator[tuple[Fit, Location]]:
         """Yield how the variable of the fit and the others of the target are fitted, and where each stands in the file.
 
@@ -143,16 +138,13 @@ class Campaign(BaseModel):
             getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
         ]
         ranges: dict[str, Any] = dict(exponent_ranges(variable, self.scene.dimension or 1, max(hursts, default=nan)))
-        if all(has_slope_law(variable, hurst, 1.0 if self._is_at_one_load else nan) for hurst in hursts):
-            del ranges["eps_f"]
-        return ranges
-
-    @property
-    def _is_at_one_load(self) -> bool:
-        """Whether p / (g E*) is the same at all discretisations."""
         loading, surfaces = self.scene.loading, self.scene.surfaces.values()
         of_gradient = all(getattr(surface, "rms_gradient", None) is not None for surface in surfaces)
-        return loading.reduced_pressure is not None or (loading.displacement is None and of_gradient)
+        # whether p / (g E*) is the same at all discretisations
+        one_load = loading.reduced_pressure is not None or (loading.displacement is None and of_gradient)
+        if all(has_slope_law(variable, hurst, 1.0 if one_load else nan) for hurst in hursts):
+            del ranges["eps_f"]
+        return ranges
 
     @property
     def n_cases(self) -> int:
@@ -265,7 +257,11 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
     document = _with_a_file(document)
-    asked = validate(_with_a_target(document, target), Campaign)
+    data: Any = document.data
+    retargeted = target is not None and isinstance(data, Mapping)
+    asked = validate(
+        replace(document, data={**data, "target": dict(target or {})}) if retargeted else document, Campaign
+    )
     campaign = _begun(asked)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
@@ -316,15 +312,7 @@ def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
     """Return the target of a campaign whose run chooses the realisations; None for another. Raises InputError."""
     data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
     campaign = validate(_with_a_file(document_of(data, "campaign")), Campaign)
-    return campaign.target if campaign.chooses_realisations else None
-
-
-def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Document:
-    """Return the document with another target."""
-    data: Any = document.data
-    if target is None or not isinstance(data, Mapping):
-        return document
-    return replace(document, data={**data, "target": dict(target)})
+    return None if "realisations" in campaign.model_fields_set else campaign.target
 
 
 def _begun(campaign: Campaign) -> Campaign:

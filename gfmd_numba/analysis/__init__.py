@@ -4,8 +4,7 @@ from gfmd_numba.analysis.allocation import Design, Prediction, cheapest_design, 
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.forms import UnusableDataError
-from gfmd_numba.analysis.gap_percolation import gap_percolation
-from gfmd_numba.analysis.leakage import leakage
+from gfmd_numba.analysis.gap_percolation import gap_percolation, leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.campaign import plot_campaign, plot_fit
 from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics

@@ -8,7 +8,6 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact.contact_input import with_measured
@@ -252,7 +251,10 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of, tractions_of = _RoughBodies(campaign, document), _PrescribedTractions(document, campaign.scene)
+    bodies_of = _RoughBodies(campaign, document)
+    boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
+    arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document, boundary))  # by dimension and shape
+    known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
@@ -270,7 +272,11 @@ def expand(
                 if own is None and scene.roughness is not None:
                     own = random_surface_of(scene.roughness, level.discretisation)
                 surface, rms_gradient = punch_on_its_form(scene, own, document)
-            tractions = tractions_of(scene, surface.shape, rms_gradient)
+            tractions = None
+            if boundary is not None:
+                arrays = arrays_of(scene.dimension, surface.shape)
+                tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
+                tractions = known.setdefault(tractions.digest, tractions)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
                 point=point,
@@ -319,25 +325,6 @@ class _RoughBodies:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
         return summed, rough
-
-
-class _PrescribedTractions:
-    """The boundary of a campaign's scenes in units of each case; equal tractions are one object."""
-
-    def __init__(self, document: Document, scene: Scene):
-        self._document = document
-        self._boundary = None if scene.boundary is None else located_boundary(document, scene.boundary)
-        self._arrays: dict[tuple[int, ...], dict[str, Reals]] = {}
-        self._found: dict[str, Tractions] = {}
-
-    def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
-        """Return the tractions on a surface; raises InputError for files of another shape or without balance."""
-        if self._boundary is None:
-            return None
-        if shape not in self._arrays:
-            self._arrays[shape] = read_boundary(self._document, self._boundary, scene.dimension, shape)
-        found = tractions_on_the_body(self._document, scene, self._arrays[shape], shape, rms_gradient)
-        return self._found.setdefault(found.digest, found)
 
 
 def _reduced(

@@ -257,11 +257,10 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
     document = _with_a_file(document)
-    data: Any = document.data
-    retargeted = target is not None and isinstance(data, Mapping)
-    asked = validate(
-        replace(document, data={**data, "target": dict(target or {})}) if retargeted else document, Campaign
-    )
+    changed: Any = document.data
+    if target is not None and isinstance(changed, Mapping):
+        changed = {**changed, "target": dict(target)}
+    asked = validate(replace(document, data=changed), Campaign)
     campaign = _begun(asked)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)

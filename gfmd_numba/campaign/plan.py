@@ -12,7 +12,6 @@ import numpy as np
 import psutil
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, doubt_of_numbers, values_of
-from gfmd_numba.campaign.block_work import Task
 from gfmd_numba.campaign.cases import (
     Block,
     Case,
@@ -29,7 +28,7 @@ from gfmd_numba.campaign.cases import (
 from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, described_coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, predict
-from gfmd_numba.campaign.execution import compile_kernels
+from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution

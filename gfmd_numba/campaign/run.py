@@ -11,10 +11,9 @@ from typing import Any
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.selection import steps_of
 from gfmd_numba.campaign import failures, rounds, shards
-from gfmd_numba.campaign.block_work import Failures, unfinished
 from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import NOTES, collect, described, note, results_path
-from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute, started
+from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, started, unfinished
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
@@ -70,7 +69,7 @@ def run(
     """
     planned = plan(source)
     cases = planned.only(choice.only) if choice.only else planned.cases
-    directory = directory_of(planned, output)
+    directory = Path(planned.campaign.name if output is None else output)
     check(workers, directory)
     with _at_work(planned, directory):
         rounds.forget(directory)
@@ -79,11 +78,6 @@ def run(
         progress = watch(len(chosen), len(chosen) - len(left)) if watch else None
         finish(planned, to_do(left, directory, choice), directory, workers, progress, choice)
         return collect(planned, directory), failures.of_all(directory, [block.name for block in chosen])
-
-
-def directory_of(planned: Plan, output: str | Path | None) -> Path:
-    """Return the output directory of a campaign: the one that is given, or one of its name."""
-    return Path(output if output is not None else planned.campaign.name)
 
 
 @contextmanager
@@ -102,9 +96,13 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError if the memory is too small, OSError if the disk or the cluster gives up.
+    Raises InputError if the memory is too small, or if somebody else's file has the name of one to write, and OSError if
+    the disk or the cluster gives up.
     """
-    _check_names(planned, todo, directory)
+    check_file(results_path(planned, directory), mark.is_product)
+    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
+        check_file(note_of_run, mark.is_note)
+    shards.check_names(directory, [block.name for block in todo])
     if not todo:
         return True
     check_room(todo, workers)
@@ -136,14 +134,6 @@ def check_room(todo: list[Block], workers: Workers) -> None:
         check_memory_of_jobs(todo, workers.cluster)
     elif not workers.elsewhere:
         check_memory(todo, workers.count)
-
-
-def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
-    """Raise InputError if somebody else's file has the name of a file that a run is going to write."""
-    check_file(results_path(planned, directory), mark.is_product)
-    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
-        check_file(note_of_run, mark.is_note)
-    shards.check_names(directory, [block.name for block in todo])
 
 
 def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
@@ -240,7 +230,7 @@ def _prepared(
 ) -> "_Run":
     """Return a run with `others` of its fields; raises InputError for a goal or workers that cannot be."""
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
-    directory = directory_of(planned, output)
+    directory = Path(planned.campaign.name if output is None else output)
     _check_goal(planned, goal, directory)
     check(workers, directory)
     return _Run(planned, goal, directory, workers, **others)

@@ -7,10 +7,10 @@ from itertools import groupby, takewhile
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.cost import price_of_transform
+from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan

@@ -32,8 +32,7 @@ from gfmd_numba.text.printable import printable, word
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.block_work import Failures
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.execution import Failures, Workers
 
 
 @main.command()
@@ -167,8 +166,7 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
 
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.block_work import Failures
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.execution import Failures, Workers
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds

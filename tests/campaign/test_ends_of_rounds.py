@@ -5,7 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import block_work, execution, next_round, rounds
+from gfmd_numba.campaign import execution, next_round, rounds
 from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Ending, Failure
@@ -215,15 +215,15 @@ def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
             raise FloatingPointError("boom")
         return solve(problem, chosen)
 
-    solve = block_work.measured
-    monkeypatch.setattr(block_work, "measured", boom)
+    solve = execution.measured
+    monkeypatch.setattr(execution, "measured", boom)
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     outcome = run_until(path, GOAL, out, HERE, choice=Choice(fail_fast=True))
     assert outcome.rounds.ended == "not reached: the run stopped at the first failure"
     assert list(outcome.failures.values()) == [Failure("crashed", "FloatingPointError: boom")]
     outcome = run_until(path, GOAL, out, HERE)
     assert "you gave no good realisation" in outcome.rounds.ended
-    monkeypatch.setattr(block_work, "measured", solve)
+    monkeypatch.setattr(execution, "measured", solve)
     assert run_until(path, GOAL, out, HERE, choice=Choice(retry_failed=True)).reached
 
 

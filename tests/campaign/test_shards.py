@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work, execution
-from gfmd_numba.campaign.block_work import perform
-from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign import execution
+from gfmd_numba.campaign.execution import Workers, perform
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.shards import Finished, path_of, store
@@ -113,7 +112,7 @@ def test_many_small_blocks_share_files_and_give_the_same_results(finished, tmp_p
 
 
 def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
-    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), block_work.measured, []
+    task, solve, solved = tuple(plan(campaign(tmp_path)).blocks), execution.measured, []
 
     def interrupted(*given):
         if len(solved) == 3:
@@ -121,7 +120,7 @@ def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):
         solved.append(given)
         return solve(*given)
 
-    monkeypatch.setattr(block_work, "measured", interrupted)
+    monkeypatch.setattr(execution, "measured", interrupted)
     with pytest.raises(KeyboardInterrupt):
         perform(task, folder, None, together=5)
     assert list(Finished(folder)) == [block.name for block in task[:3]]

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from gfmd_numba.analysis.arguments import Counts, Fixed, Seconds, Target, Variable, checked
-from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
@@ -144,16 +144,14 @@ _GAIN = 0.998  # of the error, for which another share of a level is worth takin
 
 @dataclass(frozen=True)
 class Design:
-    """Realisations of the reference and of each level, the relative error of the limit they give, and their cost in s.
+    """Realisations of each case (case), the relative error of the limit that they give, and their cost in s.
 
-    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot.
+    Cases of levels that are not worth their cost have 0.
     """
 
-    reference: int
-    levels: dict[str, dict[float, int]]  # limit -> eps -> realisations
+    realisations: NDArray[np.intp]
     error: float
     seconds: float
-    cross: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -203,7 +201,9 @@ def cheapest_design(
             f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
             f"the cheapest; gfmd allows a larger one, as {_MOST} are the most"
         )
-    return _described(choice, counts)
+    used = counts > 0
+    seconds_in_all = float(counts[used] @ choice.price[used])
+    return Design(counts[level_of_case(pilot)].astype(np.intp), choice.error(counts), seconds_in_all)
 
 
 def _choice(
@@ -298,21 +298,6 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
     return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))
-
-
-def _described(choice: _Choice, counts: Reals) -> Design:
-    levels: dict[str, dict[float, int]] = {}
-    for (name, eps), count in zip(choice.levels, counts, strict=True):
-        if name in LIMITS:
-            levels.setdefault(name, {})[eps[0]] = int(count)
-    used = counts > 0
-    return Design(
-        reference=int(counts[0]),
-        levels=levels,
-        error=choice.error(counts),
-        seconds=float(counts[used] @ choice.price[used]),
-        cross=tuple(int(count) for (name, _), count in zip(choice.levels, counts, strict=True) if name == CROSS),
-    )
 
 
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter

@@ -15,27 +15,30 @@ from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
-from gfmd_numba.analysis.error_budget import SOURCES, error_budget
-from gfmd_numba.analysis.extrapolation import doubts, mean_distances, of_thin_layers
-from gfmd_numba.analysis.fit_dataset import PAIRS, STEPS, Estimates, GroupFit, fit_dataset
-from gfmd_numba.analysis.fit_warnings import (
+from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
+from gfmd_numba.analysis.forms import CAMPAIGN
+from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
+from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
+from gfmd_numba.analysis.limit_errors import (
+    Rival,
     additivity,
     advice,
+    disagreement,
     doubtful,
+    doubts,
+    error_budget,
     evidence,
     inseparable,
     logarithmic,
+    mean_distances,
+    of_thin_layers,
     pressed,
     realisations,
+    rivals,
     shortage,
+    without_coarsest,
 )
-from gfmd_numba.analysis.forms import CAMPAIGN
-from gfmd_numba.analysis.gauss_markov import means_of
-from gfmd_numba.analysis.goodness_of_fit import excess_misfit
-from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
-from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
-from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
-from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
+from gfmd_numba.analysis.posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error
@@ -181,8 +184,10 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
-    value = np.concatenate([_table(group, fit) for fit in fits])
-    variance = np.concatenate([_variances(group, fit) for fit in fits])
+    value = np.concatenate([_parameters(group, fit, fit.coefficients, fit.exponents, 1) for fit in fits])
+    variances = [np.diagonal(fit.covariance, axis1=1, axis2=2) for fit in fits]
+    known = [np.zeros_like(fit.exponents) for fit in fits]  # the parameters of the laws
+    variance = np.concatenate([_parameters(group, *each, 2) for each in zip(fits, variances, known, strict=True)])
     at_an_end = pressed(found, share)
     by_limit = np.concatenate([doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
@@ -218,24 +223,26 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
-    return GroupFit(
-        status="ok",
-        message="\n".join(notes),
-        estimate=Estimates(estimate),
-        error=Estimates(error),
-        low=low,
-        high=high,
-        budget=budget,
-        rms_residual=rms_residual,
-        chi2=whole.excess * chi2,
-        misfit=float(np.sqrt(whole.excess)),
-        freedom=group.n_cases - fits[0].coefficients.shape[1],
-        laws=_laws(group, found),
-        curve=_curve(index, group, means, found, share),
-        extrapolated=mean_distances(index, means, found, share),
-        extrapolation_error=extrapolation_error,
-        contradiction=_contradiction(group, differing),
-    )
+    curve_eps, curve = _curve(index, group, means, found, share)
+    return {
+        "fit_status": "ok",
+        "message": "\n".join(notes),
+        **named(estimate),
+        **named(error, "_error"),
+        "{variable}_tfc_low": low,
+        "{variable}_tfc_high": high,
+        "error_budget": budget,
+        "rms_residual": rms_residual,
+        "chi2": whole.excess * chi2,
+        "misfit": float(np.sqrt(whole.excess)),
+        "freedom": group.n_cases - fits[0].coefficients.shape[1],
+        "law": _laws(group, found),
+        "curve_eps": curve_eps,
+        "curve": curve,
+        "extrapolated": mean_distances(index, means, found, share),
+        "extrapolation_error": extrapolation_error,
+        "contradiction": _contradiction(group, differing),
+    }
 
 
 def _doubts_of_levels(
@@ -317,34 +324,20 @@ def _curve(
     return eps, value
 
 
-def _table(group: Group, fit: Linear) -> Reals:
-    """Return the parameters (node, parameter) of fits in the order of `Estimates`, nan for limits not varied."""
-    found = Estimates.unknown(len(fit.misfit))
-    found.tfc[:] = fit.coefficients[:, 0]
+def _parameters(group: Group, fit: Linear, coefficients: Reals, exponents: Reals, power: int) -> Reals:
+    """Return coefficients, or variances of a `power` of 2, as a table, nan for limits not varied."""
+    table = unknown_parameters(len(fit.misfit))
+    found = named(table)
+    found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
-        found.correction[:, limit] = fit.coefficients[:, 1 + row]
-        found.exponent[:, limit] = fit.exponents[:, row]
-        found.coefficient[:, limit] = fit.coefficients[:, 1 + row] * group.reference[name] ** -fit.exponents[:, row]
-    for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found.interaction[:, PAIRS.index(pair)] = fit.coefficients[:, row]
-    return found.table
-
-
-def _variances(group: Group, fit: Linear) -> Reals:
-    """Return the variances of `_table` at known parameters of the laws."""
-    variance = np.diagonal(fit.covariance, axis1=1, axis2=2)
-    found = Estimates.unknown(len(fit.misfit))
-    found.tfc[:] = variance[:, 0]
-    for row, name in enumerate(group.levels):
-        limit = LIMITS.index(name)
-        found.correction[:, limit] = variance[:, 1 + row]
-        found.exponent[:, limit] = 0.0
+        found["correction"][:, limit] = coefficients[:, 1 + row]
+        found["alpha"][:, limit] = exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
-        found.coefficient[:, limit] = variance[:, 1 + row] * scale**2
+        found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
     for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found.interaction[:, PAIRS.index(pair)] = variance[:, row]
-    return found.table
+        found["interaction"][:, PAIRS.index(pair)] = coefficients[:, row]
+    return table
 
 
 def _pairs(group: Group) -> list[tuple[str, str]]:
@@ -394,21 +387,5 @@ def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
 
 
 def _refused(group: Group, reason: str) -> GroupFit:
-    return GroupFit(
-        status="refused",
-        message="\n".join([reason, *group.notes]),
-        estimate=Estimates.unknown(),
-        error=Estimates.unknown(),
-        low=np.nan,
-        high=np.nan,
-        budget=np.full(len(SOURCES), np.nan),
-        rms_residual=np.nan,
-        chi2=np.nan,
-        misfit=np.nan,
-        freedom=0,
-        laws=[""] * len(LIMITS),
-        curve=(np.full((len(LIMITS), STEPS), np.nan), np.full((len(LIMITS), STEPS), np.nan)),
-        extrapolated=np.full(len(LIMITS), np.nan),
-        extrapolation_error=np.full(len(LIMITS), np.nan),
-        contradiction=np.full(len(LIMITS), np.nan),
-    )
+    message = "\n".join([reason, *group.notes])
+    return {"fit_status": "refused", "message": message, "freedom": 0, "law": [""] * len(LIMITS)}

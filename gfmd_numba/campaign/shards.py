@@ -135,14 +135,6 @@ def remove_unreadable(directory: Path) -> None:
         atomic_file.remove(bundle, _OURS[_BUNDLE])
 
 
-def are_stored(directory: Path, names: Sequence[str]) -> bool:
-    """Return whether these blocks are stored together, as they were written."""
-    path = path_of(directory, names)
-    held = [(names[0], 0, None)] if len(names) == 1 else _held(path) or []
-    sound = [name for name, start, length in held if _payload(name, _Place(path, start, length).content()) is not None]
-    return sound == list(names)
-
-
 def _held(bundle: Path) -> list[tuple[str, int, int | None]] | None:
     """Return name, start and length of each shard in a bundle; None if its head is damaged."""
     file = atomic_file.opened(bundle)

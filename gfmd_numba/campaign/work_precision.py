@@ -12,9 +12,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid
 from gfmd_numba.campaign.cases import Case, blocks
-from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact import load_path

@@ -15,7 +15,7 @@ from gfmd_numba.text.numbers import si_prefix, typical, with_error
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.grid import Grid
+    from gfmd_numba.campaign.axes import Grid
     from gfmd_numba.scene import Scene
 
 
@@ -314,7 +314,7 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 def _values(parameter: xr.DataArray) -> list[str]:
     """Return the values of a parameter as cells; of long names only the ends, if these differ."""
-    from gfmd_numba.analysis.names import has_names, shown
+    from gfmd_numba.analysis.selection import has_names, shown
 
     if not has_names(parameter):
         return list(map(_number, parameter.values))

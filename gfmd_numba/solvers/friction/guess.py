@@ -7,7 +7,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier.grid import resample
-from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.iteration import Batch, Start
 

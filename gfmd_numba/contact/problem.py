@@ -219,8 +219,9 @@ def _interface_content(interface: Interactions) -> dict[str, Any]:
     for name in ("normal_law", "cohesive"):
         if content[name] is not None:
             content[name] = asdict(content[name])
-    if interface.hardness is None:
-        del content["hardness"]
+    for name in ("hardness", "shear_limit"):
+        if content[name] is None:
+            del content[name]
     return content
 
 

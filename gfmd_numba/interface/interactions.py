@@ -19,8 +19,8 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
-    `hardness` bounds the pressure of the hard wall, in g E*. `laws` are the names of all that acts, as in the scene
-    file.
+    `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*. `laws` are the names of
+    all that acts, as in the scene file.
     """
 
     hard_wall: bool
@@ -28,6 +28,7 @@ class Interactions:
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
     hardness: float | None = None
+    shear_limit: float | None = None
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
@@ -37,13 +38,14 @@ class Interactions:
             for law in asked.laws.values()
             if law.implementation is not None
         }
-        friction = None if asked.friction is None else asked.friction.coefficient
+        friction, limit = (None, None) if (rubs := asked.friction) is None else (rubs.coefficient, rubs.limit)
         return cls(
             asked.hard_wall is not None,
             computed.get("normal law"),
             friction,
             computed.get("cohesive law"),
             None if asked.hardness is None else asked.hardness / (energy / length),
+            None if limit is None else limit / (energy / length),
         )
 
     @cached_property
@@ -62,7 +64,8 @@ class Interactions:
     @property
     def conditions(self) -> kernels.Conditions:
         """What holds at a node that touches."""
-        return kernels.Conditions(np.inf if self.hardness is None else self.hardness, self.friction or 0.0)
+        hardness, limit = (np.inf if each is None else each for each in (self.hardness, self.shear_limit))
+        return kernels.Conditions(hardness, self.friction or 0.0, limit)
 
     @property
     def softening(self) -> float:

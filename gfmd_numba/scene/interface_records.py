@@ -5,6 +5,7 @@ they act across an open gap, whether they keep the bodies apart, and whether the
 `Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
+from math import isinf
 from typing import ClassVar, Self, get_args
 
 from pydantic import BaseModel, Field, model_validator
@@ -161,7 +162,7 @@ class Cohesive(LawRecord):
 
 
 class Friction(LawRecord):
-    """Coulomb friction between touching nodes (dimensionless)."""
+    """Coulomb friction between touching nodes, which hold at most a limit."""
 
     title: ClassVar = "friction"
     ability: ClassVar = "friction"
@@ -169,6 +170,15 @@ class Friction(LawRecord):
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
     coefficient: FrictionCoefficient
+    limit: Pressure | None = Field(
+        None, description="Largest tangential traction in Pa (E* without moduli), the shear strength; None: no limit"
+    )
+
+    @model_validator(mode="after")
+    def _limits(self) -> Self:
+        if self.limit is not None and isinf(self.coefficient):
+            raise broken_rule(("limit",), "no limit with an infinite coefficient, under which touching nodes stick")
+        return self
 
 
 class Wear(BaseModel):

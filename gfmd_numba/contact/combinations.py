@@ -169,6 +169,12 @@ REFUSALS = (
         if LAWS[law].tangential
     ),
     Refusal(
+        "hardness",
+        "lennard_jones",
+        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart before they touch that wall",
+        "physics",
+    ),
+    Refusal(
         "displacement",
         "half-space",
         f"a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",

@@ -347,7 +347,7 @@ def error_budget(
     A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
     corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error of the
     fit. What is added to it, for the distance of extrapolation and for rivals that disagree, is left at 0. The
-    residual: the most that errors of the cases' means `residuals` (case) can add up to.
+    residual: the most that errors of the cases' means `residuals` (case), also by divisions of time, can add up to.
     """
     weight = np.concatenate(shares)
     kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]

@@ -40,10 +40,12 @@ PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a p
 
 
 def residual_error(cases: xr.Dataset, variable: str) -> Reals:
-    """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
+    """Return what residual and divisions of time leave open of each case's mean, in proportion to kappa for others."""
     if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
         return np.full(cases.sizes["case"], nan)
     share = cases["kappa_residual_error"] / cases["kappa"]
+    if "time_error" in cases:
+        share = share + cases["time_error"]
     return np.asarray((share * cases[variable]).mean("realisation").values)
 
 
@@ -98,6 +100,7 @@ FEWEST_NODES = 2
 _READ = (
     "kappa",
     "kappa_residual_error",
+    "time_error",
     "contact_area_fraction_counted",
     "n_segments",
     "case_seconds",

@@ -218,8 +218,8 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
-            f"the residual may have put {group.variable}_tfc off by another {group.shown(loose)}: ask the solver for "
-            "a smaller one"
+            f"residuals, or divisions of time, may have put {group.variable}_tfc off by another {group.shown(loose)}: "
+            "ask for a smaller numerics.residual, or time_tolerance"
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)

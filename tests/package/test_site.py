@@ -1,4 +1,4 @@
-"""The site in a browser: on a phone and on a desk no page is too wide, no code is cut off, and no picture is missing."""
+"""The site in a browser, on a phone and on a desk: no page is too wide, no code is cut off, no picture is missing."""
 
 import html
 import json

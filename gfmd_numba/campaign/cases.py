@@ -253,7 +253,7 @@ def expand(
     document = document or Document(None, "", campaign.model_dump())
     bodies_of = _RoughBodies(campaign, document)
     boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
-    arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document, boundary))  # by dimension and shape
+    arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
@@ -274,7 +274,7 @@ def expand(
                 surface, rms_gradient = punch_on_its_form(scene, own, document)
             tractions = None
             if boundary is not None:
-                arrays = arrays_of(scene.dimension, surface.shape)
+                arrays = arrays_of(boundary, scene.dimension, surface.shape)
                 tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
                 tractions = known.setdefault(tractions.digest, tractions)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)

@@ -96,8 +96,8 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError if the memory is too small, or if somebody else's file has the name of one to write, and OSError if
-    the disk or the cluster gives up.
+    Raises InputError if the memory is too small or a file of somebody else is in the way, OSError if the disk or the
+    cluster gives up.
     """
     check_file(results_path(planned, directory), mark.is_product)
     for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):

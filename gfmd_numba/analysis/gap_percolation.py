@@ -3,7 +3,7 @@
 Leakage follows from the Reynolds equation of a thin film, on the grid of the contact.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import Annotated
 
 import numpy as np
@@ -75,16 +75,16 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    touching, around = dataset["gap"] <= 0.0, {"around": goes_around(dataset)}
+    found = xr.apply_ufunc(
+        _percolation,
+        dataset["gap"],
+        kwargs={"around": goes_around(dataset)},
+        input_core_dims=[nodes],
+        output_core_dims=[["direction"]] * 3 + [[]] * 3,
+        vectorize=True,
+    )
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
-    result["gap_connects"] = _by_direction(_connects, ~touching, nodes, around)
-    result["contact_connects"] = _by_direction(_connects, touching, nodes, around)
-    result["critical_gap"] = _by_direction(_critical_gap, dataset["gap"], nodes, around)
-    for name, flags in (("gap", ~touching), ("contact", touching)):
-        result[f"largest_{name}_fraction"] = xr.apply_ufunc(
-            _largest, flags, kwargs=around, input_core_dims=[nodes], vectorize=True
-        )
-    result["n_gaps"] = xr.apply_ufunc(_count, ~touching, kwargs=around, input_core_dims=[nodes], vectorize=True)
+    result = result.assign(zip(_LONG_NAMES, found, strict=True))
     for name, long_name in _LONG_NAMES.items():
         unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}
@@ -92,21 +92,14 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     return result
 
 
-def _by_direction(
-    function: Callable[..., Reals], values: xr.DataArray, nodes: list[str], around: dict[str, tuple[bool, ...]]
-) -> xr.DataArray:
-    found: xr.DataArray = xr.apply_ufunc(
-        function, values, kwargs=around, input_core_dims=[nodes], output_core_dims=[["direction"]], vectorize=True
-    )
-    return found
-
-
-def _connects(flags: Flags, around: tuple[bool, ...]) -> Reals:
-    return np.array([connects(flags, axis, around) for axis in _DIRECTIONS.values()], dtype=np.int8)
-
-
-def _critical_gap(gap: Reals, around: tuple[bool, ...]) -> Reals:
-    return np.array([_narrowest(gap, axis, around) for axis in _DIRECTIONS.values()])
+def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals, float, float, int]:
+    """Return what `_LONG_NAMES` names, of a map: the first three by direction."""
+    touching = gap <= 0.0
+    of_gap, of_contact = (sizes(regions(flags, *around)) for flags in (~touching, touching))
+    connected = [[connects(flags, axis, around) for axis in _DIRECTIONS.values()] for flags in (~touching, touching)]
+    critical = np.array([_narrowest(gap, axis, around) for axis in _DIRECTIONS.values()])
+    largest = (float(each.max(initial=0) / gap.size) for each in (of_gap, of_contact))
+    return *np.array(connected, dtype=np.int8), critical, *largest, len(of_gap)
 
 
 def _narrowest(gap: Reals, axis: int, around: tuple[bool, ...]) -> float:
@@ -120,14 +113,6 @@ def _narrowest(gap: Reals, axis: int, around: tuple[bool, ...]) -> float:
         else:
             most = middle
     return float(levels[fewest - 1]) if fewest else 0.0
-
-
-def _largest(flags: Flags, around: tuple[bool, ...]) -> float:
-    return float(sizes(regions(flags, *around)).max(initial=0) / flags.size)
-
-
-def _count(flags: Flags, around: tuple[bool, ...]) -> int:
-    return len(sizes(regions(flags, *around)))
 
 
 _REFINEMENTS, _ROUNDING = 30, 1e-14

@@ -14,30 +14,13 @@ import xarray as xr
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
-from gfmd_numba.analysis.limit_errors import (
-    Rival,
-    additivity,
-    advice,
-    disagreement,
-    doubtful,
-    doubts,
-    error_budget,
-    evidence,
-    inseparable,
-    logarithmic,
-    mean_distances,
-    of_thin_layers,
-    pressed,
-    realisations,
-    rivals,
-    shortage,
-    without_coarsest,
-)
+from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
@@ -115,9 +98,9 @@ def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
 
 def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
     """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
-    lacks = [inseparable(group) for group in groups]
+    lacks = [limit_errors.inseparable(group) for group in groups]
     able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
-    short = shortage(able, _choices(able, given)) if able else ""
+    short = limit_errors.shortage(able, _choices(able, given)) if able else ""
     return [lack or short for lack in lacks]
 
 
@@ -133,16 +116,17 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     laws = _choices(groups, given)
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
-    while found.excess > 1.0 and (fewer := without_coarsest(found.groups)) is not None:
+    while found.excess > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:
         left_out.append(fewer[0])
         found = _weighed(fewer[1], laws)
     if found.excess > 1.0:  # no law describes any of the levels, so that there is no reason to leave some out
         left_out, found = [], whole
-    doubt = doubtful(found.groups, found.choices, found.share)
+    doubt = limit_errors.doubtful(found.groups, found.choices, found.share)
     if doubt:
         return [_refused(group, _doubts(group, doubt)) for group in groups]
     others = [
-        (rival, _weighed(rival.groups, _choices(rival.groups, rival.given))) for rival in rivals(found.groups, given)
+        (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
+        for rival in limit_errors.rivals(found.groups, given)
     ]
     return [_fit(index, found, others, left_out) for index in range(len(groups))]
 
@@ -188,16 +172,16 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     variances = [np.diagonal(fit.covariance, axis1=1, axis2=2) for fit in fits]
     known = [np.zeros_like(fit.exponents) for fit in fits]  # the parameters of the laws
     variance = np.concatenate([_parameters(group, *each, 2) for each in zip(fits, variances, known, strict=True)])
-    at_an_end = pressed(found, share)
-    by_limit = np.concatenate([doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
+    at_an_end = limit_errors.pressed(found, share)
+    by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
-    differing = [(rival, disagreement(*mine, *other.limit_of(index))) for rival, other in others]
+    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
     estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
-    budget = error_budget(index, means, found, share, group.residual_error)
+    budget = limit_errors.error_budget(index, means, found, share, group.residual_error)
     extrapolation_error = np.sqrt(weight @ by_limit)
     budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
     budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
@@ -206,15 +190,15 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         *_by_law(index, group, found, share),
         *_by_theory(index, group, others),
         *at_an_end.values(),
-        *logarithmic(group, found),
-        *additivity(group, error),
-        *of_thin_layers(group, means),
+        *limit_errors.logarithmic(group, found),
+        *limit_errors.additivity(group, error),
+        *limit_errors.of_thin_layers(group, means),
         *_doubts_of_levels(whole, group, differing, left_out),
     ]
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
-        notes.append(f"the sampling error is unknown ({realisations(group)})")
+        notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
@@ -239,7 +223,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "law": _laws(group, found),
         "curve_eps": curve_eps,
         "curve": curve,
-        "extrapolated": mean_distances(index, means, found, share),
+        "extrapolated": limit_errors.mean_distances(index, means, found, share),
         "extrapolation_error": extrapolation_error,
         "contradiction": _contradiction(group, differing),
     }
@@ -382,8 +366,8 @@ def _misfit(
 
 
 def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
-    reasons = [f"exponent of {name} {why} ({evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, advice(doubt, group.variable, group.dimension)])
+    reasons = [f"exponent of {name} {why} ({limit_errors.evidence(group, name)})" for name, why in doubt.items()]
+    return "\n".join([*reasons, limit_errors.advice(doubt, group.variable, group.dimension)])
 
 
 def _refused(group: Group, reason: str) -> GroupFit:

@@ -71,7 +71,9 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     if not any(isinstance(surface, Measured) for surface in campaign.scene.surfaces.values()):
         return {}
     if not isinstance(campaign.scene.roughness, Measured):
-        scene, surfaces = with_measured(_located(document, campaign.scene), document)
+        scene, surfaces = with_measured(
+            campaign.scene.model_copy(update=located_files(document, campaign.scene)), document
+        )
         check_scene(document, campaign, scene)
         return {None: _measured(scene, surfaces, document, "")}
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
@@ -86,9 +88,12 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = _read(record, _located(placed, scene), placed, read)
+        scene, surfaces = _read(record, scene.model_copy(update=located_files(placed, scene)), placed, read)
         first = first or (record, surfaces[PUNCH])
-        _check_unit(placed, record, surfaces[PUNCH], *first)
+        unit, of_first = surfaces[PUNCH].unit, first[1].unit
+        if unit != of_first:
+            allowed = f"a surface with lengths in {_UNITS[of_first]}, as {first[0].shown} has them"
+            raise _refused(placed, f"{record.shown} (lengths in {_UNITS[unit]})", allowed)
         name = ", ".join(value if place == FILE else f"{place[-1]} {value:.10g}" for place, value in values.items())
         found[record] = _measured(scene, surfaces, placed, name)
         check_scene(document, campaign, scene)
@@ -125,19 +130,6 @@ def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[
         return given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
-
-
-def _located(document: Document, scene: Scene) -> Scene:
-    return scene.model_copy(update=located_files(document, scene))
-
-
-def _check_unit(
-    document: Document, record: Measured, surface: MeasuredSurface, first: Measured, like: MeasuredSurface
-) -> None:
-    """Raise InputError for a surface whose lengths are not in the unit of the first one."""
-    if surface.unit != like.unit:
-        allowed = f"a surface with lengths in {_UNITS[like.unit]}, as {first.shown} has them"
-        raise _refused(document, f"{record.shown} (lengths in {_UNITS[surface.unit]})", allowed)
 
 
 def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurfaces]:

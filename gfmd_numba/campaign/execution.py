@@ -23,18 +23,9 @@ from uuid import uuid4
 
 import numpy as np
 
-from gfmd_numba.campaign import shards
+from gfmd_numba.campaign import cluster, shards
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.cluster import (
-    NO_JOBQUEUE,
-    Cluster,
-    check_workers,
-    connected,
-    frozen_replaced,
-    is_client,
-    load_cluster,
-    local,
-)
+from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.provenance import difference, versions
 from gfmd_numba.contact import load_path
@@ -243,10 +234,10 @@ def workers_of(given: object) -> Workers:
     """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
         return Workers(int(given))
-    if is_client(given):
+    if cluster.is_client(given):
         return Workers(client=given)
     if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
-        return Workers(cluster=load_cluster(given))
+        return Workers(cluster=cluster.load_cluster(given))
     raise InputError(
         f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
         "cluster file"
@@ -259,11 +250,11 @@ def check(workers: Workers, directory: Path) -> None:
         try:
             from gfmd_numba.campaign.job_queue import check_queue
         except ImportError:
-            raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
+            raise InputError(f"--cluster: {cluster.NO_JOBQUEUE}") from None
         check_queue(workers.cluster, directory)
     elif workers.elsewhere:
-        with connected(workers.address, workers.client, workers.insecure) as client:
-            check_workers(client, "workers" if workers.address is None else "--scheduler")
+        with cluster.connected(workers.address, workers.client, workers.insecure) as client:
+            cluster.check_workers(client, "workers" if workers.address is None else "--scheduler")
 
 
 @contextmanager
@@ -277,10 +268,10 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
         with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
             yield replace(workers, client=client)
     elif workers.address is not None:
-        with connected(workers.address, None, workers.insecure) as client:
+        with cluster.connected(workers.address, None, workers.insecure) as client:
             yield replace(workers, client=client)
     else:
-        with local(workers.count) as client:
+        with cluster.local(workers.count) as client:
             yield replace(workers, client=client)
 
 
@@ -299,7 +290,7 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
         for task in tasks:
             yield len(task), perform(task, directory, timeout, together)
         return
-    with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
+    with started(workers, directory) as begun, cluster.frozen_replaced(begun.client, timeout):
         submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
         with closing(submission.ended(tasks)) as ended:
             yield from ended

@@ -96,8 +96,8 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError if the memory is too small, or if somebody else's file has the name of one to write, and OSError
-    if the disk or the cluster gives up.
+    Raises InputError if the memory is too small or a file of somebody else is in the way, OSError if the disk or the
+    cluster gives up.
     """
     check_file(results_path(planned, directory), mark.is_product)
     for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
@@ -263,7 +263,7 @@ class _Run:
             earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
             fewest = [earlier.get(case, 0) for case in state.now.cases]
             counts = finished(now, self.directory, fewest)
-            partial: Plan | None = with_realisations(now, counts)
+            partial = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")

@@ -24,12 +24,12 @@ def has_names(parameter: xr.DataArray) -> bool:
     return "names" in parameter.attrs
 
 
-def plain(name: str) -> str:
+def without_formula(name: str) -> str:
     """Return a name that no text of a figure takes for a formula."""
     return name.replace("$", r"\$")
 
 
-def shown(parameter: xr.DataArray, values: Iterable[float]) -> list[str]:
+def values_as_text(parameter: xr.DataArray, values: Iterable[float]) -> list[str]:
     """Return each value of a parameter as text: the name that it stands for, or the number with six digits."""
     names = json.loads(parameter.attrs["names"]) if has_names(parameter) else None
     return [f"{value:g}" if names is None else printable(names[int(value)]) for value in values]
@@ -182,20 +182,15 @@ def discretisations(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
-    lacking = {"case_id", "is_reference"} - set(map(str, dataset.variables))
-    if not {"case", "realisation"} <= set(dataset.dims) or lacking or 0 < len(discretisations(dataset)) < len(LIMITS):
+    if not {"case", "realisation"} <= set(dataset.dims) or 0 < len(discretisations(dataset)) < len(LIMITS):
         raise UnusableDataError("you gave no results of a campaign; gfmd allows what a finished `gfmd run` leaves")
     if not axes(dataset):
         raise UnusableDataError(
             "you gave results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
             "gfmd allows what a finished `gfmd run` of this version leaves"
         )
-    if (
-        not isinstance(variable, str)
-        or variable not in dataset
-        or set(dataset[variable].dims) != {"case", "realisation"}
-    ):
-        if isinstance(variable, str) and variable in dataset and "step" in dataset[variable].dims:
+    if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
+        if variable in dataset and "step" in dataset[variable].dims:
             raise UnusableDataError(
                 f"you gave {variable} at every step of a path; gfmd allows one step, like `dataset.isel(step=-1)`"
             )
@@ -263,8 +258,7 @@ def _check_groups(dataset: xr.Dataset) -> None:
     if any(len(identities) > 1 for identities in problems.values()):
         raise UnusableDataError(
             "you gave different problems at the same discretisation, which no coordinate with the attribute `axis` "
-            "tells "
-            "apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
+            "tells apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
         )
 
 

@@ -243,8 +243,8 @@ def plot_campaign(
     nothing is varied.
     """
     selection.good(dataset, variable)
-    values_as_text = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
-    dataset = dataset[values_as_text]  # all others would be copied for each group
+    read = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
+    dataset = dataset[read]  # all others would be copied for each group
     present = [
         limit
         for limit in selection.discretisations(dataset)

@@ -207,7 +207,10 @@ def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     if largest <= 0.0:
         return 0.0, 0.0, flow
     conductivity = (gap / largest) ** 3
-    reached = _channels(conductivity > 0.0, around)
+    # open nodes of the regions that connect the first row with the last
+    labels = regions(conductivity > 0.0, around_y=False, around_x=around)
+    shared = np.intersect1d(labels[0], labels[-1])
+    reached = np.isin(labels, shared[shared > 0])
     if not reached.any():
         return 0.0, 0.0, flow
     conductivity = np.where(reached, conductivity, 0.0)
@@ -232,13 +235,6 @@ def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     parts = (_through_nodes(*faces, pressure, rim) for faces, rim in ((along, ends), (across, 0.0)))
     flow[reached] = np.hypot(*parts) * nx / out if residual <= _LARGEST_RESIDUAL else np.nan
     return float(largest * np.cbrt(cube)), residual, flow
-
-
-def _channels(open_nodes: Flags, around: bool) -> Flags:
-    """Open nodes of the regions that connect the first row with the last, also `around` the ends of rows."""
-    labels = regions(open_nodes, around_y=False, around_x=around)
-    shared = np.intersect1d(labels[0], labels[-1])
-    return np.isin(labels, shared[shared > 0])
 
 
 def _faces(here: Reals, there: Reals, number: Indices, other: Indices) -> tuple[Indices, Indices, Reals]:

@@ -207,6 +207,11 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
+    # what the value differs by where an asserted exponent may have its range
+    contradiction = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
+    for rival, difference in differing:
+        if rival.asserted in group.levels:
+            contradiction[LIMITS.index(rival.asserted)] = difference
     curve_eps, curve = _curve(index, group, means, found, share)
     return {
         "fit_status": "ok",
@@ -220,12 +225,15 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": _laws(group, found),
+        "law": [
+            " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
+            for name in LIMITS
+        ],
         "curve_eps": curve_eps,
         "curve": curve,
         "extrapolated": limit_errors.mean_distances(index, means, found, share),
         "extrapolation_error": extrapolation_error,
-        "contradiction": _contradiction(group, differing),
+        "contradiction": contradiction,
     }
 
 
@@ -245,15 +253,6 @@ def _doubts_of_levels(
             "enlarged by as much; add finer levels, or allow other exponents"
         )
     return lines
-
-
-def _contradiction(group: Group, differing: Sequence[tuple[Rival, float]]) -> Reals:
-    """Return what the value differs by where an asserted exponent may have its range (limit), nan if not varied."""
-    found = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
-    for rival, difference in differing:
-        if rival.asserted in group.levels:
-            found[LIMITS.index(rival.asserted)] = difference
-    return found
 
 
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
@@ -284,14 +283,6 @@ def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]
 
 
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
-
-
-def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
-    """Return the laws of each limit (limit), "" of those not varied."""
-    return [
-        " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
-        for name in LIMITS
-    ]
 
 
 def _curve(

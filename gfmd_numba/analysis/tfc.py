@@ -168,10 +168,8 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
-    value = np.concatenate([_parameters(group, fit, fit.coefficients, fit.exponents, 1) for fit in fits])
-    variances = [np.diagonal(fit.covariance, axis1=1, axis2=2) for fit in fits]
-    known = [np.zeros_like(fit.exponents) for fit in fits]  # the parameters of the laws
-    variance = np.concatenate([_parameters(group, *each, 2) for each in zip(fits, variances, known, strict=True)])
+    value = np.concatenate([_parameters(group, fit) for fit in fits])
+    variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
     at_an_end = limit_errors.pressed(found, share)
     by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
@@ -207,12 +205,6 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
-    # what the value differs by where an asserted exponent may have its range
-    contradiction = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
-    for rival, difference in differing:
-        if rival.asserted in group.levels:
-            contradiction[LIMITS.index(rival.asserted)] = difference
-    curve_eps, curve = _curve(index, group, means, found, share)
     return {
         "fit_status": "ok",
         "message": "\n".join(notes),
@@ -225,15 +217,11 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": [
-            " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
-            for name in LIMITS
-        ],
-        "curve_eps": curve_eps,
-        "curve": curve,
+        "law": _laws(group, found),
+        **_curve(index, group, means, found, share),
         "extrapolated": limit_errors.mean_distances(index, means, found, share),
         "extrapolation_error": extrapolation_error,
-        "contradiction": contradiction,
+        "contradiction": _contradiction(group, differing),
     }
 
 
@@ -253,6 +241,15 @@ def _doubts_of_levels(
             "enlarged by as much; add finer levels, or allow other exponents"
         )
     return lines
+
+
+def _contradiction(group: Group, differing: Sequence[tuple[Rival, float]]) -> Reals:
+    """Return what the value differs by where an asserted exponent may have its range (limit), nan if not varied."""
+    found = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
+    for rival, difference in differing:
+        if rival.asserted in group.levels:
+            found[LIMITS.index(rival.asserted)] = difference
+    return found
 
 
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
@@ -285,9 +282,15 @@ def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
 
 
-def _curve(
-    index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]
-) -> tuple[Reals, Reals]:
+def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
+    """Return the laws of each limit (limit), "" of those not varied."""
+    return [
+        " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
+        for name in LIMITS
+    ]
+
+
+def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
     """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
@@ -296,18 +299,23 @@ def _curve(
         value[row] = sum(
             each @ along(choice, index, means, name, eps[row]) for choice, each in zip(found, share, strict=True)
         )
-    return eps, value
+    return {"curve_eps": eps, "curve": value}
 
 
-def _parameters(group: Group, fit: Linear, coefficients: Reals, exponents: Reals, power: int) -> Reals:
-    """Return coefficients, or variances of a `power` of 2, as a table, nan for limits not varied."""
+def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
+    """Return the parameters of fits as a table, or their variances at known parameters of the laws.
+
+    Those of limits that are not varied are nan.
+    """
+    coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
+    power = 2 if variances else 1
     table = unknown_parameters(len(fit.misfit))
     found = named(table)
     found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
         found["correction"][:, limit] = coefficients[:, 1 + row]
-        found["alpha"][:, limit] = exponents[:, row]
+        found["alpha"][:, limit] = 0.0 if variances else fit.exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
         found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
     for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):

@@ -136,10 +136,17 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
+    around = goes_around(dataset)
+
+    def both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
+        found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
+        gaps, residuals, flows = zip(*found, strict=True)
+        turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
+        return np.array(gaps), np.array(residuals), np.array(turned)
+
     hydraulic, residual, flow = xr.apply_ufunc(
-        _both_directions,
+        both_directions,
         dataset["gap"],
-        kwargs={"around": goes_around(dataset)},
         input_core_dims=[nodes],
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
@@ -185,14 +192,6 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
             "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
             "other seeds, or a map with more of the longest waves"
         )
-
-
-def _both_directions(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals]:
-    """Hydraulic gaps along x and y, their residuals, and the flow through nodes `[direction, y, x]`."""
-    found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
-    gaps, residuals, flows = zip(*found, strict=True)
-    turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
-    return np.array(gaps), np.array(residuals), np.array(turned)
 
 
 def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:

@@ -70,16 +70,14 @@ def goal_of(until: object, budget: object = None) -> Goal:
         why = observables.why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
         clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
         raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {A_VARIABLE}{clauses}")
-    if not targets or not all(map(_is_relative_error, targets.values())):
+    shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real) and share is not True}
+    if not targets or shares.keys() != targets.keys() or not all(0.0 < share < 1.0 for share in shares.values()):
         raise InputError(
             f"until: you gave {brief(until)}; gfmd allows {A_VARIABLE}, or several, each with a relative error above 0 "
             'and below 1, like {"kappa": 0.01}'
         )
-    shares = {name: float(share) for name, share in targets.items()}
-    if budget is None:
-        return Goal(targets=shares)
-    seconds = seconds_of(budget)
-    if seconds is None:
+    seconds = None if budget is None else seconds_of(budget)
+    if budget is not None and seconds is None:
         raise InputError(f"budget: you gave {brief(budget)}; gfmd allows {A_TIME}")
     return Goal(targets=shares, budget=seconds)
 
@@ -94,10 +92,6 @@ def seconds_of(given: object) -> float | None:
         except PydanticCustomError:
             seconds = None
     return seconds if seconds is not None and 0.0 < seconds < inf else None
-
-
-def _is_relative_error(given: object) -> bool:
-    return isinstance(given, Real) and not isinstance(given, bool) and 0.0 < float(given) < 1.0
 
 
 class Fit(BaseModel):

@@ -84,7 +84,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
         vectorize=True,
     )
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
-    result = result.assign(zip(_LONG_NAMES, found, strict=True))
+    result = result.assign(dict(zip(_LONG_NAMES, found, strict=True)))
     for name, long_name in _LONG_NAMES.items():
         unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}

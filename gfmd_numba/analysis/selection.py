@@ -76,17 +76,6 @@ def load_of(cases: xr.Dataset) -> float:
     return nan
 
 
-def nodes_per_segment(cases: xr.Dataset, dimension: int) -> float:
-    """Return the mean number of nodes in a stretch or patch of contact, of the case that has most; inf if unknown."""
-    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
-        return np.inf
-    nodes = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
-    segments = cases["n_segments"].sum("realisation").values
-    # full contact has neither, and no edges to resolve
-    found = np.divide(nodes, segments, out=np.where(nodes > 0, np.inf, 0.0), where=segments > 0)
-    return float(found.max(initial=0.0)) or np.inf
-
-
 LIMITS = ("eps_c", "eps_f", "eps_t")
 CROSS = "cross"  # in `limit` of a case that differs from the reference in several of them
 
@@ -319,9 +308,15 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
 
 
 def _unresolved(cases: xr.Dataset) -> list[str]:
-    """Return a note if the grid does not resolve the stretches or patches of contact."""
+    """Return a note if the grid does not resolve the stretches or patches of contact where they have most."""
+    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
+        return []
     dimension = dimension_of(cases)
-    nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
+    counted = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
+    segments = cases["n_segments"].sum("realisation").values
+    # full contact has neither, and no edges to resolve
+    found = np.divide(counted, segments, out=np.where(counted > 0, np.inf, 0.0), where=segments > 0)
+    nodes, fewest = float(found.max(initial=0.0)) or np.inf, FEWEST_NODES**dimension
     if nodes >= fewest:
         return []
     stretches = {1: "stretches", 2: "patches"}[dimension]

@@ -322,7 +322,7 @@ class Submission:
                 for task, outcome in outcomes:
                     left = [] if outcome is not None else unfinished(task, self.directory)
                     names = [block.name for block in left]
-                    late = set()  # those that took longer than the timeout
+                    late: set[str] = set()  # those that took longer than the timeout
                     if names and self.timeout is not None:
                         told = self.client.run(expired_here, self.run, names, on_error="ignore")
                         late = {name for found in (expired_here(self.run, names), *told.values()) for name in found}

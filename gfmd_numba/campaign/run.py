@@ -290,8 +290,14 @@ class _Run:
                 planned = in_round(self.planned, state.now)
                 blocks = planned.blocks_in(self.directory)
                 todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
-                state = _within_memory(state, todo, self.workers)
-                if state.ended:
+                try:
+                    if todo:
+                        check_room(todo, self.workers)
+                except InputError as error:
+                    if len(state.rounds) == 1:
+                        raise
+                    told = f"not {REACHED}: finer levels do not fit the memory ({error})"
+                    state = state.without_last().ending(told)
                     break
                 yield state
                 rounds.write(self.directory, state)  # what is decided stands before it is done
@@ -358,16 +364,3 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
     counts = tuple(case.realisations for case in planned.cases)
     first = Round(realisations=counts, levels=levels_of(planned), is_last=False)
     return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))
-
-
-def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds:
-    """Return the rounds, ended before the last one if the levels that gfmd chose for it do not fit the memory."""
-    try:
-        if todo:
-            check_room(todo, workers)
-    except InputError as error:
-        if len(state.rounds) == 1:
-            raise
-        affordable = state.without_last()
-        return affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
-    return state

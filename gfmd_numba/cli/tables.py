@@ -314,11 +314,11 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 def _values(parameter: xr.DataArray) -> list[str]:
     """Return the values of a parameter as cells; of long names only the ends, if these differ."""
-    from gfmd_numba.analysis.selection import has_names, shown
+    from gfmd_numba.analysis.selection import has_names, values_as_text
 
     if not has_names(parameter):
         return list(map(_number, parameter.values))
-    names = shown(parameter, parameter.values)
+    names = values_as_text(parameter, parameter.values)
     short = [name if len(name) <= _LONGEST_NAME else f"...{name[3 - _LONGEST_NAME :]}" for name in names]
     return short if len(set(short)) == len(set(names)) else names
 

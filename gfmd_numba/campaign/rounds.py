@@ -22,7 +22,7 @@ from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_r
 from gfmd_numba.campaign.limits import CROSS, MOST, Limits, Realisations
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, plan
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
 from gfmd_numba.text.input_error import ABSENT

@@ -20,7 +20,7 @@ from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, jo
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution, observables
-from gfmd_numba.contact.dataset import (
+from gfmd_numba.contact.contact_dataset import (
     Units,
     campaign_dataset,
     cf_attributes,

@@ -31,7 +31,7 @@ from gfmd_numba.campaign.limits import (
 )
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, is_resolved, plan
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
 from gfmd_numba.text.input_error import ABSENT

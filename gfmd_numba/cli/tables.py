@@ -529,7 +529,7 @@ def of_curve(dataset: xr.Dataset) -> Told:
 
 def prescribed(dataset: xr.Dataset) -> str:
     """Return the name of the variable that the loading of a curve prescribes."""
-    from gfmd_numba.contact.dataset import PRESCRIBED
+    from gfmd_numba.contact.observables import PRESCRIBED
 
     given = str(dataset.attrs["prescribed"])
     return PRESCRIBED.get(given, given)

@@ -8,7 +8,7 @@ import xarray as xr
 from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface

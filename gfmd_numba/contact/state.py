@@ -111,7 +111,8 @@ class State:
 
     `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
     `form` under its roughness are a part of them. `passing` is that of a problem, and `moved` has the heights
-    `[(y,) x]` of a form alone after a way (L_x). A step that `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    `[(y,) x]` of a form alone after a way (L_x). A step that `repeats` the load of the last one, on a surface that has
+    hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals

@@ -22,11 +22,12 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 
     The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2
     for a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the
-    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9),
-    and `contact_area_fraction_persson` is (4.16). On profiles, `segments` counts the stretches of contact whose
-    number of nodes lies between two powers of 2, at their geometric mean. On maps, `clusters` counts groups of nodes
-    that share sides in the same way, over their `area`. `perimeter` is the length of the edges of all clusters, by
-    Crofton's formula in four directions: within 5 % for edges of one direction, and exact on average over all.
+    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
+    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16). On profiles, `segments` counts
+    the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
+    `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
+    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
+    on average over all.
     `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which results were
     concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is not ok.
     """
@@ -56,6 +57,8 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
         persson.pressure_density, result["pressure"], reduced, 1.0
     ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
     result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
+    if "contact_area_fraction" in dataset:  # which Persson's theory only estimates
+        result["contact_area_fraction"] = dataset["contact_area_fraction"]
     result["mean_gap"] = gap.mean(nodes)
     if len(nodes) == 2:
         result["perimeter"] = xr.apply_ufunc(

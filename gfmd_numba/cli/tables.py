@@ -416,7 +416,8 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "time_error",
 )
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
-    "contact_area_fraction_persson": ("Persson's contact area", ""),
+    "contact_area_fraction": ("contact area fraction", ""),
+    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
     "mean_gap": ("mean gap over rms height", ""),
     "perimeter": ("perimeter", "L_x"),
     "gap_connects": ("channel", ""),

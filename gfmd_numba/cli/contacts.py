@@ -11,7 +11,7 @@ from dataclasses import replace
 from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
@@ -411,6 +411,8 @@ def _measure(
     file: Path, output: Path | None, compute: Callable[[xr.Dataset], xr.Dataset], doing: str, as_json: bool = False
 ) -> None:
     """Compute something of the contact in a file, write and draw it if an output is given, and print its numbers."""
+    from pydantic_core import to_jsonable_python
+
     from gfmd_numba.campaign.results import read_results
 
     picture = None if output is None else companion(output, "picture", ".png")
@@ -425,19 +427,11 @@ def _measure(
             write_picture(path, drawing, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
-        click.echo(json.dumps(_for_programs(dataset.drop_dims(fields).to_dict()), default=str))
+        found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)
+        click.echo(json.dumps(found))  # null stands for numbers that are not finite
     else:
         tell(of_measures(dataset))
     warn_of_doubts(dataset)
-
-
-def _for_programs(value: Any) -> Any:
-    """Return a value of a dictionary as JSON takes it; numbers that are not finite become null."""
-    if isinstance(value, dict):
-        return {str(key): _for_programs(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_for_programs(inner) for inner in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:

@@ -330,7 +330,7 @@ def run(
     if goal is None:
         results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     else:
-        from gfmd_numba.campaign.until import run_until
+        from gfmd_numba.campaign.run import run_until
 
         outcome = run_until(campaign, goal, output, workers_of(workers))
         results = open_campaign(outcome.results)
@@ -373,7 +373,7 @@ def rounds(
     1 reached
     """
     from gfmd_numba.campaign.execution import workers_of
-    from gfmd_numba.campaign.until import each_round
+    from gfmd_numba.campaign.run import each_round
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:

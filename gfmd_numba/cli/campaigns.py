@@ -34,13 +34,11 @@ from gfmd_numba.text.printable import printable, word
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.block_work import Failures
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.execution import Failures, Workers
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice, Watch
-    from gfmd_numba.campaign.until import Outcome, Told
+    from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
 
 
 @main.command()
@@ -94,7 +92,7 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
 
 def _workers(options: dict[str, Any]) -> Workers:
     """Return the workers that the options name; raises a usage error for workers of two kinds."""
-    from gfmd_numba.campaign.cluster_file import load_cluster
+    from gfmd_numba.campaign.cluster import load_cluster
     from gfmd_numba.campaign.execution import Workers
 
     given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
@@ -192,7 +190,7 @@ def _run_rounds(
 
     If Ctrl-C stops it, the best estimate is shown first.
     """
-    from gfmd_numba.campaign.until import InterruptedRunError, run_until
+    from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
         with options_named("until"), rounds_shown() as (watch, told):

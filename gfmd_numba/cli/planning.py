@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
-    from gfmd_numba.campaign.until import FirstDecision
+    from gfmd_numba.campaign.run import FirstDecision
     from gfmd_numba.campaign.work_precision import Point
 
 
@@ -57,9 +57,9 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.plan import plan as plan_campaign
+    from gfmd_numba.campaign.plan import refused_limits
 
     _check_options(target, budget)
     with options_named("target"):
@@ -146,7 +146,7 @@ def _check_options(target: object, budget: float | None) -> None:
 
 def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.until import first_decision
+    from gfmd_numba.campaign.run import first_decision
 
     try:
         with options_named("target"), rounds_shown() as (watch, told):

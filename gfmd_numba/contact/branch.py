@@ -20,7 +20,7 @@ from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, wit
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.solvers.status import Status
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
@@ -93,13 +93,15 @@ class _Point:
     def adhesion(self) -> float:
         """Work of adhesion that the surfaces have gained where they touch, or a law of gap and slip holds them."""
         laws, found = self.problem.interface, self.contact.equilibrium
+        if laws.normal_law is not None and not laws.hard_wall:
+            return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
         if laws.normal_law is not None:
             return abs(float(laws.normal_law.energy(np.zeros(1))[0])) * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
-        gap, tangential = self.contact.punch - found.displacement, found.tangential
+        apart, tangential = self.contact.punch - found.displacement, found.tangential
         slip = np.moveaxis(tangential.sliding - tangential.displacement, 1, 0)
-        gained = -laws.cohesive.energy(gap, vector_slip.length(slip))
+        gained = -laws.cohesive.energy(apart, vector_slip.length(slip))
         return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:

@@ -357,8 +357,13 @@ def hysteretic_friction_error(contact: Contact) -> Reals:
 
 
 def _traction_along(contact: Contact, surface: Reals) -> Reals:
-    """Mean traction along x of the pressure on a surface `[realisation, (y,) x]`, in g^2 E* `[realisation]`."""
+    """Mean traction along x of the pressure on a surface `[realisation, (y,) x]`, in g^2 E* `[realisation]`.
+
+    Where x has no period the slope is that between the neighbours of a node.
+    """
     pressure, dimension = contact.equilibrium.pressure, surface.ndim - 1
+    if contact.ends and contact.ends[-1]:
+        return mean_of_nodes(pressure * np.gradient(surface, 1.0 / surface.shape[-1], axis=-1))
     waves = [grid.coefficients(field, dimension) for field in (pressure, surface)]
     work = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
     return np.asarray(work.sum(axis=tuple(range(1, work.ndim))))

@@ -140,7 +140,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
-    sticks = rubbing < friction * wall - slack
+    sticks = rubbing < problem.interface.conditions.held(wall) - slack
     return float((sticks & touching).sum() / touching.sum())
 
 

@@ -111,8 +111,9 @@ class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
     `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
-    `form` under its roughness are a part of them. `passing` is that of a problem. A step that
-    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    `form` under its roughness are a part of them. `passing` is that of a problem, and `moved` has the heights
+    `[(y,) x]` of a form alone after a way (L_x). A step that `repeats` the load of the last one, on a surface that has
+    hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -122,6 +123,7 @@ class State:
     repeats: bool = False
     form: Reals | None = None
     passing: float | None = None
+    moved: Callable[[tuple[float, ...]], Reals] | None = None
 
     @classmethod
     def untouched(
@@ -130,16 +132,18 @@ class State:
         processes: tuple[Process, ...],
         form: Reals | None = None,
         passing: float | None = None,
+        moved: Callable[[tuple[float, ...]], Reals] | None = None,
     ) -> "State":
         """State of surfaces before the first step."""
         memory = {each.name: each.begin(heights.shape) for each in processes}
-        return cls(heights, processes, memory, form=form, passing=passing)
+        return cls(heights, processes, memory, form=form, passing=passing, moved=moved)
 
     def facing(self, heights: Reals, step: LoadStep) -> Reals:
         """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""
         if self.passing is None or not any(step.sliding):
             return heights
-        return grid.moved(heights, tuple(self.passing * way for way in step.sliding))
+        way = tuple(self.passing * each for each in step.sliding)
+        return grid.moved(heights, way) if self.moved is None else np.broadcast_to(self.moved(way), heights.shape)
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""

@@ -64,8 +64,13 @@ class SmoothSurface:
     @property
     def heights(self) -> Reals:
         """Heights `[(y,) x]`, 0 at the summit."""
-        y, x = (np.arange(n) / n - 0.5 for n in (self.shape[0], self.nx))
-        return np.asarray(self.form.heights(x) if len(self.shape) == 1 else self.form.heights(x, y[:, np.newaxis]))
+        return self.moved((0.0, 0.0))
+
+    def moved(self, way: tuple[float, ...], ends: tuple[bool, ...] = (True, True)) -> Reals:
+        """Heights `[(y,) x]` after a way (x, y), of a form that goes on where it `ends` and else repeats (L_x)."""
+        x, *y = (np.arange(n) / n - 0.5 - step for n, step in zip(self.shape[::-1], way, strict=False))
+        x, *y = (at if end else at - np.round(at) for at, end in zip((x, *y), ends[::-1], strict=False))
+        return np.asarray(self.form.heights(x, *(at[:, np.newaxis] for at in y)))
 
 
 @dataclass(frozen=True)
@@ -110,6 +115,12 @@ class SummedSurface(_OnGrid):
     def drawn(self, realisation: int) -> list[Reals]:
         """Heights `[(y,) x]` of each part in L_x; raises ValueError for a grid that cannot hold the waves."""
         return [part.drawn(realisation) for part in self.parts]
+
+    @property
+    def alone(self) -> SmoothSurface | None:
+        """The smooth form that is all there is, None where it has a roughness."""
+        surface = self.parts[0].surface
+        return surface if len(self.parts) == 1 and isinstance(surface, SmoothSurface) else None
 
     @property
     def form(self) -> Reals | None:

@@ -5,7 +5,9 @@ as what a body remembers decays: they are equal in the logarithm of that time an
 the punch passes over the body, all are alike.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import expm1, inf, log1p
 
 from gfmd_numba.contact import solution
@@ -16,20 +18,19 @@ from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
+_SLOWEST, _SURE = 1.15, 2.5  # how many times smaller the next change is expected to be, at least and at most
 _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
 
 
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     """Equilibrium at the end of a step, reached from a state with an error by its divisions of at most a tolerance.
 
-    Where halving all divisions changes r times less than halving them before did, r - 1 times the error is left of a
-    change. It is taken as 1 to 3 times, as errors fall with the square of the divisions unless something happens all at
-    once. `time_error` adds the error to that of the steps before. After the most halvings it may be above the
-    tolerance.
+    `time_error` adds the error to that of the steps before. After the most halvings it may be above the tolerance.
     """
     before = 0.0 if state.last is None else state.last.time_error
     found, spent = _divided(problem, state, 1)
-    change, error = 0.0, 0.0
+    changes: list[float] = []
+    error = 0.0
     for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
         if found.equilibrium.status[0] != Status.ok:
             break
@@ -37,11 +38,23 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         spent += more
         if found.equilibrium.status[0] != Status.ok:
             break
-        last, change = change, difference(coarse, found, state)
-        error = change / (min(max(last / change, 2.0), 4.0) - 1.0) if change > 0.0 else 0.0
+        changes.append(difference(coarse, found, state))
+        error = left_open(changes)
         if error <= tolerance:
             break
     return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
+
+
+def left_open(changes: Sequence[float]) -> float:
+    """Error that is left by divisions, halving all of which has made these changes.
+
+    Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall with the square of the divisions
+    once these are short, r = 4, but less surely where nodes touch down or leave, and hardly where relaxation times are
+    not resolved. The smaller one of the last two r counts, and a change below a quarter of the last one is chance.
+    """
+    last = max(changes[-1], 0.25 * max(changes[-2:-1], default=0.0))
+    shrink = [before / after if after > 0.0 else _SURE for before, after in pairwise(changes[-3:])]
+    return last / (min(max(min(shrink, default=0.0), _SLOWEST), _SURE) - 1.0)
 
 
 def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Equilibrium]]:

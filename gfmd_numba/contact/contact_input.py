@@ -115,7 +115,10 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
-    given = replace(given, tractions=_tractions(file, given.surfaces, document))
+    if file.scene.boundary is not None:
+        shape, gradient = surfaces.surface.shape, surfaces.rms_gradient
+        arrays = read_boundary(document, file.scene.boundary, file.scene.dimension, shape)
+        given = replace(given, tractions=tractions_on_the_body(document, file.scene, arrays, shape, gradient))
     if file.scene.interface.reaches_across:
         check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
@@ -166,14 +169,6 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
             reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
             raise document.refused(place, str(error)) from None
-
-
-def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
-    scene, shape = file.scene, surfaces.surface.shape
-    if scene.boundary is None:
-        return None
-    arrays = read_boundary(document, scene.boundary, scene.dimension, shape)
-    return tractions_on_the_body(document, scene, arrays, shape, surfaces.rms_gradient)
 
 
 def check_room(

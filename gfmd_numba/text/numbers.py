@@ -33,6 +33,12 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     return 1 / scale, letter + _PREFIXED[unit]
 
 
+def with_prefix(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value to so many digits, with the prefix of its unit that suits it."""
+    factor, name = si_prefix(abs(value), unit)
+    return f"{factor * value:.{digits}g} {name}"
+
+
 _ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
 
 

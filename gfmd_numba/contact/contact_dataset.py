@@ -32,7 +32,7 @@ from gfmd_numba.contact.scales import SLIDING, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS
@@ -195,7 +195,10 @@ def _add_bodies(
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         along, pressure = tractions_on(body, problem, contact, rms_gradient, pairing)
-        own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
+        if any(problem.ends):
+            own = [_moved_around_a_window(body, along, pressure, problem.ends)]
+        else:
+            own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
         for variable, kind, long_name, values in own:
             found[prefix + variable] = unit.variable(dims, kind, long_name.format(whose), values)
         if pairing is None:
@@ -223,6 +226,15 @@ def _moved(
         way = "tangential displacement of the {}"
         for name, long_name, values in _by_axis("tangential_displacement", way, flat[:-1] + response.along):
             yield name, "height", long_name, values
+
+
+def _moved_around_a_window(
+    body: RoughBody, along: Reals | None, pressure: Reals, ends: tuple[bool, ...]
+) -> tuple[str, str, str, Reals]:
+    """The same, of the normal displacement alone."""
+    sideways = () if along is None else along.reshape(-1, *pressure.shape)
+    moved = free_body.displaced(np.stack((*sideways, -pressure)), body.elastic, ends)[-1]
+    return "displacement", "height", "normal displacement of the {}, out of it", moved
 
 
 def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, str, Reals]]:

@@ -31,8 +31,7 @@ waves add decays within the window, so that it is taken as it is on the padded g
 
     -(g0 / 2 pi) ln(1 + x^2) + (1 / pi) int (g(q) - g0 exp(-q)) cos(q x) / q dq,
 
-which counts displacements as a half-space of the base has them, zero at the length of the window, and those of slabs
-from their base.
+which counts displacements of slabs from their base. Those of half-spaces count from where x = 1, as without layers.
 """
 
 from collections.abc import Callable
@@ -46,6 +45,7 @@ from scipy.special import erfc, itj0y0, j0, j1, jn, sici
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.grid import of_half_a_period
 
 HALF_SPACE = ElasticBody(None, None)
@@ -75,13 +75,23 @@ def response(
 ) -> SpectralResponse:
     """Response of a body on the padded grid of a window of (ny,) nx nodes that `ends` along these axes, in E*/L_x.
 
-    It is that of the normal displacement alone, or of all that tangential tractions couple. Then the body is a
-    half-space of one material, whose Poisson's ratio is above 0, or a slab no higher than the window: below 0, waves
-    along an axis would give way by themselves where the kernel ends. Raises ValueError for a map that has not as many
-    nodes along y as along x.
+    It is that of the normal displacement alone, or of all that tangential tractions couple. Then Poisson's ratio of a
+    half-space is above 0: below that, waves along an axis would give way by themselves where the kernel ends. Raises
+    ValueError for a map that has not as many nodes along y as along x, and for layers on a half-space that are coupled.
     """
     window = Window(shape, padded_shape(shape, ends), body.condensed_stiffness)
     return SpectralResponse.of_compliance(compliance(shape, body, ends, couples), window)
+
+
+def displaced(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...]) -> Reals:
+    """Displacement `[component, (y,) x]` of a window that `ends` along (y,) x under tractions of its shape (L_x, E*).
+
+    The last component is the normal one, which may be alone.
+    """
+    shape = tractions.shape[1:]
+    wide, window = np.zeros((len(tractions), *padded_shape(shape, ends))), grid.corner(shape)
+    wide[window] = tractions
+    return np.asarray(response(shape, body, ends, len(tractions) > 1).apply(wide)[window])
 
 
 def compliance(
@@ -90,7 +100,9 @@ def compliance(
     """Elements of the compliance `[element, (y,) x]` that `response` is made of, in L_x/E*."""
     n, ends = _side(shape), ends or (True,) * len(shape)
     number = {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1)
-    if _is_deep(body) and all(ends):
+    if number > 1 and body.stack is not None and body.aspect_ratio is None:
+        raise ValueError("layers on a half-space, under tangential tractions without a period")
+    if number == 1 and _is_deep(body) and all(ends):
         quarter = _of_deep(n, body, len(shape)).reshape(1, -1, n + 1)
     elif body.aspect_ratio is None and all(ends):
         quarter = _of_half_space(n, body, number) if len(shape) > 1 else _of_line_loads(n, body, number)[:, np.newaxis]
@@ -136,24 +148,37 @@ def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
     It is that of a half-space of the topmost material, and what the rest of the body makes of long and of short waves.
     """
     q, weights = _long_waves()
-    of_base = 0.0 if body.aspect_ratio is not None else 2.0 / body.material(np.inf).modulus
     nodes = n * ceil(_LONG / (1.5 * n))  # at least so many as bear all long waves
     x = np.arange(nodes + 1) / nodes
-    weights = weights * (1.0 - _short(q))
-    beyond = q / body.condensed_stiffness(q) - 2.0
     if dimension == 1:
-        smooth = np.cos(x[:, np.newaxis] * q) @ (weights / q * (beyond - (of_base - 2.0) * np.exp(-q))) / np.pi
-        smooth -= (of_base - 2.0) / (2.0 * np.pi) * np.log1p(x**2)
-        found, waves = 2.0 * _of_profiles(n)[0], np.pi * np.arange(n + 1)
+        smooth = _beyond_half_space(body, x)
+        smooth -= smooth[-1] if body.aspect_ratio is None else 0.0
+        found, waves = 2.0 * _of_profiles(n)[0], np.pi * np.arange(n + 1, dtype=np.float64)
     else:
         r = np.arange(-6.0, hypot(1.0, 1.0) * q[-1] / _FINE + 8.0) * _FINE / q[-1]
-        along_r = np.array([weights * beyond @ j0(q * each) for each in r]) / (2.0 * np.pi)
+        weights = weights * (q / body.condensed_stiffness(q) - 2.0)
+        along_r = np.array([weights @ j0(q * each) for each in r]) / (2.0 * np.pi)
         smooth = make_interp_spline(r, along_r, 5)(np.hypot(x[:, np.newaxis], x))
-        found, waves = 2.0 * _of_maps(n, "1"), np.pi * np.hypot(np.arange(n + 1)[:, np.newaxis], np.arange(n + 1))
+        along = np.pi * np.arange(n + 1, dtype=np.float64)
+        found, waves = 2.0 * _of_maps(n, "1"), np.hypot(along[:, np.newaxis], along)
     for axis in range(dimension):
         smooth = of_half_a_period(smooth, axis).take(np.arange(n + 1), axis=axis) / nodes
     waves.flat[0] = 1.0  # which is long
-    return np.asarray(found + smooth + _short(waves) * (1.0 / body.condensed_stiffness(waves) - 2.0 / waves))
+    short = _short(waves) * (1.0 / body.condensed_stiffness(waves) - 2.0 / waves)
+    return np.asarray(found + smooth + short)
+
+
+def _beyond_half_space(body: ElasticBody, x: Reals) -> Reals:
+    """Displacement by the long waves of a line load at distances x, less that of a half-space of the top (L_x, E*)."""
+    q, weights = _long_waves()
+    jump = (0.0 if body.aspect_ratio is not None else 2.0 / body.material(np.inf).modulus) - 2.0
+    smooth = (q / body.condensed_stiffness(q) - 2.0 - jump * np.exp(-q)) / q
+    return np.asarray((np.cos(x[:, np.newaxis] * q) @ (weights * smooth) - 0.5 * jump * np.log1p(x**2)) / np.pi)
+
+
+def displaced_by_layers(body: ElasticBody) -> float:
+    """Displacement at a distance of 1 from a line load of 1, where that of a half-space of the base is 0 (L_x, E*)."""
+    return 0.0 if body.stack is None else float(_beyond_half_space(body, np.ones(1))[0])
 
 
 def _short(q: Reals) -> Reals:
@@ -163,18 +188,19 @@ def _short(q: Reals) -> Reals:
 
 @lru_cache(maxsize=1)
 def _long_waves() -> tuple[Reals, Reals]:
-    """Wave numbers of all long waves and their weights in an integral over them, denser towards 0."""
+    """Wave numbers of all long waves and their shares and weights in an integral over them, denser towards 0."""
     edges = [0.0, _LONGEST]
     while edges[-1] < _LONG + 6.0 * _WITHIN:
         edges.append(edges[-1] + min(edges[-1], _PANEL))
     at, weights = np.polynomial.legendre.leggauss(16)
     halves, middles = 0.5 * np.diff(edges)[:, np.newaxis], 0.5 * (np.array(edges[1:]) + edges[:-1])[:, np.newaxis]
-    return (middles + halves * at).ravel(), (halves * weights).ravel()
+    q = (middles + halves * at).ravel()
+    return q, (halves * weights).ravel() * (1.0 - _short(q))
 
 
 def _of_line_loads(n: int, body: ElasticBody, number: int) -> Reals:
     """Elements of a half-space under what is uniform along y `[element, x]`."""
-    if _is_deep(body):
+    if number == 1 and _is_deep(body):
         return _of_deep(n, body, 1)[np.newaxis]
     isotropic, odd = _of_profiles(n)
     units = _of_waves(body, 0.0, np.ones(1), number)
@@ -189,7 +215,8 @@ def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> 
     if not ends[-1]:
         swapped = _sampled(n, ends[::-1], body, number)
         return np.ascontiguousarray(swapped[_X_FOR_Y[number]].swapaxes(1, 2))
-    half = _STRIPS if _is_deep(body) or body.aspect_ratio is None else ceil(0.5 + 0.5 * _HEIGHTS * body.aspect_ratio) + 1
+    deep = body.aspect_ratio is None or (number == 1 and _is_deep(body))
+    half = _STRIPS if deep else ceil(0.5 + 0.5 * _HEIGHTS * (body.aspect_ratio or 0.0)) + 1
     q_x = np.pi / half * np.arange(half * n + 1, dtype=np.float64)
     q_y = np.zeros(1) if len(ends) == 1 else q_x if ends[0] else 2.0 * np.pi * np.arange(n // 2 + 1)
     found = np.empty((number, q_y.size, n + 1))
@@ -200,7 +227,7 @@ def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> 
             row[:] = _kept(waves, half, odd)
     if ends[0] and len(ends) > 1:
         return np.array([_kept(each.T, half, odd).T for each, (odd, _) in zip(found, _ODD[number], strict=True)])
-    if _is_deep(body) or body.aspect_ratio is None:
+    if deep:
         found[:, 0] = _of_line_loads(n, body, number)
     if len(ends) > 1 and n % 2 == 0:  # the grid does not tell the waves q_y and -q_y there
         found[[odd for odd, _ in _ODD[number]], -1] = 0.0

@@ -267,9 +267,14 @@ FIT = Form(
 STATISTICS = Form(
     "statistics of a contact",
     "what `gfmd statistics` leaves",
-    {**_all("... pressure finite", "pressure_density", "pressure_density_persson"), "gap_density": "... gap finite"}
+    {"pressure_density": "... pressure finite", "gap_density": "... gap finite"}
     | {"pressure": "pressure rising", "gap": "gap rising"},
-    {"segments": "... length numbers", "clusters": "... area numbers", "reduced_pressure": "... finite"}
+    {
+        "pressure_density_persson": "... pressure finite",
+        "segments": "... length numbers",
+        "clusters": "... area numbers",
+        "reduced_pressure": "... finite",
+    }
     | {"length": "length positive", "area": "area positive"},
     least={"pressure": 2, "gap": 2, "length": 1, "area": 1, "step": 1},
 )
@@ -305,6 +310,13 @@ _POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"
 def goes_around(dataset: xr.Dataset) -> tuple[bool, ...]:
     """Return whether the two ends of the fields meet along (y,) x, or are those of a window without a period."""
     return tuple(_POINTS_OF_WINDOW not in dataset[dim].attrs for dim in ("y", "x") if dim in dataset.dims)
+
+
+def is_form_alone(dataset: xr.Dataset) -> bool:
+    """Return whether a form without roughness was pressed, of which p*, kappa and Persson's theory say nothing."""
+    scene = json.loads(dataset.attrs.get("scene", "{}")).get("scene", {})
+    bodies = [scene, scene.get("body") or {}, scene.get("counter_body") or {}]
+    return scene.get("form") is not None and all(each.get("roughness") is None for each in bodies)
 
 
 def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:

@@ -45,6 +45,7 @@ from gfmd_numba.text.input_error import brief
 RECORDED = (
     "mean_pressure",
     "contact_area_fraction",
+    "contact_radius",
     "approach",
     "mean_gap",
     "peak_pressure",
@@ -65,6 +66,7 @@ SHOWN = (
     "contact_area_fraction",
     "contact_area",
     "contact_length",
+    "contact_radius",
     "approach",
     "mean_gap",
     "contact_stiffness",

@@ -19,6 +19,13 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
+_OF_FORM = (  # without a period
+    ("contact_radius", "Contact radius", "L_x", True),
+    ("approach", "Approach", "L_x", True),
+    ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d$approach", "E^*/L_x", True),
+    _PANELS[3],
+)
+_LOADS = {"force": "Force", "line_load": "Line load"}
 _OVER_SPEED = (
     ("hysteretic_friction", "Friction by hysteresis", "", False),
     _PANELS[0],
@@ -30,19 +37,20 @@ _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANEL
 
 @checked
 def plot_curve(dataset: Annotated[xr.Dataset, CURVE], width: Width | None = None) -> Figure:
-    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
+    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement or force that was prescribed.
 
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
     dataset = _with_results(dataset, "prescribed_load")
-    by_pressure = dataset.attrs.get("prescribed") != "displacement"
-    over, label, natural = (
-        (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")
-        if by_pressure
-        else (dataset["prescribed_load"], "Punch displacement", "L_x")
-    )
-    return _drawn(dataset, over, label, natural, _PANELS, width)
+    prescribed = dataset.attrs.get("prescribed")
+    over, label, natural = dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*"
+    if prescribed == "displacement":
+        over, label, natural = dataset["prescribed_load"], "Punch displacement", "L_x"
+    elif prescribed in _LOADS:
+        over, label = dataset["prescribed_load"], _LOADS[prescribed]
+    panels = _OF_FORM if {"contact_radius", "approach"} <= dataset.variables.keys() else _PANELS
+    return _drawn(dataset, over, label, natural, panels, width)
 
 
 @checked

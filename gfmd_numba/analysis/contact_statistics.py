@@ -8,9 +8,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around, is_form_alone
+from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.analysis.gap_percolation import regions, sizes
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.text.recorded_scene import is_form_alone
 from gfmd_numba.theory import persson
 
 _BINS = 60
@@ -26,10 +27,10 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     and `contact_area_fraction_persson` is (4.16); a form without roughness has neither. On profiles, `segments` counts
     the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
     `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
-    the edges of all clusters, by
-    Crofton's formula in four directions: within 5 % for edges of one direction, and exact on average over all.
-    `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which results were
-    concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is not ok.
+    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
+    on average over all. `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which
+    results were concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is
+    not ok.
     """
     nodes = check_fields(dataset, _NEEDED)
     touching = dataset["gap"] == 0.0
@@ -51,7 +52,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
-    if not is_form_alone(dataset):
+    if not is_form_alone(dataset.attrs.get("scene", "{}")):
         # a hard wall bears no tension, of which Persson's formulas would make a negative contact area
         reduced = (dataset["mean_pressure"] / dataset["full_contact_pressure"]).clip(min=0.0)
         result["pressure_density_persson"] = xr.apply_ufunc(

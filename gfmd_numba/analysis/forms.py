@@ -312,13 +312,6 @@ def goes_around(dataset: xr.Dataset) -> tuple[bool, ...]:
     return tuple(_POINTS_OF_WINDOW not in dataset[dim].attrs for dim in ("y", "x") if dim in dataset.dims)
 
 
-def is_form_alone(dataset: xr.Dataset) -> bool:
-    """Return whether a form without roughness was pressed, of which p*, kappa and Persson's theory say nothing."""
-    scene = json.loads(dataset.attrs.get("scene", "{}")).get("scene", {})
-    bodies = [scene, scene.get("body") or {}, scene.get("counter_body") or {}]
-    return scene.get("form") is not None and all(each.get("roughness") is None for each in bodies)
-
-
 def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:
     """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact."""
     kind = "a map's contact" if maps_only else "a contact"

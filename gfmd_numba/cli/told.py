@@ -10,6 +10,7 @@ from gfmd_numba.cli.arguments import LIMITS, OF_PATHS
 from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.tables import column, line, of_fit, of_goal, of_means, of_paths, readable
 from gfmd_numba.cli.terminal import Line, Table, Told
+from gfmd_numba.text.recorded_scene import is_form_alone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,9 +108,7 @@ def has_limits(dataset: xr.Dataset) -> bool:
 
 def _of_form(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
     """Return the dataset with the force on a form without roughness in a window, and what then means nothing."""
-    from gfmd_numba.analysis.forms import is_form_alone
-
-    if not is_form_alone(dataset):
+    if not is_form_alone(dataset.attrs["scene"]):
         return dataset, set()
     scene, of_roughness = json.loads(dataset.attrs["scene"])["scene"], {"reduced_pressure", "kappa", "kappa_r"}
     if scene["periodic"] is not False:

@@ -39,7 +39,6 @@ from functools import lru_cache
 from math import ceil, hypot
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
 from scipy.special import erfc, itj0y0, j0, j1, jn, sici
 
 from gfmd_numba.arrays import Reals
@@ -147,6 +146,8 @@ def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
 
     It is that of a half-space of the topmost material, and what the rest of the body makes of long and of short waves.
     """
+    from scipy.interpolate import make_interp_spline  # which loads more of scipy than all other bodies need
+
     q, weights = _long_waves()
     nodes = n * ceil(_LONG / (1.5 * n))  # at least so many as bear all long waves
     x = np.arange(nodes + 1) / nodes

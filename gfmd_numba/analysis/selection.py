@@ -1,6 +1,7 @@
 """Choice of cases from a campaign dataset: groups of equal physics, one limit, one step of a path, good results."""
 
-from collections.abc import Iterator, Sequence
+import json
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from math import inf, isnan, nan
@@ -15,16 +16,36 @@ from gfmd_numba.analysis.forms import CAMPAIGN, LARGEST, UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import brief
 from gfmd_numba.text.numbers import si_prefix, with_error
+from gfmd_numba.text.printable import printable
+
+
+def has_names(parameter: xr.DataArray) -> bool:
+    """Whether the values of a parameter are numbers of names, which its attribute `names` lists."""
+    return "names" in parameter.attrs
+
+
+def plain(name: str) -> str:
+    """Return a name that no text of a figure takes for a formula."""
+    return name.replace("$", r"\$")
+
+
+def shown(parameter: xr.DataArray, values: Iterable[float]) -> list[str]:
+    """Return each value of a parameter as text: the name that it stands for, or the number with six digits."""
+    names = json.loads(parameter.attrs["names"]) if has_names(parameter) else None
+    return [f"{value:g}" if names is None else printable(names[int(value)]) for value in values]
+
 
 _MEASURED_LOADS = (0.001, 0.3)  # reduced pressures at which the law of the unseen slope was measured
 PATH_LOAD = "path_load"  # coordinate of the reduced pressure at one step of a path
 
 
 def residual_error(cases: xr.Dataset, variable: str) -> Reals:
-    """Return what the solver's residual leaves open of each case's mean, in proportion to kappa for other variables."""
+    """Return what residual and divisions of time leave open of each case's mean, in proportion to kappa for others."""
     if not {"kappa", "kappa_residual_error"} <= set(map(str, cases.variables)):
         return np.full(cases.sizes["case"], nan)
     share = cases["kappa_residual_error"] / cases["kappa"]
+    if "time_error" in cases:
+        share = share + cases["time_error"]
     return np.asarray((share * cases[variable]).mean("realisation").values)
 
 
@@ -39,11 +60,6 @@ def processor_time(dataset: xr.Dataset) -> dict[str, float]:
 def dimension_of(cases: xr.Dataset) -> int:
     """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
     return int(cases["dimension"].values[0]) if "dimension" in cases else 1
-
-
-def thinnest_layer_of(cases: xr.Dataset) -> float:
-    """Return the height of the thinnest layer of the bodies over the period, inf for half-spaces."""
-    return float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf
 
 
 def has_measured_slope_law(cases: xr.Dataset) -> bool:
@@ -84,6 +100,7 @@ FEWEST_NODES = 2
 _READ = (
     "kappa",
     "kappa_residual_error",
+    "time_error",
     "contact_area_fraction_counted",
     "n_segments",
     "case_seconds",
@@ -304,7 +321,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension_of(cases),
         load=load_of(cases),
-        thinnest_layer=thinnest_layer_of(cases),
+        thinnest_layer=float(cases["thinnest_layer"].values.min()) if "thinnest_layer" in cases else inf,
         has_measured_slope_law=has_measured_slope_law(cases),
         notes=notes,
     )

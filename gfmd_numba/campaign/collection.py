@@ -11,9 +11,9 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
+from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import SENTENCES, Ending, Failure
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions

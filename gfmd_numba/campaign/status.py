@@ -3,13 +3,14 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby, takewhile
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.cost import price_of_transform
+from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan
@@ -63,35 +64,20 @@ def progress(directory: Path) -> Progress:
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
     begun = (directory / MARK).stat().st_mtime
-    done = 0
-    left = recent = 0.0  # work to do, and work done since the run began
-    failed: dict[str, Failure] = {}
-    retry: dict[str, str] = {}
-    for block in blocks:
-        if block.name not in stored:
-            failure = failures.of(directory, block.name)
-            if failure is None:
-                left += _work(block)
-            else:
-                failed[block.name] = failure
-                retry[block.name] = _retry(directory, block)
-            continue
-        done += 1
-        if stored.written(block.name) >= begun:
-            recent += _work(block)
-    seconds_left = None
-    if left == 0.0:
-        seconds_left = 0.0
-    elif recent > 0.0:
-        seconds_left = left * max(0.0, time.time() - begun) / recent
+    done = [block for block in blocks if block.name in stored]
+    missing = {block.name: block for block in blocks if block.name not in stored}
+    failed = failures.of_all(directory, missing)
+    left = sum(_work(block) for name, block in missing.items() if name not in failed)
+    recent = sum(_work(block) for block in done if stored.written(block.name) >= begun)  # since the run began
+    seconds_left = left * max(0.0, time.time() - begun) / recent if recent > 0.0 else None
     return Progress(
         campaign=planned.campaign.name,
         running=at_work(directory),
         blocks=len(blocks),
-        done=done,
+        done=len(done),
         failed=failed,
-        seconds_left=seconds_left,
-        retry=retry,
+        seconds_left=seconds_left if left > 0.0 else 0.0,
+        retry={name: _retry(directory, missing[name]) for name in failed},
     )
 
 
@@ -135,16 +121,13 @@ def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
     """Return how many realisations (case) have ended, without a gap after the first, but at least the fewest (case)."""
-    reach: dict[str, int] = {}
-    stopped: set[str] = set()
     stored = Finished(directory)
-    for block in planned.blocks_in(directory):  # those of a problem come in order
-        identity = block.problem.identity
-        ended = block.name in stored or failures.of(directory, block.name) is not None
-        if ended and identity not in stopped:
-            reach[identity] = block.stop
-        elif not ended:
-            stopped.add(identity)
+
+    def has_ended(block: Block) -> bool:
+        return block.name in stored or failures.of(directory, block.name) is not None
+
+    of_problems = groupby(planned.blocks_in(directory), lambda block: block.problem.identity)  # in order
+    reach = {name: max((block.stop for block in takewhile(has_ended, each)), default=0) for name, each in of_problems}
     cases = zip(planned.cases, fewest, strict=True)
     return [max(least, min(case.realisations, reach.get(case.problem.identity, 0))) for case, least in cases]
 

@@ -25,8 +25,8 @@ from gfmd_numba.scene.units import in_unit_of
 if TYPE_CHECKING:
     from gfmd_numba.contact.dataset import Units
 
-Described = TypeVar("Described", Scene, LoadedBody)
-Given = TypeVar("Given", SceneFile, BoundaryFile)
+Described = TypeVar("Described", Scene, LoadedBody, Scene | LoadedBody)
+Given = TypeVar("Given", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 
 @dataclass(frozen=True)

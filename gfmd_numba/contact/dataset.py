@@ -35,6 +35,9 @@ INDICES = {
 }
 
 
+Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
+
+
 @dataclass(frozen=True)
 class Units:
     """What each unit of a dimensionless problem is worth in a file, and what it is called there."""
@@ -71,6 +74,10 @@ class Units:
     ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
         """Variable of a dataset, in the unit of its file."""
         return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+
+    def variables(self, dims: Sequence[Hashable], described: Iterable[Described]) -> dict[str, Any]:
+        """Variables of the same dims by name."""
+        return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
 
     def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
         """Variable without dims of an observable."""

@@ -4,6 +4,7 @@ A rough body is the flat one, and what its topography adds.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -179,7 +180,7 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     """
     file, deformed, scene = given.file, loaded.deformed, given.file.scene
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
-    found = {}
+    found: dict[str, Any] = {}
     for kind, quantity, values in (
         ("height", "displacement", deformed.displacement),
         ("pressure", "traction", deformed.traction),
@@ -190,20 +191,13 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     if given.rough is not None:
         outwards = "topography of the body, peaks outwards"
         found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
-        for name, kind, long_name, values in forming_tractions(given.rough, problem.order):
-            found[name] = unit.variable(dims, kind, long_name.format("body"), values)
+        found |= unit.variables(dims, forming_tractions(given.rough, "body", problem.order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
         found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
-    for name, value in (
-        ("status", np.int8(deformed.status)),
-        ("residual", deformed.residual),
-        ("n_iterations", deformed.n_iterations),
-        ("n_transforms", deformed.n_transforms),
-        ("wall_time", deformed.wall_time),
-    ):
-        row = OBSERVABLES[name]
+    for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
+        row, value = OBSERVABLES[name], getattr(deformed, name)
         told = replace(row, long_name=_TOLD.get(name, row.long_name))
-        found[name] = unit.measure(name, told, value)
+        found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
     attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)

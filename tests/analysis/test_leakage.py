@@ -9,7 +9,7 @@ import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, leakage
 from support.solved_maps import made, pressed, wave
 
-analysis_leakage = import_module("gfmd_numba.analysis.leakage")  # the room has a function of that name
+analysis_leakage = import_module("gfmd_numba.analysis.gap_percolation")  # the room has a function of that name
 
 OPEN = np.zeros((32, 32), dtype=bool)
 

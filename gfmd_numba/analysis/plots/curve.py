@@ -25,7 +25,7 @@ _OF_FORM = (  # without a period
     ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d$approach", "E^*/L_x", True),
     _PANELS[3],
 )
-_LOADS = {"force": "Force", "line_load": "Line load"}
+_LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""), "line_load": ("Line load", "")}
 _OVER_SPEED = (
     ("hysteretic_friction", "Friction by hysteresis", "", False),
     _PANELS[0],
@@ -42,15 +42,11 @@ def plot_curve(dataset: Annotated[xr.Dataset, CURVE], width: Width | None = None
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
-    dataset = _with_results(dataset, "prescribed_load")
-    prescribed = dataset.attrs.get("prescribed")
-    over, label, natural = dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*"
-    if prescribed == "displacement":
-        over, label, natural = dataset["prescribed_load"], "Punch displacement", "L_x"
-    elif prescribed in _LOADS:
-        over, label = dataset["prescribed_load"], _LOADS[prescribed]
     panels = _OF_FORM if {"contact_radius", "approach"} <= dataset.variables.keys() else _PANELS
-    return _drawn(dataset, over, label, natural, panels, width)
+    label = _LOADS.get(dataset.attrs.get("prescribed", ""))
+    if label is not None:
+        return _drawn(dataset, "prescribed_load", "prescribed_load", label, panels, width)
+    return _drawn(dataset, "prescribed_load", "mean_pressure", (r"Mean pressure $\bar{p}$", "E^*"), panels, width)
 
 
 @checked
@@ -60,8 +56,7 @@ def plot_creep(dataset: Annotated[xr.Dataset, CREEP], width: Width | None = None
     Times that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no creep curve, or has no time with a result.
     """
-    dataset = _with_results(dataset, "time")
-    return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME, width)
+    return _drawn(dataset, "time", "time", ("Time", ""), _IN_TIME, width)
 
 
 @checked
@@ -71,28 +66,24 @@ def plot_friction(dataset: Annotated[xr.Dataset, FRICTION], width: Width | None 
     Speeds that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no friction curve, or has no speed with a result.
     """
-    dataset = _with_results(dataset, "speed")
-    return _drawn(dataset, dataset["speed"], "Sliding speed", "L_x", _OVER_SPEED, width)
-
-
-def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:
-    """Return a curve over a dim where it has results; raises UnusableDataError if it has none."""
-    found = dataset.isel({over: dataset["n_realisations"].values > 0})
-    if not found.sizes[over]:
-        what = over.removeprefix("prescribed_")
-        raise UnusableDataError(f"you gave no {what} with a result; gfmd allows a curve with runs that are ok")
-    return found
+    return _drawn(dataset, "speed", "speed", ("Sliding speed", "L_x"), _OVER_SPEED, width)
 
 
 def _drawn(
     dataset: xr.Dataset,
-    over: xr.DataArray,
-    label: str,
-    natural: str,
+    dim: str,
+    variable: str,
+    label: tuple[str, str],
     panels: tuple[tuple[str, str, str, bool], ...],
     width: Width | None,
 ) -> Figure:
-    factor, unit = prefix(over, natural, typical)
+    """Draw a curve along a dim where it has results, over a variable with a label and a unit for scenes without."""
+    dataset = dataset.isel({dim: dataset["n_realisations"].values > 0})
+    if not dataset.sizes[dim]:
+        what = dim.removeprefix("prescribed_")
+        raise UnusableDataError(f"you gave no {what} with a result; gfmd allows a curve with runs that are ok")
+    over = dataset[variable]
+    factor, unit = prefix(over, label[1], typical)
     counts = dataset["n_realisations"]
     least, most = int(counts.min()), int(counts.max())
     surfaces = f"{most}" if least == most else f"{least} to {most}"
@@ -107,7 +98,7 @@ def _drawn(
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)
         for axis in last_rows(axes):
-            axis.set_xlabel(f"{label} ({unit})")
+            axis.set_xlabel(f"{label[0]} ({unit})")
     return figure
 
 

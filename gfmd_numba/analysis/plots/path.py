@@ -12,7 +12,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
-from gfmd_numba.analysis.plots.parameter import Looks, draw_values, looks_of, most_varied
+from gfmd_numba.analysis.plots.campaign import Looks, draw_values, looks_of, most_varied
 from gfmd_numba.analysis.plots.style import Width, add_legend, few_ticks, prefix, sheet, small
 from gfmd_numba.analysis.selection import axes, ensemble_mean, good, groups, key
 from gfmd_numba.arrays import Reals

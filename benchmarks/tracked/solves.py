@@ -11,8 +11,8 @@ from peers_page import label
 
 
 class Contacts:
-    params = [f"{label(case)}, H = {case.hurst}, p* = {case.load}" for case in CASES]
-    param_names = ["contact"]
+    params = tuple(f"{label(case)}, H = {case.hurst}, p* = {case.load}" for case in CASES)
+    param_names = ("contact",)
     timer = time.process_time
     timeout = 120
 

@@ -43,11 +43,11 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
     result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)
-    counted, size, function = _CONTACTS[len(nodes)]
+    counted, size = _CONTACTS[len(nodes)]
     total = np.prod([dataset.sizes[dim] for dim in nodes])
     octaves = 2.0 ** np.arange(np.log2(total) + 1)
     around = goes_around(dataset)
-    result[counted] = _histogram(touching, nodes, size, octaves, function, around=around)
+    result[counted] = _histogram(touching, nodes, size, octaves, _clusters, around=around)
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
@@ -110,20 +110,13 @@ def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
     return np.asarray(np.histogram(values, edges)[0] / (values.size * np.diff(edges)))
 
 
-def _segments(row: npt.NDArray[np.generic], edges: Reals, around: tuple[bool, ...]) -> Reals:
-    """Number of stretches by their number of nodes, also `around` the end of a period; full contact is one of them."""
-    if row.all():
-        return np.asarray(np.histogram([row.size], edges)[0])
-    begins_free = np.roll(row, -int(np.argmin(row)))  # so that no stretch is cut by the end of the period
-    if not around[0]:
-        begins_free = np.concatenate(([False], row))
-    changes = np.flatnonzero(np.diff(begins_free.astype(np.int8), append=0))
-    return np.asarray(np.histogram(changes[1::2] - changes[::2], edges)[0])
-
-
 def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
-    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them."""
-    return np.asarray(np.histogram(sizes(regions(touching, *around)), edges)[0])
+    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them.
+
+    A profile is a map of one row, and its clusters are stretches.
+    """
+    rows = np.atleast_2d(touching)
+    return np.asarray(np.histogram(sizes(regions(rows, around[0] and touching.ndim == 2, around[-1])), edges)[0])
 
 
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
@@ -139,8 +132,5 @@ def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / nx)
 
 
-# of profiles and of maps: how contacts are counted, over what, and by which function
-_CONTACTS: dict[int, tuple[str, str, Callable[..., Reals]]] = {
-    1: ("segments", "length", _segments),
-    2: ("clusters", "area", _clusters),
-}
+# of profiles and of maps: how contacts are counted, and over what
+_CONTACTS = {1: ("segments", "length"), 2: ("clusters", "area")}

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from gfmd_numba.cli.arguments import NEW_FILE, results_argument
-from gfmd_numba.cli.fits import fit_options, naming
+from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written
-from gfmd_numba.cli.tables import duration, endings
+from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_results
 from gfmd_numba.cli.terminal import Line, Told, waiting
-from gfmd_numba.cli.told import has_limits, of_results
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -16,11 +16,11 @@ from gfmd_numba.contact import free_window, solution
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State
+from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, with_costs
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.solvers.status import Status
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
@@ -94,13 +94,15 @@ class _Point:
     def adhesion(self) -> float:
         """Work of adhesion that the surfaces have gained where they touch, or a law of gap and slip holds them."""
         laws, found = self.problem.interface, self.contact.equilibrium
+        if laws.normal_law is not None and not laws.hard_wall:
+            return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
         if laws.normal_law is not None:
             return abs(float(laws.normal_law.energy(np.zeros(1))[0])) * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
-        gap, tangential = self.contact.punch - found.displacement, found.tangential
+        apart, tangential = self.contact.punch - found.displacement, found.tangential
         slip = np.moveaxis(tangential.sliding - tangential.displacement, 1, 0)
-        gained = -laws.cohesive.energy(gap, vector_slip.length(slip))
+        gained = -laws.cohesive.energy(apart, vector_slip.length(slip))
         return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:
@@ -149,11 +151,7 @@ def follow(problem: Problem, state: State) -> Contact:
     point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
     largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
-    counted = {
-        name: sum(getattr(each.contact.equilibrium, name) for each in spent)
-        for name in ("n_iterations", "n_transforms", "wall_time")
-    }
-    equilibrium = replace(point.contact.equilibrium, **counted)
+    equilibrium = with_costs(point.contact.equilibrium, (each.contact.equilibrium for each in spent))
     least = min(each.pressure for each in spent)
     lost, yielded = (sum(getattr(step, name) for step in steps) for name in ("lost", "yielded"))
     followed = Followed(lost, largest.jump_at, least, largest.jump_sliding, yielded)

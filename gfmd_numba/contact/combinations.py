@@ -92,7 +92,6 @@ def _in_time() -> Iterator[Refusal]:
     not_yet = {
         "rough bodies": "a rigid punch on one smooth body",
         "hardness": "a hard_wall without hardness",
-        "limits": "no limits",
         "accuracy": "no `gfmd accuracy`",
     }
     of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
@@ -106,15 +105,17 @@ def _in_time() -> Iterator[Refusal]:
     for feature, allowed in (not_yet | of_bodies).items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"no period": "true", "wear": "no wear"} | of_punches
+    of_sliding = {"wear": "no wear"} | of_punches
+    told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
+    yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
     for feature, allowed in of_sliding.items():
         told = f"{allowed} with a sliding speed: this is not built yet"
         yield Refusal("speed", feature, told, "not built yet")
     told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
     yield Refusal("normal law", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
-    told = "nothing without a period over a viscoelastic body: this is not built yet"
-    yield Refusal("no period", "sliding over creep", told, "not built yet")
+    told = "nothing where the surface ends, but under a form alone: nobody knows what of a roughness would slide in"
+    yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
     for feature in ("duration", "speed", "time_tolerance"):
@@ -167,6 +168,12 @@ REFUSALS = (
         Refusal("hardness", law, f"a hard_wall without hardness for {law}, {_JUNCTIONS_GROW}", "physics")
         for law in LAWS
         if LAWS[law].tangential
+    ),
+    Refusal(
+        "hardness",
+        "lennard_jones",
+        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart before they touch that wall",
+        "physics",
     ),
     Refusal(
         "displacement",
@@ -286,6 +293,7 @@ PHRASES = {
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",
     "no sliding": "a path without `sliding`",
+    "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",
     "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",

@@ -128,7 +128,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
     series = relaxation(scene)
-    stiffest = given.units.worth["E*"] * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
+    stiffest = given.scales.modulus * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)

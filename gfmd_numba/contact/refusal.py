@@ -44,7 +44,8 @@ def check_combination(
 def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
     """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or lacks such limits."""
     at: Location = () if where == "accuracy" else ("limits",)
-    _raise(document, _table_refusals(_features(scene, numerics, (), None) | {where: [at]}))
+    refused = _table_refusals(_features(scene, numerics, (), None) | {where: [at]})
+    _raise(document, (each for each in refused if where in (each[1].present, each[1].refused)))
 
 
 def refusals(
@@ -218,10 +219,13 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
         drags = ("sliding",) if scene.interface.wear is None else ()
         if scene.passes:
             drags = ("sliding over creep",)
-        if step.sliding is not None:
-            yield from ((feature, ("path", i, "sliding")) for feature in drags)
+        for name, end in zip(("sliding", "sliding_y"), (*scene.ends[::-1], False), strict=False):
+            if getattr(step, name) is not None:
+                yield from ((feature, ("path", i, name)) for feature in drags)
+                if scene.passes and end and scene.surfaces:
+                    yield "roughness over an end", ("path", i, name)
         if step.sliding_y is not None:
-            yield from ((feature, ("path", i, "sliding_y")) for feature in (*drags, "sliding_y"))
+            yield "sliding_y", ("path", i, "sliding_y")
         if (step.displacement or 0.0) < 0.0:
             yield "negative displacement", ("path", i, "displacement")
     if scene.boundary is not None:

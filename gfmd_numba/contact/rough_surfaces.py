@@ -88,10 +88,13 @@ def measured_surfaces(
     return surfaces, length
 
 
-def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_surfaces(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
-    if file.scene.follows_topography:
-        return pressed_bodies(file, measured, document)
+    if isinstance(file, BoundaryFile) or file.scene.follows_topography:
+        order = file.numerics.slope_order(file.scene)
+        summed, bodies = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
+        drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
+        return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
 
@@ -154,14 +157,6 @@ def _of_the_punch(
         except ValueError as error:
             raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     return _random(("roughness",), scene, file.discretisation, file.seed, document)
-
-
-def pressed_bodies(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
-    """Surfaces of a scene whose topographies are followed, with its bodies; raises InputError for unusable ones."""
-    order = file.numerics.slope_order(file.scene)
-    summed, rough = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
-    bodies = check_drawn(file.scene, summed, rough, file.realisation, document)
-    return PressedSurfaces(summed, summed.rms_gradient, bodies, rough)
 
 
 def ensemble_of_rough_bodies(

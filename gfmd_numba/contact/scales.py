@@ -228,14 +228,14 @@ def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] |
 
     The least one of a grid; None without a hardness.
     """
-    grid, law = grid or {}, interface.exponential
+    grid, law = grid or {}, interface.law_of_the_gap
     hardnesses = grid.get("hardness", () if interface.hardness is None else (interface.hardness,))
     if not hardnesses:
         return None
     if law is None:
         return min(hardnesses)
     works, ranges = grid.get("work_of_adhesion", (law.work_of_adhesion,)), grid.get("interaction_range", (law.range,))
-    return min(hardnesses) - max(max(works) / length for length in (min(ranges), max(ranges)))
+    return min(hardnesses) - law.pull * max(max(works) / length for length in (min(ranges), max(ranges)))
 
 
 _YIELDS = "the body yields at all depths"
@@ -243,7 +243,8 @@ _YIELDS = "the body yields at all depths"
 
 def at_most(interface: Interface) -> str:
     """Say what the mean pressure of a wholly plastic contact is."""
-    less = "" if interface.exponential is None else ", less what the exponential law pulls at no gap"
+    law = interface.law_of_the_gap
+    less = "" if law is None or not law.pull else f", less what the {law.title} pulls at no gap"
     return f"the mean pressure is the hardness itself{less}"
 
 

@@ -1,5 +1,6 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -26,9 +27,18 @@ def begin(problem: Problem, realisations: range) -> State:
     surface, processes = problem.surface, processes_of(problem)
     if isinstance(surface, SummedSurface):
         heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
-        return State.untouched(heights, processes, surface.form, problem.passing)
+        return State.untouched(heights, processes, surface.form, problem.passing, _moved(problem, surface))
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     return State.untouched(heights, processes, passing=problem.passing)
+
+
+def _moved(problem: Problem, surface: SummedSurface) -> Callable[[tuple[float, ...]], Reals] | None:
+    """Heights `[(y,) x]` of a form alone after a way, None of a rough punch, which is moved as the waves it is."""
+    smooth = surface.alone
+    if smooth is None:
+        return None
+    scale, ends = surface.parts[0].gradient / surface.rms_gradient, problem.ends
+    return lambda way: scale * smooth.moved(way, ends)
 
 
 def solve(problem: Problem, state: State | range) -> Contact:

@@ -89,7 +89,7 @@ def two_step(case, order):
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     slopes = Slopes(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order, None)
     pressed = rough_bodies.solve(asked, State.untouched(profile.heights[np.newaxis], (slopes,)))
-    equilibrium, (response,) = pressed.contact.equilibrium, pressed.responses
+    equilibrium, (response,) = pressed.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name
     pressure = equilibrium.pressure[0] * gradient
     tractions = np.stack((np.zeros(NX), -pressure))

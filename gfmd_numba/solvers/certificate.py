@@ -104,4 +104,4 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     weight.flat[0] = 0.0
     batches = [punch] if len(shape) == 1 else punch[:, np.newaxis]  # a map may fill a good part of the memory
     powers = (np.abs(grid.coefficients(some, len(shape))) ** 2 * weight for some in batches)
-    return np.sqrt(np.concatenate([power.reshape(len(power), -1).sum(axis=1) for power in powers]))
+    return np.asarray(np.sqrt(np.concatenate([power.reshape(len(power), -1).sum(axis=1) for power in powers])))

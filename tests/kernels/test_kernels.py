@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from gfmd_numba import kernels
 from support.kernel_twins import both
@@ -315,12 +314,3 @@ def test_a_map_of_waves_is_multiplied_by_a_symbol(kernel, divide, rng):
     expected[:, :8] *= factors(symbol, 5, divide)
     kernel(waves, symbol, 5, divide)
     np.testing.assert_allclose(waves, expected, rtol=1e-15)
-
-
-@pytest.mark.parametrize("kernel", both(kernels.spline_slopes))
-@pytest.mark.parametrize("n", [4, 5, 40])
-def test_slopes_of_a_spline_are_those_of_scipy(kernel, n, rng):
-    heights = rng.normal(size=(n, 3))
-    slopes = np.empty((n, 3))
-    kernel(heights, slopes)
-    np.testing.assert_allclose(slopes, CubicSpline(np.arange(n), heights)(np.arange(n), 1), atol=1e-13)

@@ -12,23 +12,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.analysis.selection import at_nyquist
+from gfmd_numba.campaign import limits
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.limits import (
-    CROSS,
-    FEWEST,
-    MOST,
-    Level,
-    Limits,
-    Realisations,
-    discretisation_of,
-    first_realisations,
-    limit_of,
-    limits_around,
-)
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, is_resolved, plan
 from gfmd_numba.contact.contact_dataset import cf_attributes
@@ -71,7 +60,7 @@ class Round(BaseModel):
     """
 
     model_config = _RECORD
-    realisations: tuple[Annotated[int, Field(ge=1, le=MOST)], ...] = Field(min_length=1)  # (case)
+    realisations: tuple[Annotated[int, Field(ge=1, le=limits.MOST)], ...] = Field(min_length=1)  # (case)
     is_last: bool
     levels: tuple[tuple[tuple[float, ...], ...], ...] = ()  # of each group, its reference first; (): the pilot's
     variable: str | None = None
@@ -196,13 +185,15 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
 
     Cross levels are added if the campaign has none.
     """
-    piloted = with_cross_levels(planned.changed(realisations=Realisations(reference=FEWEST), target=goal.targets))
+    piloted = with_cross_levels(
+        planned.changed(realisations=limits.Realisations(reference=limits.FEWEST), target=goal.targets)
+    )
     members = groups(piloted.cases)
-    number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
+    number = max(limits.FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
     counts: list[int] = []
     for of_group in members:
         levels = [level_of(case) for case in of_group]
-        counts += first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
+        counts += limits.first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
     return with_realisations(piloted, counts)
 
 
@@ -228,18 +219,18 @@ def in_round(piloted: Plan, now: Round) -> Plan:
         return with_realisations(piloted, now.realisations)
     everywhere = list(dict.fromkeys(level for of_group in now.levels for level in of_group))
     found = piloted.changed(
-        reference=discretisation_of(everywhere[0]),
-        limits=limits_around(everywhere[0], everywhere[1:]),
-        realisations=Realisations(reference=FEWEST),
+        reference=limits.discretisation_of(everywhere[0]),
+        limits=limits.limits_around(everywhere[0], everywhere[1:]),
+        realisations=limits.Realisations(reference=limits.FEWEST),
     )
     cases: list[Case] = []
     for members, wanted in zip(groups(found.cases), now.levels, strict=True):
         of_level = {level_of(case): case for case in members}
-        cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
+        cases += [replace(of_level[level], limit=limits.limit_of(wanted[0], level)) for level in wanted]
     return with_realisations(replace(found, cases=cases), now.realisations)
 
 
-def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
+def levels_of(planned: Plan) -> tuple[tuple[limits.Level, ...], ...]:
     """Return the levels of each group of a plan, its reference first; () if a group has several references."""
     members = groups(planned.cases)
     if any(sum(case.limit == "reference" for case in of_group) != 1 for of_group in members):
@@ -247,7 +238,7 @@ def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
     return tuple(tuple(level_of(case) for case in of_group) for of_group in members)
 
 
-def level_of(case: Case) -> Level:
+def level_of(case: Case) -> limits.Level:
     """Return the level of a case that has a discretisation."""
     return tuple(getattr(case.discretisation, name) for name in DISCRETISATIONS)
 
@@ -267,7 +258,7 @@ def with_cross_levels(planned: Plan) -> Plan:
 def added(planned: Plan) -> str:
     """Return the cross levels that were added to a plan, as one would write them in the campaign file."""
     crossed = planned.campaign.limits.crossed
-    if not crossed or planned.document.value(("limits", CROSS)) not in (ABSENT, None):
+    if not crossed or planned.document.value(("limits", limits.CROSS)) not in (ABSENT, None):
         return ""
     levels = [", ".join(f"{axis}: {_fraction(eps)}" for axis, eps in level.items()) for level in crossed]
     return f"[{', '.join(f'{{{level}}}' for level in levels)}]"
@@ -301,7 +292,7 @@ def _usable(
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:
     given = campaign.limits.model_dump(exclude_unset=True)
-    return campaign.model_copy(update={"limits": Limits.model_validate(given | {CROSS: levels})})
+    return campaign.model_copy(update={"limits": limits.Limits.model_validate(given | {limits.CROSS: levels})})
 
 
 def _fraction(eps: float) -> str:

@@ -1,4 +1,7 @@
-"""A campaign from its file to one netCDF file, resumable at any point."""
+"""A campaign from its file to one netCDF file, resumable at any point.
+
+With a goal it runs until its limit is known to a relative error: a pilot, then rounds decided by the results.
+"""
 
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping

@@ -1,9 +1,9 @@
 """The rounds of a run until an error is reached: what was decided for each, kept in its output directory."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any
@@ -245,14 +245,21 @@ def level_of(case: Case) -> limits.Level:
 
 def with_cross_levels(planned: Plan) -> Plan:
     """Return the plan with the coarsest cross level of each pair of limits, if its campaign has none."""
-    if planned.campaign.limits.crossed:
+    campaign = planned.campaign
+    if campaign.limits.crossed:
         return planned
-    pairs = combinations(_usable_levels(planned.campaign).items(), 2)
-    found = [next(_usable(planned.campaign, *pair), None) for pair in pairs]
-    levels = [level for level in found if level is not None]
-    if not levels:
-        return planned
-    return planned.changed(limits=_with(planned.campaign, levels).limits)
+    fitted: dict[str, list[float]] = {}  # levels of each limit that have surfaces and enter a fit
+    for placed in campaign.discretisations():
+        if placed.limit in DISCRETISATIONS:
+            eps = getattr(placed.discretisation, placed.limit)
+            if placed.limit != "eps_c" or not at_nyquist(eps):
+                fitted.setdefault(placed.limit, []).append(eps)
+    levels: list[dict[str, float]] = []
+    for pair in combinations(fitted, 2):
+        coarsest_first = sorted(product(*(fitted[limit] for limit in pair)), key=prod, reverse=True)
+        crossed = (dict(zip(pair, each, strict=True)) for each in coarsest_first)
+        levels += islice((level for level in crossed if _is_usable(campaign, level)), 1)
+    return planned.changed(limits=_with(campaign, levels).limits) if levels else planned
 
 
 def added(planned: Plan) -> str:
@@ -264,30 +271,14 @@ def added(planned: Plan) -> str:
     return f"[{', '.join(f'{{{level}}}' for level in levels)}]"
 
 
-def _usable_levels(campaign: Campaign) -> dict[str, list[float]]:
-    """Return the levels of each limit that have surfaces and enter a fit."""
-    found: dict[str, list[float]] = {}
-    for placed in campaign.discretisations():
-        if placed.limit in DISCRETISATIONS:
-            eps = getattr(placed.discretisation, placed.limit)
-            if placed.limit != "eps_c" or not at_nyquist(eps):
-                found.setdefault(placed.limit, []).append(eps)
-    return found
-
-
-def _usable(
-    campaign: Campaign, one: tuple[str, list[float]], other: tuple[str, list[float]]
-) -> Iterator[dict[str, float]]:
-    """Yield the cross levels of two limits that the campaign may have, the coarsest first."""
-    for chosen in sorted(product(one[1], other[1]), key=prod, reverse=True):
-        level = dict(zip((one[0], other[0]), chosen, strict=True))
-        crossed = _with(campaign, [level])
-        try:
-            load_campaign(crossed)
-        except InputError:  # waves that are not whole, or too coarse a grid
-            continue
-        if is_resolved(expand(crossed)):
-            yield level
+def _is_usable(campaign: Campaign, level: dict[str, float]) -> bool:
+    """Return whether a campaign may have a cross level."""
+    crossed = _with(campaign, [level])
+    try:
+        load_campaign(crossed)
+    except InputError:  # waves that are not whole, or too coarse a grid
+        return False
+    return is_resolved(expand(crossed))
 
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:

@@ -4,11 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import (
-    UnusableDataError,
-    channels,  # PLACE
-    leakage,
-)
+from gfmd_numba.analysis import UnusableDataError, channels, leakage
 from support.solved_maps import made, pressed, wave
 
 OPEN = np.zeros((32, 32), dtype=bool)

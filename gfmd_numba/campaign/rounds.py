@@ -18,8 +18,7 @@ from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.output_directory import LABEL
-from gfmd_numba.campaign.plan import Plan, is_resolved, plan
+from gfmd_numba.campaign.plan import Plan, is_resolved
 from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
@@ -201,16 +200,6 @@ def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
     """Return the plan with other numbers of realisations (case)."""
     cases = [replace(case, realisations=number) for case, number in zip(planned.cases, realisations, strict=True)]
     return replace(planned, cases=cases)
-
-
-def as_decided(directory: Path) -> Plan:
-    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
-    found = read(directory)
-    if found is None:
-        return plan(directory / LABEL)
-    planned = plan(directory / LABEL, found.goal.targets)
-    piloted = pilot_plan(planned, found.goal)
-    return in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
 
 
 def in_round(piloted: Plan, now: Round) -> Plan:

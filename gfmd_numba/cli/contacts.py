@@ -448,7 +448,7 @@ def place(contact: xr.Dataset, option: str, text: str) -> float:
         if in_metres and not isinstance(number, (int, float)):
             number = LENGTH.si_value(text)
     if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
-        raise InputError(f"--{option}: you gave {text!r}; gfmd allows {allowed}")
+        raise InputError.of(f"--{option}", repr(text), allowed)
     return float(number)
 
 

@@ -11,6 +11,7 @@ from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.analysis.gap_percolation import regions, sizes
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.text.recorded_scene import is_form_alone
 from gfmd_numba.theory import persson
 
 _BINS = 60
@@ -23,13 +24,13 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2
     for a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the
     fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
-    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16). On profiles, `segments` counts
-    the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
-    `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
-    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
-    on average over all.
-    `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which results were
-    concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is not ok.
+    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16); a form without roughness has
+    neither. On profiles, `segments` counts the stretches of contact whose number of nodes lies between two powers of 2,
+    at their geometric mean. On maps, `clusters` counts groups of nodes that share sides in the same way, over their
+    `area`. `perimeter` is the length of the edges of all clusters, by Crofton's formula in four directions: within 5 %
+    for edges of one direction, and exact on average over all. `mean_gap` is in rms heights. Dimensions other than `y`
+    and `x`, like `step` or one along which results were concatenated, stay. Raises UnusableDataError for a dataset
+    without these fields, or of a run that is not ok.
     """
     nodes = check_fields(dataset, _NEEDED)
     touching = dataset["gap"] == 0.0
@@ -51,13 +52,14 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
-    # a hard wall bears no tension, of which Persson's formulas would make a negative contact area
-    reduced = (dataset["mean_pressure"] / dataset["full_contact_pressure"]).clip(min=0.0)
-    result["pressure_density_persson"] = xr.apply_ufunc(
-        persson.pressure_density, result["pressure"], reduced, 1.0
-    ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
-    result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
-    if "contact_area_fraction" in dataset:  # which Persson's theory only estimates
+    if not is_form_alone(dataset.attrs.get("scene", "{}")):
+        # a hard wall bears no tension, of which Persson's formulas would make a negative contact area
+        reduced = (dataset["mean_pressure"] / dataset["full_contact_pressure"]).clip(min=0.0)
+        result["pressure_density_persson"] = xr.apply_ufunc(
+            persson.pressure_density, result["pressure"], reduced, 1.0
+        ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
+        result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
+    if "contact_area_fraction" in dataset:
         result["contact_area_fraction"] = dataset["contact_area_fraction"]
     result["mean_gap"] = gap.mean(nodes)
     if len(nodes) == 2:

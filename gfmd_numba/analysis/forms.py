@@ -258,9 +258,14 @@ FIT = Form(
 STATISTICS = Form(
     "statistics of a contact",
     "what `gfmd statistics` leaves",
-    {**_all("... pressure finite", "pressure_density", "pressure_density_persson"), "gap_density": "... gap finite"}
+    {"pressure_density": "... pressure finite", "gap_density": "... gap finite"}
     | {"pressure": "pressure rising", "gap": "gap rising"},
-    {"segments": "... length numbers", "clusters": "... area numbers", "reduced_pressure": "... finite"}
+    {
+        "pressure_density_persson": "... pressure finite",
+        "segments": "... length numbers",
+        "clusters": "... area numbers",
+        "reduced_pressure": "... finite",
+    }
     | {"length": "length positive", "area": "area positive"},
     least={"pressure": 2, "gap": 2, "length": 1, "area": 1, "step": 1},
 )

@@ -132,11 +132,11 @@ class Group:
         """Number of cases."""
         return int(self.values.shape[1])
 
-    def shown(self, value: float, error: float = nan) -> str:
-        """Return a number in the unit of the variable for a sentence, with its standard error where it has one."""
-        factor, unit = si_prefix(max(abs(value), 0.0 if isnan(error) else error), self.unit)
-        number = with_error(factor * value, factor * error, digits=2)
-        return number if unit == "1" else f"({number}) {unit}" if "±" in number else f"{number} {unit}"
+    def shown(self, value: float) -> str:
+        """Return a number in the unit of the variable for a sentence."""
+        factor, unit = si_prefix(abs(value), self.unit)
+        number = with_error(factor * value, nan, digits=2)
+        return number if unit == "1" else f"{number} {unit}"
 
     def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""

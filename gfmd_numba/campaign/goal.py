@@ -70,7 +70,7 @@ def goal_of(until: object, budget: object = None) -> Goal:
         why = observables.why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
         clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
         raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {A_VARIABLE}{clauses}")
-    shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real) and share is not True}
+    shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real)}
     if not targets or shares.keys() != targets.keys() or not all(0.0 < share < 1.0 for share in shares.values()):
         raise InputError(
             f"until: you gave {brief(until)}; gfmd allows {A_VARIABLE}, or several, each with a relative error above 0 "

@@ -215,11 +215,13 @@ def first_decision(
 ) -> FirstDecision:
     """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
 
-    Raises as `run_until` does.
+    Raises as `run_until` does, but OSError if the disk or the cluster gives up, as nothing is kept.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
         run = _prepared(source, goal, folder, workers, watch=watch, told=told)
-        with _at_work(run.planned, run.directory), closing(run.states()) as states:
+        document = run.planned.document
+        owned = claimed(run.directory, run.planned.campaign.name, document.text, document.folder)
+        with owned, closing(run.states()) as states:
             next(states)
             state = next(states)
         return FirstDecision(state, in_round(run.planned, state.now), run.failed(run.planned))
@@ -263,7 +265,7 @@ class _Run:
             earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
             fewest = [earlier.get(case, 0) for case in state.now.cases]
             counts = finished(now, self.directory, fewest)
-            partial = with_realisations(now, counts)
+            partial: Plan | None = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")

@@ -144,7 +144,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     """
     study = study_of(planned, realisations)
     yield from study.solvers()
-    for axis in DISCRETISATIONS:
+    for axis in study.axes:
         yield from study.discretisation(axis)
     yield from study.sampling()
     yield from study.load_steps()
@@ -177,6 +177,11 @@ class Study:
     def problem(self) -> Problem:
         """Problem of the case."""
         return self.case.problem
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Discretisations that are varied: another eps_t of a window is another contact."""
+        return DISCRETISATIONS[:2] if any(self.problem.ends) else DISCRETISATIONS
 
     @cached_property
     def of_path(self) -> tuple[str, ...]:

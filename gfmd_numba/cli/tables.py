@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import si_prefix, typical, with_error
+from gfmd_numba.text.recorded_scene import is_form_alone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -394,6 +395,8 @@ def _left_open(fitted: xr.Dataset) -> float:
 
 _WIDE = 24
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "force",
+    "line_load",
     "mean_pressure",
     "contact_area_fraction",
     "contact_radius",
@@ -415,6 +418,7 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "hysteretic_friction_error",
     "time_error",
 )
+_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
     "contact_area_fraction": ("contact area fraction", ""),
     "contact_area_fraction_persson": ("Persson's estimate of it", ""),
@@ -481,10 +485,26 @@ def has_limits(dataset: xr.Dataset) -> bool:
     return "limit" in dataset and bool(LIMITS.keys() & set(dataset["limit"].values))
 
 
+def _of_form(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
+    """Return the dataset with the force on a form without roughness in a window, and what then means nothing."""
+    if not is_form_alone(dataset.attrs["scene"]):
+        return dataset, set()
+    scene, of_roughness = json.loads(dataset.attrs["scene"])["scene"], {"reduced_pressure", "kappa", "kappa_r"}
+    if scene["periodic"] is not False:
+        return dataset, of_roughness
+    name, si, free = {1: ("line_load", "N m-1", "E* L_x"), 2: ("force", "N", "E* L_x2")}[scene["dimension"]]
+    if name not in dataset.variables:
+        pressure, length = dataset["mean_pressure"], scene["length"]
+        unit = si if pressure.attrs["units"] == "Pa" and length else free
+        dataset = dataset.assign({name: (pressure * (length or 1.0) ** scene["dimension"]).assign_attrs(units=unit)})
+    return dataset, of_roughness | {"mean_pressure"}
+
+
 def of_contact(dataset: xr.Dataset) -> Told:
     """Yield what came of one loading, a line each."""
-    prescribed = [name for name in _PRESCRIBED if name in dataset.coords]
-    for name in (*prescribed, *(name for name in _SHOWN if name in dataset)):
+    dataset, nothing = _of_form(dataset)
+    prescribed = [name for name in _PRESCRIBED if name in dataset.coords and name not in nothing]
+    for name in (*prescribed, *(name for name in _SHOWN if name in dataset.data_vars and name not in nothing)):
         words, number, unit = line(dataset, name)
         yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
     yield Line("residual", f"{float(dataset['residual']):.1e}", _WIDE)
@@ -492,10 +512,11 @@ def of_contact(dataset: xr.Dataset) -> Told:
 
 def of_steps(dataset: xr.Dataset) -> Told:
     """Yield the steps of a path: what was prescribed, and what came of it."""
-    prescribed = [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].any()]
+    view, nothing = _of_form(_with_stiffness(dataset))
+    prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
-    view = _with_stiffness(dataset)
-    found = dict(column(view, name) for name in (*_SHOWN[:5], "contact_stiffness", *_SHOWN[5:]) if name in view)
+    shown = (*_SHOWN[:_AFTER], "contact_stiffness", *_SHOWN[_AFTER:])
+    found = dict(column(view, name) for name in shown if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
 
@@ -515,9 +536,10 @@ def of_curve(dataset: xr.Dataset) -> Told:
     """Yield the curve, one line a load, time or speed."""
     from gfmd_numba.simulate.curve import SHOWN
 
-    view, load = named(dataset), prescribed(dataset)
-    same = {load, "mean_pressure"} if load == "prescribed_pressure" else {load}
-    shown = [name for name in SHOWN if name in view and name not in same]
+    load = prescribed(dataset)
+    view, nothing = _of_form(named(dataset))
+    same = nothing | ({load, "mean_pressure"} if load == "prescribed_pressure" else {load})
+    shown = [name for name in ("force", "line_load", *SHOWN) if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
     states = dataset["status"].attrs["flag_meanings"].split()
     if dataset["status"].any():

@@ -17,7 +17,6 @@ from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, with_costs
-from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.normal_law import NormalLaw
@@ -126,7 +125,7 @@ def stability(problem: Problem, contact: Contact) -> float | None:
     if not any(ends):
         stiffness = solution.condensed_stiffness(problem, grid.magnitudes(shape))
     else:  # the law acts in the window alone
-        stiffness = free_body.response(shape, problem.body, ends, problem.interface.couples).normal.copy()
+        stiffness = solution.free_response(problem).normal.copy()
         apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)), ends)
         touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_), ends)
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):

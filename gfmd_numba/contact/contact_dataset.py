@@ -23,7 +23,7 @@ from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
@@ -337,7 +337,13 @@ def _add_bodies(
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
-        own = [*_moved(body, whose, response, along, pressure), *forming_tractions(body, whose, problem.rough.order)]
+        if any(problem.ends):
+            own = [_moved_around_a_window(body, whose, along, pressure, problem.ends)]
+        else:
+            own = [
+                *_moved(body, whose, response, along, pressure),
+                *forming_tractions(body, whose, problem.rough.order),
+            ]
         if pairing is not None:
             without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
             along, pressure = tractions_on(body, without, pressed, rms_gradient, pairing)
@@ -368,6 +374,15 @@ def _moved(
     if response.along is not None:
         way = f"tangential displacement of the {whose}"
         yield from _by_axis("tangential_displacement", "height", way, flat[:-1] + response.along)
+
+
+def _moved_around_a_window(
+    body: RoughBody, whose: str, along: Reals | None, pressure: Reals, ends: tuple[bool, ...]
+) -> Described:
+    """The same, of the normal displacement alone."""
+    sideways = () if along is None else along.reshape(-1, *pressure.shape)
+    moved = free_body.displaced(np.stack((*sideways, -pressure)), body.elastic, ends)[-1]
+    return "displacement", "height", f"normal displacement of the {whose}, out of it", moved
 
 
 def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Described]:

@@ -28,6 +28,7 @@ from gfmd_numba.scene import (
     Scene,
     SceneFile,
 )
+from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import in_reduced_units
 
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -186,10 +187,11 @@ def ensemble_of_rough_bodies(
         if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
-    gradient, smooth = _asked_for(asked, parts), smooth_part(scene, shape)
+    ends, smooth = ends_of(scene.periodic, scene.dimension), smooth_part(scene, shape)
+    gradient = _asked_for(asked, parts, ends)
     if smooth is not None:
         parts["form",] = smooth
-        gradient = gradient or smooth.rms_gradient
+        gradient = gradient or prod(scaled_gradient(smooth.drawn(0), ends))
     places, scales = list(parts), scales_of(scene)
     bodies = tuple(
         DeformableBody(
@@ -233,14 +235,14 @@ def check_drawn(
     return tuple(bodies)
 
 
-def _asked_for(asked: Mapping[Place, float], parts: Mapping[Place, Topography]) -> float:
+def _asked_for(asked: Mapping[Place, float], parts: Mapping[Place, Topography], ends: tuple[bool, ...]) -> float:
     """Rms gradient that a scene asks for, of what it presses together: the same wherever the roughness lies.
 
     Random surfaces are independent of all others, so that mean squares add up in the mean over them; measured ones are
     what they are, so that their heights do.
     """
     measured = [part.drawn(0) for place, part in parts.items() if place not in asked]
-    own = [prod(scaled_gradient(np.sum(measured, axis=0)))] if measured else []
+    own = [prod(scaled_gradient(np.sum(measured, axis=0), ends))] if measured else []
     return hypot(*asked.values(), *own)
 
 

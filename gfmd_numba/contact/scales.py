@@ -265,7 +265,7 @@ def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid:
     gradients = grid.get("rms_gradient", () if own is None else (own,))
     if not gradients:
         return
-    stiffest = max(scales_of(each).modulus for each in _bodies(scene, grid.get("poissons_ratio", ())))
+    stiffest = max(scales_of(each).modulus for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
     most = plastic * scales_of(scene).stiffness / (max(gradients) * stiffest)
     for location, pressure in _prescribed("reduced_pressure", scene, path, grid):
         if pressure >= most:
@@ -279,10 +279,10 @@ def _first_whole_yield(scene: Scene, grid: Mapping[str, Sequence[float]]) -> flo
     share = min(grid.get("yield_stress", (1.0,))) / (
         scene.body.plasticity.yield_stress if "yield_stress" in grid else 1.0
     )
-    return share * min(whole_body_yields(each.body) for each in _bodies(scene, grid.get("poissons_ratio", ())))
+    return share * min(whole_body_yields(each.body) for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
 
 
-def _bodies(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
+def _with_ratios(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
     """The scene with each Poisson's ratio of a grid."""
     bodies = (scene.body.model_copy(update={"poissons_ratio": ratio}) for ratio in ratios)
     return [scene.model_copy(update={"body": body}) for body in bodies] or [scene]

@@ -24,6 +24,7 @@ from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.displaced_nodes import DisplacedNodes
+from gfmd_numba.roughness.statistics import rms_gradient
 
 _RESOLVED = 3 / 8  # wave index over nodes, up to which splines between the nodes are right
 
@@ -273,7 +274,10 @@ class Slopes:
         return SlopeCorrection(met.raised / self.gradient, shifted, last.since, lifted, met)
 
     def next_order(self, contact: Contact, responses: Responses, pairing: Pairing | None) -> float:
-        """What the next order would add to any displacement (L_x)."""
+        """What the next order would add to any displacement (L_x); around a window displacements times slopes."""
+        if any(self.problem.ends):
+            steepest = max(float(rms_gradient(each.heights, (1.0,) * each.heights.ndim)) for each in self.bodies)
+            return steepest * self.gradient * float(abs(contact.equilibrium.displacement).max())
         error = float(sum(each.highest_order for each in self.responses(contact, pairing, self.order + 1)))
         if pairing is not None and self.problem.interface.friction is not None:
             error += self._off_bound(contact, pairing)

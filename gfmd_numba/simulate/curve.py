@@ -49,6 +49,7 @@ SHOWN = (
     "contact_area_fraction",
     "contact_area",
     "contact_length",
+    "contact_radius",
     "approach",
     "mean_gap",
     "contact_stiffness",

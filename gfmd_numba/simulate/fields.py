@@ -84,8 +84,10 @@ class _Inside:
         return tractions_on(self.name, step, self.nodes) / self.units.worth["stress"]
 
     def heights(self, step: xr.Dataset) -> Reals | None:
-        """Topography `[(y,) x]` in L_x, None for a flat body."""
+        """Topography `[(y,) x]` in L_x, None for a flat body, and without a period, where it is not followed inside."""
         name = f"{self.name}_height"
+        if any(self.ends):
+            return None  # which order 0 is
         return step[name].values / self.length if name in step else None
 
     def below(self, step: xr.Dataset) -> Inner:

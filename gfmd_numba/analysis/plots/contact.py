@@ -52,10 +52,12 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
         unloaded = f"step {i}" if "step" in mean.dims else "Simulation"
         label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else unloaded
         pressure.stairs(step["pressure_density"], style.edges(step["pressure"].values), color=colour, label=label)
-        pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
+        if "pressure_density_persson" in step:
+            pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
         gap.stairs(step["gap_density"], style.edges(step["gap"].values), color=colour)
         contacts.plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
-    pressure.plot([], [], "--", color="0.4", label="Persson")
+    if "pressure_density_persson" in mean:
+        pressure.plot([], [], "--", color="0.4", label="Persson")
     top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
     pressure.set(
         xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact",

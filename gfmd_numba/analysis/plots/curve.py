@@ -19,6 +19,13 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
+_OF_FORM = (  # without a period
+    ("contact_radius", "Contact radius", "L_x", True),
+    ("approach", "Approach", "L_x", True),
+    ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d$approach", "E^*/L_x", True),
+    _PANELS[3],
+)
+_LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""), "line_load": ("Line load", "")}
 _OVER_SPEED = (
     ("hysteretic_friction", "Friction by hysteresis", "", False),
     _PANELS[0],
@@ -30,14 +37,16 @@ _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANEL
 
 @checked
 def plot_curve(dataset: Annotated[xr.Dataset, CURVE], width: Width | None = None) -> Figure:
-    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
+    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement or force that was prescribed.
 
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
-    if dataset.attrs.get("prescribed") == "displacement":
-        return _drawn(dataset, "prescribed_load", "prescribed_load", ("Punch displacement", "L_x"), _PANELS, width)
-    return _drawn(dataset, "prescribed_load", "mean_pressure", (r"Mean pressure $\bar{p}$", "E^*"), _PANELS, width)
+    panels = _OF_FORM if {"contact_radius", "approach"} <= dataset.variables.keys() else _PANELS
+    label = _LOADS.get(dataset.attrs.get("prescribed", ""))
+    if label is not None:
+        return _drawn(dataset, "prescribed_load", "prescribed_load", label, panels, width)
+    return _drawn(dataset, "prescribed_load", "mean_pressure", (r"Mean pressure $\bar{p}$", "E^*"), panels, width)
 
 
 @checked

@@ -66,8 +66,8 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     bars = [0.0 * sure, sure]
     axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}")
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
-        text, look = str(which) if which else "pilot", {"ha": "right", "va": "top"}
-        axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), **look)
+        text = str(which) if which else "pilot"
+        axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
 
 
 def _tick(axis: Axes) -> None:

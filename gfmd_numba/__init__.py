@@ -377,7 +377,7 @@ def rounds(
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:
-        raise InputError("until: you gave none, and no target in the campaign; gfmd allows one like {'kappa': 0.01}")
+        raise InputError.of("until", "none, and no target in the campaign", "one like {'kappa': 0.01}")
     return (open_campaign(outcome.results) for outcome in each_round(campaign, goal, output, workers_of(workers)))
 
 
@@ -407,9 +407,7 @@ def open_campaign(path: str | Path) -> xr.Dataset:
     from gfmd_numba.campaign.results import read_results
 
     if not isinstance(path, str | os.PathLike):
-        raise InputError(
-            f"path: you gave {brief(path)}; gfmd allows a netCDF file, or the output directory of a campaign"
-        )
+        raise InputError.of("path", brief(path), "a netCDF file, or the output directory of a campaign")
     return read_results(Path(path))
 
 
@@ -589,7 +587,7 @@ def _goal(
     from gfmd_numba.campaign.goal import goal_of
 
     if not (output is None or isinstance(output, str | os.PathLike)):
-        raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
+        raise InputError.of("output", f"{output!r:.60}", "the path of a directory")
     targets = until if until is not None else target_of_run(campaign)
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
@@ -624,5 +622,5 @@ def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Datase
         return read_results(Path(given))
     if not isinstance(given, xr.Dataset):
         allowed = f"an xarray.Dataset, as gfmd_numba.{maker} returns, or the path of a netCDF file"
-        raise InputError(f"{name}: you gave {brief(given)}; gfmd allows {allowed}")
+        raise InputError.of(name, brief(given), allowed)
     return given

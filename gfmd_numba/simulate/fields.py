@@ -21,7 +21,6 @@ from gfmd_numba.elasticity.fields import (
     STRAINS,
     STRESSES,
     Axis,
-    Inner,
     Largest,
     LoadedSurface,
     Periodic,
@@ -90,7 +89,7 @@ class _Inside:
             return None  # which order 0 is
         return step[name].values / self.length if name in step else None
 
-    def below(self, step: xr.Dataset) -> Inner:
+    def below(self, step: xr.Dataset) -> Periodic | free_fields.Free:
         """The inside under the tractions of a step."""
         tractions, heights = self.tractions(step), self.heights(step)
         if any(self.ends):

@@ -3,10 +3,12 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
@@ -14,12 +16,13 @@ from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
 from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
+from gfmd_numba.contact.tractions import Tractions, read_boundary, read_nodes, refused, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import BoundaryFile, Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.document import Location, located
+from gfmd_numba.scene.interface_records import LawOfTheGap
 from gfmd_numba.scene.units import in_unit_of
 
 if TYPE_CHECKING:
@@ -33,12 +36,15 @@ Given = TypeVar("Given", SceneFile, BoundaryFile)
 class ContactInput:
     """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*.
 
+    A `pattern` `[(y,) x]` multiplies the work of adhesion of its law.
+
     `measured` are the surfaces read from files, with what was done to them. All else follows.
     """
 
     file: SceneFile
     surfaces: PressedSurfaces
     tractions: Tractions | None = None
+    pattern: Reals | None = None
     measured: tuple[MeasuredSurface, ...] = ()
 
     @cached_property
@@ -62,7 +68,9 @@ class ContactInput:
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
-        problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
+        problem, effects = reduce(
+            file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough, self.pattern
+        )
         path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
@@ -71,11 +79,12 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, measured = with_measured_surfaces(file, document)
     check_combination(document, file.scene, file.numerics, file.path)
-    given = ContactInput(file, pressed_surfaces(file, measured, document), None, tuple(measured.values()))
+    given = ContactInput(file, pressed_surfaces(file, measured, document), measured=tuple(measured.values()))
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
-    given = replace(given, tractions=_tractions(file, given.surfaces, document))
+    tractions = _tractions(file, given.surfaces, document)
+    given = replace(given, tractions=tractions, pattern=_pattern(file, given.surfaces, document))
     if file.scene.interface.reaches_across:
         check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
@@ -124,6 +133,20 @@ def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -
         return None
     arrays = read_boundary(document, scene.boundary, scene.dimension, shape)
     return tractions_on_the_body(document, scene, arrays, shape, surfaces.rms_gradient)
+
+
+def _pattern(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Reals | None:
+    """Share of the work of adhesion at each node; raises InputError for one that is no share of anything."""
+    shape, laws = surfaces.surface.shape, file.scene.interface.laws.items()
+    found = next(((name, law.pattern) for name, law in laws if isinstance(law, LawOfTheGap) and law.pattern), None)
+    if found is None:
+        return None
+    place, path = ("scene", "interface", found[0], "pattern"), Path(found[1])
+    values = read_nodes(document, place, path, file.scene.dimension, shape)
+    if not (values >= 0.0).all() or not values.any():
+        given = f"{path.name} (numbers from {np.nanmin(values):g} to {np.nanmax(values):g})"
+        raise refused(document, place, given, "a number of at least 0 for every node, of which some are above 0")
+    return values
 
 
 def check_room(

@@ -217,8 +217,7 @@ def _body_content(body: ElasticBody) -> str:
 def _interface_content(interface: Interactions) -> dict[str, Any]:
     content = _fields(interface) | {"laws": interface.laws}
     for name in ("normal_law", "cohesive"):
-        if content[name] is not None:
-            content[name] = asdict(content[name])
+        content[name] = repr(content[name])
     for name in ("hardness", "shear_limit"):
         if content[name] is None:
             del content[name]

@@ -8,6 +8,7 @@ from typing import Literal
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.interface_records import LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
@@ -125,9 +126,7 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
     yield "punch", ("scene",)
-    for name, law in scene.interface.laws.items():
-        for feature in dict.fromkeys((name, law.ability)):
-            yield feature, ("scene", "interface", name)
+    yield from _of_laws(scene)
     if _has_hardness(scene, grid):
         yield "hardness", ("scene", "interface", "hard_wall", "hardness")
     yield from (("sticking", location) for location in _infinite_friction(scene, grid))
@@ -154,6 +153,14 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None:
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
+    for name, law in scene.interface.laws.items():
+        for feature in dict.fromkeys((name, law.ability)):
+            yield feature, ("scene", "interface", name)
+        if isinstance(law, LawOfTheGap) and law.pattern is not None:
+            yield "pattern", ("scene", "interface", name, "pattern")
 
 
 def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:

@@ -10,6 +10,7 @@ import numpy as np
 
 from gfmd_numba import kernels, scene
 from gfmd_numba.interface.normal_law import NormalLaw
+from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 
@@ -85,4 +86,5 @@ class Interactions:
 
     @staticmethod
     def _path(law: object) -> str:
+        law = law.law if isinstance(law, PatternedLaw) else law
         return f"{type(law).__module__}:{type(law).__qualname__}"

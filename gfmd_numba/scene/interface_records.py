@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.quantities import (
     RECORD,
+    FileOfNodes,
     FrictionCoefficient,
     Length,
     Pressure,
@@ -54,6 +55,9 @@ class LawOfTheGap(LawRecord):
     across_open_gap: ClassVar = True
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
+    pattern: FileOfNodes | None = Field(
+        None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
+    )
 
     @property
     def pull(self) -> float:
@@ -244,6 +248,8 @@ class Interface(BaseModel):
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
                 raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
+            if isinstance(law, LawOfTheGap) and law.pattern is not None and self.hard_wall is None:
+                raise broken_rule((name, "pattern"), "a hard_wall with it, for nodes at which nothing repels")
         return self
 
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.campaign.axes import AXES, present
+from gfmd_numba.campaign.axes import AXES, Grid, present
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.campaign.grid import Grid
-from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
+from gfmd_numba.contact.contact_dataset import Units, cf_attributes, load_attributes
+from gfmd_numba.contact.observables import PRESCRIBED
 from gfmd_numba.contact.scales import SLIDING, scales_of, steps_of, times_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar
@@ -73,13 +73,15 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
 def has_measured_slope_law(scene: Scene) -> bool:
     """Return whether a contact is of the kind on which the constants of the law of the unseen slope were measured.
 
-    That is a hard wall alone under a rigid profile that is self-affine up to a plateau, with a period.
+    That is a hard wall alone under a rigid profile that is self-affine up to a plateau, with a period, on elastic
+    bodies.
     """
     surface = scene.roughness
     self_affine = isinstance(surface, SelfAffine) and surface.plateau and scene.dimension == 1
     alone = len(scene.surfaces) == 1 and scene.form is None and scene.boundary is None
     hard = set(scene.interface.laws) == {"hard_wall"} and scene.interface.hardness is None
-    return self_affine and alone and hard and scene.periodic is True
+    remembers = scene.body.relaxation is not None or scene.interface.wear is not None
+    return self_affine and alone and hard and scene.periodic is True and not remembers
 
 
 def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Described]:

@@ -1,5 +1,6 @@
 """One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -26,9 +27,18 @@ def begin(problem: Problem, realisations: range) -> State:
     surface, processes = problem.surface, processes_of(problem)
     if isinstance(surface, SummedSurface):
         heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
-        return State.untouched(heights, processes, surface.form, problem.passing)
+        return State.untouched(heights, processes, surface.form, problem.passing, _moved(problem, surface))
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     return State.untouched(heights, processes, passing=problem.passing)
+
+
+def _moved(problem: Problem, surface: SummedSurface) -> Callable[[tuple[float, ...]], Reals] | None:
+    """Heights `[(y,) x]` of a form alone after a way, None of a rough punch, which is moved as the waves it is."""
+    smooth = surface.alone
+    if smooth is None:
+        return None
+    scale, ends = surface.parts[0].gradient / surface.rms_gradient, problem.ends
+    return lambda way: scale * smooth.moved(way, ends)
 
 
 def solve(problem: Problem, state: State | range) -> Contact:
@@ -78,7 +88,7 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
-    response = felt(free_body.response(shape, problem.body, problem.ends, laws.couples), change)
+    response = felt(free_response(problem), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
@@ -136,6 +146,15 @@ def _response(problem: Problem) -> SpectralResponse:
         return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
     own = problem.body.response(shape)
     return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
+
+
+def free_response(problem: Problem) -> SpectralResponse:
+    """The same around a window, on its padded grid."""
+    shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
+    own = free_body.response(shape, problem.body, ends, couples)
+    return (
+        own if counter is None else own.in_series(free_body.response(shape, counter.body, ends, couples), counter.share)
+    )
 
 
 def _stiffness_felt(problem: Problem, change: Change, q: Reals) -> Reals:

@@ -77,6 +77,7 @@ class Change:
 
 
 NO_CHANGE = Change()
+_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 def _sum(parts: Iterable[Any]) -> Any:
@@ -110,8 +111,9 @@ class State:
     """What happened before a step: what each process remembers, by its name, and the contact that the last step left.
 
     `heights` `[realisation, (y,) x]` are those of the punch as it was made, peaks towards the body. Those of the smooth
-    `form` under its roughness are a part of them. `passing` is that of a problem. A step that
-    `repeats` the load of the last one, on a surface that has hardly moved since, holds nodes where that held them.
+    `form` under its roughness are a part of them. `passing` is that of a problem, and `moved` has the heights
+    `[(y,) x]` of a form alone after a way (L_x). A step that `repeats` the load of the last one, on a surface that has
+    hardly moved since, holds nodes where that held them.
     """
 
     heights: Reals
@@ -121,6 +123,7 @@ class State:
     repeats: bool = False
     form: Reals | None = None
     passing: float | None = None
+    moved: Callable[[tuple[float, ...]], Reals] | None = None
 
     @classmethod
     def untouched(
@@ -129,25 +132,31 @@ class State:
         processes: tuple[Process, ...],
         form: Reals | None = None,
         passing: float | None = None,
+        moved: Callable[[tuple[float, ...]], Reals] | None = None,
     ) -> "State":
         """State of surfaces before the first step."""
         memory = {each.name: each.begin(heights.shape) for each in processes}
-        return cls(heights, processes, memory, form=form, passing=passing)
+        return cls(heights, processes, memory, form=form, passing=passing, moved=moved)
 
     def facing(self, heights: Reals, step: LoadStep) -> Reals:
         """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""
         if self.passing is None or not any(step.sliding):
             return heights
-        return grid.moved(heights, tuple(self.passing * way for way in step.sliding))
+        way = tuple(self.passing * each for each in step.sliding)
+        return grid.moved(heights, way) if self.moved is None else np.broadcast_to(self.moved(way), heights.shape)
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
         return Change.of_all(each.split(self, step) for each in self.processes)
 
+    def step_before(self, step: LoadStep) -> LoadStep:
+        """The step before the next one; at first no load, and no sliding."""
+        before = None if self.last is None else self.last.step
+        return LoadStep(0.0, (0.0,) * len(step.sliding)) if before is None else before
+
     def way(self, step: LoadStep) -> float:
         """Distance that the punch slides in the next step."""
-        before = None if self.last is None else self.last.step
-        return dist(step.sliding, (0.0,) * len(step.sliding) if before is None else before.sliding)
+        return dist(step.sliding, self.step_before(step).sliding)
 
     def remembering(self, name: str, memory: Any) -> "State":
         """The same, but for what one process remembers."""
@@ -219,6 +228,11 @@ class Contact:
         return self.before.after(self, self.step)
 
     @property
+    def in_plane(self) -> "Contact":
+        """The contact with its tractions along the plane and its pressure out of it, as the load counts them."""
+        return self
+
+    @property
     def sideways(self) -> Reals | None:
         """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
         found, along = self.equilibrium.tangential, self.change.along
@@ -256,6 +270,18 @@ class Contact:
         """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
         depth: Reals | float = self.after.memory.get("dents", 0.0)
         return depth
+
+
+def with_costs(found: Equilibrium, every: Iterable[Equilibrium]) -> Equilibrium:
+    """The same equilibrium with what all that led to it, and are given, have taken."""
+    each = list(every)
+    return replace(found, **{name: sum(getattr(one, name) for one in each) for name in _COSTS})
+
+
+def relative_difference(coarse: Reals, fine: Reals, least: float = 0.0) -> float:
+    """Mean difference of two fields over the mean of the finer one, or over a `least` sum of it if that is larger."""
+    scale = max(float(abs(fine).sum()), least)
+    return float(abs(coarse - fine).sum()) / scale if scale > 0.0 else 0.0
 
 
 def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:

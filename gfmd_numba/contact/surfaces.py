@@ -12,28 +12,41 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene.form_record import Form
 
 
+class _OnGrid:
+    """A surface on a grid."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface, (nx,) or (ny, nx)."""
+        raise NotImplementedError
+
+    @property
+    def nx(self) -> int:
+        """Number of grid points over the period."""
+        return self.shape[-1]
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return math.prod(self.shape)
+
+
 @dataclass(frozen=True)
-class GivenSurface:
+class GivenSurface(_OnGrid):
     """The user's own heights `[(ny,) nx]`, or the sum of several surfaces, in g L_x."""
 
-    nx: int
     digest: str
     heights: Reals = field(repr=False, compare=False)
 
     @classmethod
     def of(cls, heights: Reals) -> "GivenSurface":
         """Surface of heights, which tell it from others."""
-        return cls(heights.shape[-1], hashlib.sha256(heights.tobytes()).hexdigest(), heights)
+        return cls(hashlib.sha256(heights.tobytes()).hexdigest(), heights)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface."""
         return self.heights.shape
-
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return self.heights.size
 
 
 @dataclass(frozen=True)
@@ -51,8 +64,13 @@ class SmoothSurface:
     @property
     def heights(self) -> Reals:
         """Heights `[(y,) x]`, 0 at the summit."""
-        y, x = (np.arange(n) / n - 0.5 for n in (self.shape[0], self.nx))
-        return np.asarray(self.form.heights(x) if len(self.shape) == 1 else self.form.heights(x, y[:, np.newaxis]))
+        return self.moved((0.0, 0.0))
+
+    def moved(self, way: tuple[float, ...], ends: tuple[bool, ...] = (True, True)) -> Reals:
+        """Heights `[(y,) x]` after a way (x, y), of a form that goes on where it `ends` and else repeats (L_x)."""
+        x, *y = (np.arange(n) / n - 0.5 - step for n, step in zip(self.shape[::-1], way, strict=False))
+        x, *y = (at if end else at - np.round(at) for at, end in zip((x, *y), ends[::-1], strict=False))
+        return np.asarray(self.form.heights(x, *(at[:, np.newaxis] for at in y)))
 
 
 @dataclass(frozen=True)
@@ -83,30 +101,26 @@ class Topography:
 
 
 @dataclass(frozen=True)
-class SummedSurface:
+class SummedSurface(_OnGrid):
     """What several surfaces are together, in L_x and units of `rms_gradient`, the g that is asked of all rough ones."""
 
     parts: tuple[Topography, ...]
     rms_gradient: float
 
     @property
-    def nx(self) -> int:
-        """Number of grid points over the period."""
-        return self.parts[0].surface.nx
-
-    @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface, (nx,) or (ny, nx)."""
         return self.parts[0].surface.shape
 
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return math.prod(self.shape)
-
     def drawn(self, realisation: int) -> list[Reals]:
         """Heights `[(y,) x]` of each part in L_x; raises ValueError for a grid that cannot hold the waves."""
         return [part.drawn(realisation) for part in self.parts]
+
+    @property
+    def alone(self) -> SmoothSurface | None:
+        """The smooth form that is all there is, None where it has a roughness."""
+        surface = self.parts[0].surface
+        return surface if len(self.parts) == 1 and isinstance(surface, SmoothSurface) else None
 
     @property
     def form(self) -> Reals | None:

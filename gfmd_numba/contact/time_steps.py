@@ -5,52 +5,63 @@ as what a body remembers decays: they are equal in the logarithm of that time an
 the punch passes over the body, all are alike.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from math import expm1, inf, log1p
-from typing import Any
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import tractions_of
-from gfmd_numba.contact.state import Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
+_SLOWEST, _SURE = 1.15, 2.5  # how many times smaller the next change is expected to be, at least and at most
 _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
-_COUNTED = ("n_iterations", "n_transforms", "wall_time")
 
 
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     """Equilibrium at the end of a step, reached from a state with an error by its divisions of at most a tolerance.
 
-    Where halving all divisions changes r times less than halving them before did, r - 1 times the error is left of a
-    change. It is taken as 1 to 3 times, as errors fall with the square of the divisions unless something happens all at
-    once. `time_error` adds the error to that of the steps before. After the most halvings it may be above the
-    tolerance.
+    `time_error` adds the error to that of the steps before. After the most halvings it may be above the tolerance.
     """
     before = 0.0 if state.last is None else state.last.time_error
     found, spent = _divided(problem, state, 1)
-    change, error = 0.0, 0.0
+    changes: list[float] = []
+    error = 0.0
     for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
         if found.equilibrium.status[0] != Status.ok:
             break
         coarse, (found, more) = found, _divided(problem, state, 2**halvings)
-        spent = {name: spent[name] + more[name] for name in _COUNTED}
+        spent += more
         if found.equilibrium.status[0] != Status.ok:
             break
-        last, change = change, difference(coarse, found, state)
-        error = change / (min(max(last / change, 2.0), 4.0) - 1.0) if change > 0.0 else 0.0
+        changes.append(difference(coarse, found, state))
+        error = left_open(changes)
         if error <= tolerance:
             break
-    return replace(found, equilibrium=replace(found.equilibrium, **spent), time_error=before + error)
+    return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
 
 
-def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, dict[str, Any]]:
-    """The contact that a step ends with, in so many divisions, or the first that is not ok, and what all have taken."""
-    start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
-    if state.last is not None and state.last.step is not None:
-        start = state.last.step
-    series, gone, spent, least = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0), inf
+def left_open(changes: Sequence[float]) -> float:
+    """Error that is left by divisions, halving all of which has made these changes.
+
+    Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall with the square of the divisions
+    once these are short, r = 4, but less surely where nodes touch down or leave, and hardly where relaxation times are
+    not resolved. The smaller one of the last two r counts, and a change below a quarter of the last one is chance.
+    """
+    last = max(changes[-1], 0.25 * max(changes[-2:-1], default=0.0))
+    shrink = [before / after if after > 0.0 else _SURE for before, after in pairwise(changes[-3:])]
+    return last / (min(max(min(shrink, default=0.0), _SLOWEST), _SURE) - 1.0)
+
+
+def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Equilibrium]]:
+    """The contact that a step ends with, in so many divisions, or the first that is not ok, and all before it."""
+    start = state.step_before(problem.step)
+    series, gone, least = problem.relaxation, 0.0, inf
+    spent: list[Equilibrium] = []
     assert series is not None
     slides = problem.passing is not None and start.sliding != problem.step.sliding
     growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
@@ -58,7 +69,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
         solved = solution.solve(problem.under(step), state)
-        spent = {name: spent[name] + getattr(solved.equilibrium, name) for name in _COUNTED}
+        spent.append(solved.equilibrium)
         if solved.equilibrium.status[0] != Status.ok:
             break
         state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
@@ -71,10 +82,5 @@ def difference(coarse: Contact, fine: Contact, before: State) -> float:
     Tractions count in those `before` the step if these are larger, as it may end without contact.
     """
     earlier = 0.0 if before.last is None else float(abs(tractions_of(before.last)).sum())
-    borne = tractions_of(coarse), tractions_of(fine)
-    moved = [each.after.memory["springs"].stretch[0] for each in (coarse, fine)]
-    found = 0.0
-    for (one, other), least in ((borne, earlier), (moved, 0.0)):
-        scale = max(float(abs(other).sum()), least)
-        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
-    return found
+    moved = (each.after.memory["springs"].stretch[0] for each in (coarse, fine))
+    return max(relative_difference(tractions_of(coarse), tractions_of(fine), earlier), relative_difference(*moved))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import time_steps
 from gfmd_numba.scene import InputError
+from support.viscoelastic import compliance
 
 CREEP = {
     "scene": {
@@ -136,7 +136,7 @@ REFUSED = {
     ),
     "a speed without a period": (
         changed(CREEP, "scene", periodic=False, loading={"pressure": "20 kPa", "speed": "1 mm/s"}) | {"path": []},
-        "scene.periodic: you gave false; gfmd allows true with a sliding speed: this is not built yet",
+        "scene.periodic: you gave false; gfmd allows true with a sliding speed, whose wake may be longer",
     ),
     "a solver of symmetric problems": (
         changed(CREEP, "scene", "loading", speed="1 mm/s") | {"path": [], "numerics": {"solver": "active_set_newton"}},
@@ -169,8 +169,32 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
     for name in ("contact_area_fraction", "mean_gap", "energy_lost", "time_error"):
         np.testing.assert_array_equal(results[name][0, 0], alone[name])
     np.testing.assert_array_equal(results["step_time"][0], alone["time"])
-    with pytest.raises(InputError, match=r"limits: .* with a viscoelastic body: this is not built yet"):
-        load_campaign(campaign | {"limits": {"eps_c": [1 / 8]}})
+
+
+def test_the_limit_of_a_contact_that_has_crept_is_the_elastic_one_of_the_creep_compliance(tmp_path):
+    """Lee and Radok, of each of its discretisations and so of what these tend to."""
+    fixed = {"eps_c": 2.0, "eps_f": 0.7}
+    campaign = {key: CREEP[key] for key in ("scene", "seed")} | {"path": CREEP["path"][:1], "name": "creep"}
+    campaign |= {"realisations": 2, "reference": CREEP["discretisation"], "fit": {"fixed": fixed}}
+    campaign |= {"limits": {"eps_c": [1], "eps_f": [1 / 4]}, "numerics": {"time_tolerance": 1e-2}}
+    found = gfmd_numba.fit_tfc(gfmd_numba.run(campaign, tmp_path / "creep"), "kappa", fixed=fixed, step=1)
+    softer = compliance(((3.0, 1.0),), 6.0)
+    elastic = changed(campaign, "scene", "body", relaxation=None) | {"numerics": {}}
+    elastic["scene"]["loading"] = {"pressure": softer * 20e3}
+    del elastic["path"]
+    expected = gfmd_numba.fit_tfc(gfmd_numba.run(elastic, tmp_path / "elastic"), "kappa", fixed=fixed)
+    assert float(found["kappa_tfc"][0]) == pytest.approx(softer * float(expected["kappa_tfc"][0]), rel=5e-3)
+    budget = float(found["error_budget"].sel(source="residual")[0] / found["kappa_tfc"][0])
+    assert 5e-4 < budget < 5e-2  # what the divisions of time leave open
+
+
+def test_the_limit_of_what_has_worn_off_is_that_of_archard(tmp_path):
+    fixed = {"eps_c": 2.0}
+    campaign = {key: WEAR[key] for key in ("scene", "path", "seed")} | {"name": "wear", "realisations": 3}
+    campaign |= {"reference": CREEP["discretisation"], "limits": {"eps_c": [1 / 2, 1 / 8]}}
+    results = gfmd_numba.run(campaign | {"fit": {"fixed": fixed, "variable": "mean_worn_depth"}}, tmp_path / "wear")
+    found = gfmd_numba.fit_tfc(results, "mean_worn_depth", fixed=fixed, step=1)
+    assert float(found["mean_worn_depth_tfc"][0]) == pytest.approx(1e-8 * 20e3 * 5e-3, rel=1e-8)
 
 
 def test_a_campaign_slides_at_one_speed_after_another(tmp_path):

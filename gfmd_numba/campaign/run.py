@@ -265,7 +265,7 @@ class _Run:
             earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
             fewest = [earlier.get(case, 0) for case in state.now.cases]
             counts = finished(now, self.directory, fewest)
-            partial = with_realisations(now, counts)
+            partial: Plan | None = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")

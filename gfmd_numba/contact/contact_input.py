@@ -23,6 +23,7 @@ from gfmd_numba.contact.rough_surfaces import (
 from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, read_nodes, refused, tractions_on_the_body
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
@@ -78,9 +79,10 @@ class ContactInput:
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
-        problem, effects = reduce(
-            file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough, self.pattern
-        )
+        problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
+        if self.pattern is not None:
+            padded = free_body.padded_shape(self.pattern.shape, problem.ends)
+            problem = replace(problem, interface=problem.interface.patterned(self.pattern, padded))
         path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 

@@ -10,7 +10,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
 from gfmd_numba.contact.scales import (
     Scales,
@@ -24,10 +23,9 @@ from gfmd_numba.contact.scales import (
 )
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import free_body, moduli
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.records import TIME_TOLERANCE
@@ -46,13 +44,11 @@ def reduce(
     numerics: Numerics,
     tractions: Tractions | None = None,
     rough: RoughBodies | None = None,
-    pattern: Reals | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
     """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
 
-    `rough` are its bodies where topographies are followed: the surface is then the sum of theirs. A `pattern`
-    `[(y,) x]` multiplies its work of adhesion. Raises ValueError for a load that is beyond all measure for the rms
-    gradient and the moduli, or that the hardness cannot carry.
+    `rough` are its bodies where topographies are followed: the surface is then the sum of theirs. Raises ValueError
+    for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot carry.
     """
     scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
     displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
@@ -61,9 +57,6 @@ def reduce(
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
     may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
     interface, interactions = _interface(scene.interface, given, facing, may_slip, scales, rms_gradient)
-    if pattern is not None and interface.normal_law is not None:
-        padded = free_body.padded_shape(pattern.shape, scene.ends)
-        interface = replace(interface, normal_law=PatternedLaw.of(interface.normal_law, pattern, padded))
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)

@@ -5,7 +5,7 @@ they act across an open gap, whether they keep the bodies apart, and whether the
 `Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
-from math import isinf
+from math import inf, isinf
 from typing import ClassVar, Self, get_args
 
 from pydantic import BaseModel, Field, model_validator
@@ -59,6 +59,8 @@ class LawOfTheGap(LawRecord):
         None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
     )
 
+    known_from: ClassVar[float] = -inf  # gap, over the range, below which its traction goes on in a line
+
     @property
     def pull(self) -> float:
         """Traction at no gap over work_of_adhesion / range."""
@@ -95,6 +97,7 @@ class PowerLaw(SignedLaw):
     """Law with energy -work_of_adhesion (1 + gap/range)^-exponent per area."""
 
     title: ClassVar = "power law"
+    known_from: ClassVar = -0.9
     implementation: ClassVar = "gfmd_numba.interface.power_laws:ShiftedPowerLaw"
     exponent: float = Field(
         2.0, ge=2.0, le=12.0, description="Power of the distance; van der Waals: 2, retarded 3 (dimensionless)"
@@ -141,6 +144,7 @@ class LennardJones(LawOfTheGap):
     """Lennard-Jones attraction and repulsion of two half-spaces, integrated over their atoms."""
 
     title: ClassVar = "Lennard-Jones law"
+    known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")

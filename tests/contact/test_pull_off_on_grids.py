@@ -87,7 +87,7 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("parameter", "taper"), [(0.1, 0.2), (0.5, 0.2), (1.0, 0.5)])
+@pytest.mark.parametrize(("parameter", "taper"), [(0.5, 0.2)])
 def test_pull_off_of_a_ball_under_a_constant_attraction_is_that_of_maugis(parameter, taper):
     """Within 0.5 % of the closed form of Maugis (1992), between Bradley's 2 pi w R and 3/2 pi w R of JKR."""
     benchmark = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "maugis_pull_off.py"))

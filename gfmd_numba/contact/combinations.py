@@ -151,6 +151,13 @@ def _flowing() -> Iterator[Refusal]:
     yield Refusal("plasticity", "hardness", twice, "physics")
 
 
+def _of_patterns() -> Iterator[Refusal]:
+    """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
+    for feature in ("campaign", "accuracy"):
+        yield Refusal(feature, "pattern", "no pattern, as a file fits one grid alone", "not built yet")
+    yield Refusal("hardness", "pattern", "no pattern with a hardness: this is not built yet", "not built yet")
+
+
 REFUSALS = (
     Refusal(
         "dimension 2",
@@ -218,6 +225,7 @@ REFUSALS = (
     *_in_time(),
     *_flowing(),
     *_of_threads(),
+    *_of_patterns(),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -324,6 +332,7 @@ PHRASES = {
     "plane stress": "plane stress",
     "plasticity": "a body that flows inside (`plasticity`)",
     "slab": "a slab, or layers",
+    "pattern": "a `pattern` of the work of adhesion",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",

@@ -39,7 +39,7 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         spent = {name: spent[name] + more[name] for name in _COUNTED}
         if found.equilibrium.status[0] != Status.ok:
             break
-        changes.append(difference(coarse, found, state))
+        changes.append(difference(coarse, found))
         error = left_open(changes)
         if error <= tolerance:
             break
@@ -78,16 +78,14 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
     return replace(solved, least_pressure=least), spent
 
 
-def difference(coarse: Contact, fine: Contact, before: State) -> float:
-    """Mean difference of the tractions of two contacts over their mean, or that of the displacements if it is larger.
+def difference(coarse: Contact, fine: Contact) -> float:
+    """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
 
-    Tractions count in those `before` the step if these are larger, as it may end without contact.
+    The larger of both counts. Of what falls again errors stay, and are measured by what they came from.
     """
-    earlier = 0.0 if before.last is None else float(abs(tractions_of(before.last)).sum())
-    borne = tractions_of(coarse), tractions_of(fine)
-    moved = [each.after.memory["springs"].stretch[0] for each in (coarse, fine)]
+    springs = [each.after.memory["springs"] for each in (coarse, fine)]
     found = 0.0
-    for (one, other), least in ((borne, earlier), (moved, 0.0)):
-        scale = max(float(abs(other).sum()), least)
-        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
+    pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
+    for (one, other), largest in zip(pairs, springs[1].largest, strict=True):
+        found = max(found, float(abs(one - other).mean()) / largest if largest > 0.0 else 0.0)
     return found

@@ -105,7 +105,7 @@ def many(folder):
 
 WORKER = """
 import resource, sys
-from gfmd_numba.campaign.block_work import keep_freed_memory
+from gfmd_numba.campaign.execution import keep_freed_memory
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.solution import solve

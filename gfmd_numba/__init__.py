@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.campaign.goal import Goal
-    from gfmd_numba.scene import BoundaryFile, SceneFile
+    from gfmd_numba.scene import BoundaryFile, Document, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
 
 __version__ = "0.1.0"
@@ -83,10 +83,8 @@ def solve(
     (64, 0.108)
     """
     from gfmd_numba import simulate
-    from gfmd_numba.scene import load_scene
-    from gfmd_numba.scene.scene_file import with_heights
 
-    return simulate.solve(*load_scene(scene if heights is None else with_heights(scene, heights)))
+    return simulate.solve(*_scene(scene, heights))
 
 
 def creep_curve(
@@ -121,13 +119,9 @@ def creep_curve(
     >>> gfmd_numba.creep_curve(seal, ["0.1 s", "10 s"])["contact_area_fraction"].values.round(3)
     array([0.041, 0.164])
     """
-    from gfmd_numba.scene import load_scene
-    from gfmd_numba.scene.scene_file import with_heights
-    from gfmd_numba.simulate.curve import creep_curve as curve_of
+    from gfmd_numba.simulate.curve import curve_of
 
-    return _warned(
-        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), times, realisations)
-    )
+    return _warned(curve_of(*_scene(scene, heights), "times", times, realisations))
 
 
 def friction_curve(
@@ -162,13 +156,9 @@ def friction_curve(
     >>> gfmd_numba.friction_curve(seal, [0.01, 1.0])["hysteretic_friction"].values.round(4)
     array([0.0164, 0.001 ])
     """
-    from gfmd_numba.scene import load_scene
-    from gfmd_numba.scene.scene_file import with_heights
-    from gfmd_numba.simulate.curve import friction_curve as curve_of
+    from gfmd_numba.simulate.curve import curve_of
 
-    return _warned(
-        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), speeds, realisations)
-    )
+    return _warned(curve_of(*_scene(scene, heights), "speeds", speeds, realisations))
 
 
 def load_curve(
@@ -209,13 +199,9 @@ def load_curve(
     >>> curve["contact_area_fraction"].values.round(3)
     array([0.108, 0.202])
     """
-    from gfmd_numba.scene import load_scene
-    from gfmd_numba.scene.scene_file import with_heights
-    from gfmd_numba.simulate.curve import load_curve as curve_of
+    from gfmd_numba.simulate.curve import curve_of
 
-    return _warned(
-        curve_of(*load_scene(scene if heights is None else with_heights(scene, heights)), loads, realisations)
-    )
+    return _warned(curve_of(*_scene(scene, heights), "loads", loads, realisations))
 
 
 def body_fields(
@@ -344,7 +330,7 @@ def run(
     if goal is None:
         results = open_campaign(run_campaign(campaign, output, workers_of(workers))[0])
     else:
-        from gfmd_numba.campaign.until import run_until
+        from gfmd_numba.campaign.run import run_until
 
         outcome = run_until(campaign, goal, output, workers_of(workers))
         results = open_campaign(outcome.results)
@@ -387,7 +373,7 @@ def rounds(
     1 reached
     """
     from gfmd_numba.campaign.execution import workers_of
-    from gfmd_numba.campaign.until import each_round
+    from gfmd_numba.campaign.run import each_round
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:
@@ -608,6 +594,17 @@ def _goal(
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
     return None if targets is None else goal_of(targets, budget)
+
+
+def _scene(
+    scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile,
+    heights: np.ndarray[Any, Any] | xr.DataArray | None,
+) -> tuple[SceneFile | BoundaryFile, Document]:
+    """Checked scene, whose punch has the heights if there are any, and its document."""
+    from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.scene_file import with_heights
+
+    return load_scene(scene if heights is None else with_heights(scene, heights))
 
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:

@@ -1,5 +1,7 @@
 """Settings of Sphinx for the documentation site."""
 
+from pathlib import Path
+
 import gfmd_numba
 
 project = "gfmd-numba"
@@ -9,6 +11,10 @@ extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ex
 napoleon_google_docstring = False
 html_theme = "furo"
 html_title = f"gfmd-numba {release}"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_js_files = ["blocks.js"]
+html_search_scorer = str(Path(__file__).with_name("scorer.js"))
 default_role = "code"  # docstrings write code in single backticks
 nitpicky = False
 myst_heading_anchors = 4

@@ -121,11 +121,14 @@ def _text(text: str) -> str:
     return text.replace("|", "\\|").replace("*", "\\*").replace("<", "&lt;")
 
 
+_NARROW = {"terminal_width": 64, "max_content_width": 64}  # columns that a phone shows, too
+
+
 def commands_page(group: click.Group) -> str:
     """Return the page of all commands, as `gfmd COMMAND --help` prints them."""
     parts = ["# Commands\n", "Exit codes: 0 all is well, 2 bad input, 3 some cases failed, 130 interrupted.\n"]
     for name, command in sorted(group.commands.items()):
-        with click.Context(command, info_name=f"gfmd {name}", **group.context_settings) as context:
+        with click.Context(command, info_name=f"gfmd {name}", **group.context_settings | _NARROW) as context:
             parts.append(f"## gfmd {name}\n\n```text\n{command.get_help(context)}\n```\n")
     return "\n".join(parts)
 
@@ -179,18 +182,28 @@ A campaign has a coordinate for each parameter that its `grid` may vary, if its 
 """
 
 
+_GALLERY = """\
+# Gallery
+
+This page is for those who look for an example: each runs in a few seconds, and draws its picture. The tests run them
+all.
+
+````{container} thumbnails
+"""
+
+
 def gallery_page(folder: Path) -> str:
-    """Return the page of the gallery: of each example its sentences, its picture and its code."""
-    parts = [
-        "# Gallery\n",
-        "Each example runs in a few seconds and draws the picture next to it. The tests run all of them.\n",
-    ]
+    """Return the page of the gallery: small pictures that lead to the examples, each with its sentences and code."""
+    small, examples = [], []
     for path in sorted(folder.glob("*.py")):
-        title, _, sentences = (ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n")
+        first, _, sentences = (ast.get_docstring(ast.parse(path.read_text())) or "").partition("\n")
+        title, _, more = first.rstrip(".").partition(": ")
+        sentences = f"{more[:1].upper()}{more[1:]}.\n{sentences}" if more else sentences
         code = path.read_text().split('"""', 2)[2].strip()
-        parts.append(f"## {title.rstrip('.')}\n\n{sentences.strip()}\n\n![{title}]({path.stem}.png)\n")
-        parts.append(f"```python\n{code}\n```\n")
-    return "\n".join(parts)
+        small.append(f"[![{title}]({path.stem}.png) {title}](#example-{path.stem})\n")
+        examples.append(f"(example-{path.stem})=\n## {title}\n\n{sentences.strip()}\n")
+        examples.append(f"![{title}]({path.stem}.png)\n\n```python\n{code}\n```\n")
+    return "\n".join([_GALLERY, *small, "````\n", *examples])
 
 
 PYTHON_PAGE = """\

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from scipy.special import chdtri
 
 from gfmd_numba.analysis.arguments import Counts, Fixed, Seconds, Target, Variable, checked
-from gfmd_numba.analysis.fit_warnings import inseparable
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
+from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
@@ -65,11 +65,17 @@ def _level_of_each(pilot: xr.Dataset) -> list[Level]:
 def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
     """Return what results say of each group, along a path at every step; UnusableDataError where they do not tell."""
     steps = steps_of(pilot, variable)
+    found: list[Ensemble] = []
+    for step, one in enumerate(steps if len(steps) > 1 else ()):
+        try:
+            found += ensembles(one, variable, fixed)
+        except UnusableDataError as error:
+            advice = "`fit: {step: ...}` names a step that is fitted alone, and `fit: {variable: ...}` something else"
+            raise UnusableDataError(f"{variable} at step {step} of the path: {error}; {advice}") from None
     if len(steps) > 1:
-        return [each for step, one in enumerate(steps) for each in _at_step(step, one, variable, fixed)]
+        return found
     (pilot,) = steps
     given = {limit: exponent_range(value) for limit, value in fixed.items()}
-    found = []
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if not group.levels:
@@ -83,17 +89,6 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
             raise UnusableDataError(why)
         found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
     return found
-
-
-def _at_step(
-    step: int, pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]
-) -> list[Ensemble]:
-    """Return what one step of a path says, which an error names."""
-    try:
-        return ensembles(pilot, variable, fixed)
-    except UnusableDataError as error:
-        advice = "`fit: {step: ...}` names a step that is fitted alone, and `fit: {variable: ...}` something else"
-        raise UnusableDataError(f"{variable} at step {step} of the path: {error}; {advice}") from None
 
 
 def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
@@ -144,16 +139,14 @@ _GAIN = 0.998  # of the error, for which another share of a level is worth takin
 
 @dataclass(frozen=True)
 class Design:
-    """Realisations of the reference and of each level, the relative error of the limit they give, and their cost in s.
+    """Realisations of each case (case), the relative error of the limit that they give, and their cost in s.
 
-    Levels of 0 are not worth their cost; `cross` holds the cross levels in the order of the pilot.
+    Cases of levels that are not worth their cost have 0.
     """
 
-    reference: int
-    levels: dict[str, dict[float, int]]  # limit -> eps -> realisations
+    realisations: NDArray[np.intp]
     error: float
     seconds: float
-    cross: tuple[int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -182,15 +175,19 @@ def cheapest_design(
     `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
     UnusableDataError where a million realisations do not reach it.
     """
-    choice = _choice(pilot, seconds, variable, fixed)
+    found, number = ensembles(pilot, variable, fixed or {}), level_of_case(pilot)
+    if len(seconds) != len(number):
+        raise InputError(f"seconds: you gave {len(seconds)} numbers; gfmd allows one for each of {len(number)} cases")
+    price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
+    fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
+    price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
+    choice = _Choice(found, levels_of(pilot), price)
     least = choice.error(np.full(len(choice.levels), float(_MOST)))
     if least >= target:
         raise UnusableDataError(
             f"you gave a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave "
-            f"{100 * least:.3g}%; "
-            "gfmd allows a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower "
-            "ranges "
-            "under `fit: {fixed: ...}`"
+            f"{100 * least:.3g}%; gfmd allows a larger one, finer levels, cross levels for every pair of limits "
+            "(`cross`), or narrower ranges under `fit: {fixed: ...}`"
         )
     shares = choice.price**-0.5
     for _ in range(2):  # the best shares depend on the budget, hardly
@@ -203,20 +200,9 @@ def cheapest_design(
             f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
             f"the cheapest; gfmd allows a larger one, as {_MOST} are the most"
         )
-    return _described(choice, counts)
-
-
-def _choice(
-    pilot: xr.Dataset, seconds: Sequence[float], variable: str, fixed: Mapping[str, float | Sequence[float]] | None
-) -> _Choice:
-    found = ensembles(pilot, variable, fixed or {})
-    number = level_of_case(pilot)
-    if len(seconds) != len(number):
-        raise InputError(f"seconds: you gave {len(seconds)} numbers; gfmd allows one for each of {len(number)} cases")
-    price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
-    fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
-    price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
-    return _Choice(found, levels_of(pilot), price)
+    used = counts > 0
+    seconds_in_all = float(counts[used] @ choice.price[used])
+    return Design(counts[number].astype(np.intp), choice.error(counts), seconds_in_all)
 
 
 def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
@@ -300,21 +286,6 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
     return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))
 
 
-def _described(choice: _Choice, counts: Reals) -> Design:
-    levels: dict[str, dict[float, int]] = {}
-    for (name, eps), count in zip(choice.levels, counts, strict=True):
-        if name in LIMITS:
-            levels.setdefault(name, {})[eps[0]] = int(count)
-    used = counts > 0
-    return Design(
-        reference=int(counts[0]),
-        levels=levels,
-        error=choice.error(counts),
-        seconds=float(counts[used] @ choice.price[used]),
-        cross=tuple(int(count) for (name, _), count in zip(choice.levels, counts, strict=True) if name == CROSS),
-    )
-
-
 _WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
 _OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
 
@@ -358,15 +329,10 @@ def predictions(
         sober = replace(ensemble, doubt=factor**2)
         error, of_surfaces = relative_errors(sober, of_level)
         caution = relative_errors(ensemble, of_level)[0] / error
-        additive = relative_errors(_additive(sober), of_level)[0]
+        known = ensemble.known.copy()
+        coefficients = known[: ensemble.columns.shape[1]]
+        coefficients[coefficients > 0] = _WELL_KNOWN
+        additive = relative_errors(replace(sober, known=known), of_level)[0]  # with the interactions known
         exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
         found.append(Prediction(error, exponents, interactions, factor, caution))
     return found
-
-
-def _additive(ensemble: Ensemble) -> Ensemble:
-    """Return the same, with the interactions known."""
-    known = ensemble.known.copy()
-    coefficients = known[: ensemble.columns.shape[1]]
-    coefficients[coefficients > 0] = _WELL_KNOWN
-    return replace(ensemble, known=known)

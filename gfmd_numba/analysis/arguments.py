@@ -5,7 +5,7 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property, wraps
-from typing import Annotated, Any, Literal, ParamSpec, Protocol, TypeVar, get_args, get_type_hints, runtime_checkable
+from typing import Annotated, Any, Literal, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
 import numpy as np
 import xarray as xr
@@ -17,14 +17,6 @@ Given = ParamSpec("Given")
 Result = TypeVar("Result")
 
 _STEEPEST = 100  # exponent: beyond, powers of eps underflow
-
-
-@runtime_checkable
-class Check(Protocol):
-    """What a type is annotated with so that `checked` looks at its values: a `Kind`, or the `Form` of a dataset."""
-
-    def checked(self, given: Any, argument: str) -> Any:
-        """Return what is given, if it is allowed; raises InputError by the name of the argument."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,10 +98,15 @@ def checked(function: Callable[Given, Result]) -> Callable[Given, Result]:
     """Make a function check what it is given by the annotations of its arguments; they raise InputError."""
     signature = inspect.signature(function)
 
+    @cache
+    def checks() -> dict[str, Callable[[object, str], Any]]:
+        hints = get_type_hints(function, include_extras=True)
+        return {name: found for name, kind in hints.items() if (found := _check_of(kind)) is not None}
+
     @wraps(function)
     def call(*args: Given.args, **kwargs: Given.kwargs) -> Result:
         bound = signature.bind(*args, **kwargs)
-        for name, check in _checks(function).items():
+        for name, check in checks().items():
             if name in bound.arguments:
                 bound.arguments[name] = check(bound.arguments[name], name)
         return function(*bound.args, **bound.kwargs)
@@ -117,17 +114,10 @@ def checked(function: Callable[Given, Result]) -> Callable[Given, Result]:
     return call
 
 
-@cache
-def _checks(function: Callable[..., object]) -> dict[str, Callable[[object, str], Any]]:
-    """Return the check of each argument that has one."""
-    hints = get_type_hints(function, include_extras=True)
-    return {name: found for name, kind in hints.items() if (found := _check_of(kind)) is not None}
-
-
 def _check_of(kind: Any) -> Callable[[object, str], Any] | None:
-    found: Check | None = next((each for each in getattr(kind, "__metadata__", ()) if isinstance(each, Check)), None)
-    if found is not None:
-        return found.checked
+    for each in getattr(kind, "__metadata__", ()):
+        if hasattr(each, "checked"):  # a `Kind`, or the `Form` of a dataset
+            return cast(Callable[[object, str], Any], each.checked)
     if type(None) in get_args(kind) and (check := _check_of(get_args(kind)[0])) is not None:
         return lambda given, name: None if given is None else check(given, name)
     return None

@@ -11,7 +11,6 @@ from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CAMPAIGN, LOADS, UnusableDataError
 from gfmd_numba.analysis.selection import axes, good, table
 
-_NEEDED = {"mean_pressure", "mean_gap", "status"}
 _LOAD = "reduced_pressure"
 _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows from
 
@@ -31,17 +30,18 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     results without two loads of the same surfaces.
     """
     along = "case" if "case" in dataset.dims else "step"
-    if along not in dataset.dims or not dataset.variables.keys() >= _NEEDED:
+    if along not in dataset.dims:
         raise UnusableDataError("you gave no results of several loads; gfmd allows a campaign's, or those of a path")
     if along == "case":
         dataset = CAMPAIGN.checked(dataset, "dataset")
-    pairs = list(_cases(dataset) if along == "case" else _steps(dataset))
+    pairs = list(_cases(dataset) if along == "case" else pairwise(range(dataset.sizes["step"])))
     if not pairs:
         raise UnusableDataError("you gave one load of each surface; gfmd allows several reduced_pressure, or a path")
     ends = (xr.DataArray(list(positions), dims="interval") for positions in zip(*pairs, strict=True))
     lower, upper = (dataset.isel({along: positions}) for positions in ends)
     others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]
-    usable = _usable(lower) & _usable(upper)
+    usable = (lower["status"] == 0) & (upper["status"] == 0)
+    usable = usable & np.isfinite(lower["mean_gap"]) & np.isfinite(upper["mean_gap"])
     rise = (upper["mean_pressure"] - lower["mean_pressure"]).where(usable)
     if "approach" in dataset:
         approach = (upper["approach"] - lower["approach"]).where(usable)
@@ -75,15 +75,6 @@ def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
             members.setdefault(rows[index, :-1].tobytes(), []).append(int(index))
     for loads in members.values():
         yield from pairwise(loads)
-
-
-def _steps(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
-    yield from pairwise(range(dataset.sizes["step"]))
-
-
-def _usable(loads: xr.Dataset) -> xr.DataArray:
-    found: xr.DataArray = (loads["status"] == 0) & np.isfinite(loads["mean_gap"])
-    return found
 
 
 def _rms_height(loads: xr.Dataset) -> xr.DataArray | None:

@@ -233,28 +233,19 @@ CONDUCTANCE = Form(
     {"y": "y rising", **_all("[step] finite", *_PRESCRIBED)},
     least={"x": 4, "y": 4, "step": 1},
 )
-CURVE = Form(
-    "load curve",
-    "what `gfmd curve` leaves",
-    {"prescribed_load": "prescribed_load finite", "n_realisations": "prescribed_load whole"}
-    | _all("prescribed_load numbers", "contact_area_fraction", "mean_gap", "contact_stiffness", "peak_pressure"),
-    {"mean_pressure": "prescribed_load numbers", "*_standard_error": "prescribed_load numbers"},
-    attributes=("prescribed",),
-)
-CREEP = Form(
-    "creep curve",
-    "what `gfmd curve --times` leaves",
-    {"time": "time finite", "n_realisations": "time whole"}
-    | _all("time numbers", "contact_area_fraction", "mean_gap", "n_segments", "peak_pressure"),
-    {"mean_pressure": "time numbers", "*_standard_error": "time numbers"},
-)
-FRICTION = Form(
-    "friction curve",
-    "what `gfmd curve --speeds` leaves",
-    {"speed": "speed finite", "n_realisations": "speed whole"}
-    | _all("speed numbers", "contact_area_fraction", "mean_gap", "hysteretic_friction", "peak_pressure"),
-    {"mean_pressure": "speed numbers", "*_standard_error": "speed numbers"},
-)
+
+
+def _curve(name: str, option: str, over: str, own: str, attributes: tuple[str, ...] = ()) -> Form:
+    """Return the form of a curve over a dim, with a variable of its own."""
+    variables = (own, "contact_area_fraction", "mean_gap", "peak_pressure")
+    needed = {over: f"{over} finite", "n_realisations": f"{over} whole", **_all(f"{over} numbers", *variables)}
+    others = _all(f"{over} numbers", "mean_pressure", "*_standard_error")
+    return Form(name, f"what `gfmd curve{option}` leaves", needed, others, attributes)
+
+
+CURVE = _curve("load curve", "", "prescribed_load", "contact_stiffness", ("prescribed",))
+CREEP = _curve("creep curve", " --times", "time", "n_segments")
+FRICTION = _curve("friction curve", " --speeds", "speed", "hysteretic_friction")
 FIT = Form(
     "fit",
     "what `gfmd fit -o` leaves",
@@ -267,9 +258,14 @@ FIT = Form(
 STATISTICS = Form(
     "statistics of a contact",
     "what `gfmd statistics` leaves",
-    {**_all("... pressure finite", "pressure_density", "pressure_density_persson"), "gap_density": "... gap finite"}
+    {"pressure_density": "... pressure finite", "gap_density": "... gap finite"}
     | {"pressure": "pressure rising", "gap": "gap rising"},
-    {"segments": "... length numbers", "clusters": "... area numbers", "reduced_pressure": "... finite"}
+    {
+        "pressure_density_persson": "... pressure finite",
+        "segments": "... length numbers",
+        "clusters": "... area numbers",
+        "reduced_pressure": "... finite",
+    }
     | {"length": "length positive", "area": "area positive"},
     least={"pressure": 2, "gap": 2, "length": 1, "area": 1, "step": 1},
 )
@@ -315,8 +311,7 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     if maps_only and "y" not in dataset.dims:
         raise UnusableDataError(
             "you gave the contact of a profile, in which no channel leads around the contacts; gfmd allows that of a "
-            "map "
-            "(solve a scene with `dimension: 2`, whose surface is random or a measured map)"
+            "map (solve a scene with `dimension: 2`, whose surface is random or a measured map)"
         )
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     fields = [dataset[name] for name in _FIELDS if name in needed]

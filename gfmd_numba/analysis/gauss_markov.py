@@ -7,12 +7,14 @@ shrunk towards "common offset plus independent residuals" with the weight of twi
 pseudo-realisations as there are cases.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import fdtri
 
-from gfmd_numba.analysis.linear_fit import POWER_OF_WANING, Means, linear_influence
+from gfmd_numba.analysis.posterior import POWER_OF_WANING, Choice, Means, known_before, linear_influence, misfit_form
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
 from gfmd_numba.theory.exponents import has_slope_law
@@ -82,11 +84,6 @@ def covariance_of_one(values: Reals) -> Reals:
     return _shrunk(centred) if present.all() else _tree(centred, present)
 
 
-def covariance_of_levels(values: Reals) -> Reals:
-    """Return the covariance (case, case) of one of the complete realisations by which a ragged design is fitted."""
-    return _tree(values - values.mean(axis=0), np.isfinite(values))
-
-
 def _shrunk(centred: Reals) -> Reals:
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)
@@ -140,7 +137,9 @@ def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
 
 def pooled_covariance(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation from all `values` (realisation, case), nan if not asked."""
-    return covariance_of_levels(values) if np.isfinite(values).all() else covariance_of_one(values)
+    if np.isfinite(values).all():  # complete realisations, by which a ragged design is fitted
+        return _tree(values - values.mean(axis=0), np.isfinite(values))
+    return covariance_of_one(values)
 
 
 def degrees_of_freedom(values: Reals, covariance: Reals, columns: Reals) -> float:
@@ -190,3 +189,34 @@ def scatter_of(values: Reals) -> Reals | None:
     if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
         return None
     return scatter_of_means(values, covariance, of_means)
+
+
+def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[Choice]) -> float:
+    """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1.
+
+    It is that of the means alone: coefficients other than expected are no misfit of a law. How it is distributed
+    follows from the scatter of the means, as the covariance that weighs them is only estimated (Satterthwaite 1946).
+    """
+    found_scatters = [scatter_of(group.values[group.complete]) for group in groups]
+    scatters = [scatter for scatter in found_scatters if scatter is not None]
+    freedom = min(group.n_realisations for group in groups) - 1
+    if freedom < 1 or len(scatters) < len(groups):
+        return 1.0
+    ratios = []
+    for choice in found:
+        best = int(np.argmin(np.sum([fit.misfit for fit in choice.fits], axis=0)))
+        chi2 = expected = squares = 0.0
+        for each, scatter in zip(means, scatters, strict=True):
+            weights = misfit_form(each, choice.laws, choice.nodes[best], known_before(each, choice.laws))
+            chi2 += float(each.values @ weights @ each.values)
+            form = weights @ scatter
+            expected += float(np.trace(form))
+            squares += float(np.trace(form @ form))
+        if expected <= 0.0:
+            continue
+        contrasts = expected**2 / squares
+        searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
+        expected *= max(1.0, contrasts - searched) / contrasts
+        limit = expected * fdtri(max(1.0, contrasts - searched), freedom, 0.95)
+        ratios.append(chi2 / limit)
+    return max(1.0, min(ratios, default=1.0))

@@ -14,28 +14,14 @@ import xarray as xr
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
-from gfmd_numba.analysis.error_budget import SOURCES, error_budget
-from gfmd_numba.analysis.extrapolation import doubts, mean_distances, of_thin_layers
-from gfmd_numba.analysis.fit_dataset import PAIRS, STEPS, Estimates, GroupFit, fit_dataset
-from gfmd_numba.analysis.fit_warnings import (
-    additivity,
-    advice,
-    doubtful,
-    evidence,
-    inseparable,
-    logarithmic,
-    pressed,
-    realisations,
-    shortage,
-)
+from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
 from gfmd_numba.analysis.forms import CAMPAIGN
-from gfmd_numba.analysis.gauss_markov import means_of
-from gfmd_numba.analysis.goodness_of_fit import excess_misfit
+from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
-from gfmd_numba.analysis.linear_fit import Laws, Linear, Means
-from gfmd_numba.analysis.posterior import Choice, along, shares, weighed
-from gfmd_numba.analysis.rivals import Rival, disagreement, rivals, without_coarsest
+from gfmd_numba.analysis.limit_errors import Rival
+from gfmd_numba.analysis.posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error
@@ -112,9 +98,9 @@ def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
 
 def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
     """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
-    lacks = [inseparable(group) for group in groups]
+    lacks = [limit_errors.inseparable(group) for group in groups]
     able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
-    short = shortage(able, _choices(able, given)) if able else ""
+    short = limit_errors.shortage(able, _choices(able, given)) if able else ""
     return [lack or short for lack in lacks]
 
 
@@ -130,16 +116,17 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
     laws = _choices(groups, given)
     whole = found = _weighed(groups, laws)
     left_out: list[str] = []
-    while found.excess > 1.0 and (fewer := without_coarsest(found.groups)) is not None:
+    while found.excess > 1.0 and (fewer := limit_errors.without_coarsest(found.groups)) is not None:
         left_out.append(fewer[0])
         found = _weighed(fewer[1], laws)
     if found.excess > 1.0:  # no law describes any of the levels, so that there is no reason to leave some out
         left_out, found = [], whole
-    doubt = doubtful(found.groups, found.choices, found.share)
+    doubt = limit_errors.doubtful(found.groups, found.choices, found.share)
     if doubt:
         return [_refused(group, _doubts(group, doubt)) for group in groups]
     others = [
-        (rival, _weighed(rival.groups, _choices(rival.groups, rival.given))) for rival in rivals(found.groups, given)
+        (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
+        for rival in limit_errors.rivals(found.groups, given)
     ]
     return [_fit(index, found, others, left_out) for index in range(len(groups))]
 
@@ -181,18 +168,18 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
-    value = np.concatenate([_table(group, fit) for fit in fits])
-    variance = np.concatenate([_variances(group, fit) for fit in fits])
-    at_an_end = pressed(found, share)
-    by_limit = np.concatenate([doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
+    value = np.concatenate([_parameters(group, fit) for fit in fits])
+    variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
+    at_an_end = limit_errors.pressed(found, share)
+    by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
-    differing = [(rival, disagreement(*mine, *other.limit_of(index))) for rival, other in others]
+    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
     estimate = likeliest + weight @ (value - likeliest)  # what is the same at all nodes stays exactly that
     error = np.sqrt(weight @ (variance + (value - estimate) ** 2))
-    budget = error_budget(index, means, found, share, group.residual_error)
+    budget = limit_errors.error_budget(index, means, found, share, group.residual_error)
     extrapolation_error = np.sqrt(weight @ by_limit)
     budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
     budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
@@ -201,15 +188,15 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         *_by_law(index, group, found, share),
         *_by_theory(index, group, others),
         *at_an_end.values(),
-        *logarithmic(group, found),
-        *additivity(group, error),
-        *of_thin_layers(group, means),
+        *limit_errors.logarithmic(group, found),
+        *limit_errors.additivity(group, error),
+        *limit_errors.of_thin_layers(group, means),
         *_doubts_of_levels(whole, group, differing, left_out),
     ]
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
-        notes.append(f"the sampling error is unknown ({realisations(group)})")
+        notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
@@ -218,24 +205,24 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
-    return GroupFit(
-        status="ok",
-        message="\n".join(notes),
-        estimate=Estimates(estimate),
-        error=Estimates(error),
-        low=low,
-        high=high,
-        budget=budget,
-        rms_residual=rms_residual,
-        chi2=whole.excess * chi2,
-        misfit=float(np.sqrt(whole.excess)),
-        freedom=group.n_cases - fits[0].coefficients.shape[1],
-        laws=_laws(group, found),
-        curve=_curve(index, group, means, found, share),
-        extrapolated=mean_distances(index, means, found, share),
-        extrapolation_error=extrapolation_error,
-        contradiction=_contradiction(group, differing),
-    )
+    return {
+        "fit_status": "ok",
+        "message": "\n".join(notes),
+        **named(estimate),
+        **named(error, "_error"),
+        "{variable}_tfc_low": low,
+        "{variable}_tfc_high": high,
+        "error_budget": budget,
+        "rms_residual": rms_residual,
+        "chi2": whole.excess * chi2,
+        "misfit": float(np.sqrt(whole.excess)),
+        "freedom": group.n_cases - fits[0].coefficients.shape[1],
+        "law": _laws(group, found),
+        **_curve(index, group, means, found, share),
+        "extrapolated": limit_errors.mean_distances(index, means, found, share),
+        "extrapolation_error": extrapolation_error,
+        "contradiction": _contradiction(group, differing),
+    }
 
 
 def _doubts_of_levels(
@@ -303,9 +290,7 @@ def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
     ]
 
 
-def _curve(
-    index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]
-) -> tuple[Reals, Reals]:
+def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
     """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
@@ -314,37 +299,28 @@ def _curve(
         value[row] = sum(
             each @ along(choice, index, means, name, eps[row]) for choice, each in zip(found, share, strict=True)
         )
-    return eps, value
+    return {"curve_eps": eps, "curve": value}
 
 
-def _table(group: Group, fit: Linear) -> Reals:
-    """Return the parameters (node, parameter) of fits in the order of `Estimates`, nan for limits not varied."""
-    found = Estimates.unknown(len(fit.misfit))
-    found.tfc[:] = fit.coefficients[:, 0]
+def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
+    """Return the parameters of fits as a table, or their variances at known parameters of the laws.
+
+    Those of limits that are not varied are nan.
+    """
+    coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
+    power = 2 if variances else 1
+    table = unknown_parameters(len(fit.misfit))
+    found = named(table)
+    found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
-        found.correction[:, limit] = fit.coefficients[:, 1 + row]
-        found.exponent[:, limit] = fit.exponents[:, row]
-        found.coefficient[:, limit] = fit.coefficients[:, 1 + row] * group.reference[name] ** -fit.exponents[:, row]
-    for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found.interaction[:, PAIRS.index(pair)] = fit.coefficients[:, row]
-    return found.table
-
-
-def _variances(group: Group, fit: Linear) -> Reals:
-    """Return the variances of `_table` at known parameters of the laws."""
-    variance = np.diagonal(fit.covariance, axis1=1, axis2=2)
-    found = Estimates.unknown(len(fit.misfit))
-    found.tfc[:] = variance[:, 0]
-    for row, name in enumerate(group.levels):
-        limit = LIMITS.index(name)
-        found.correction[:, limit] = variance[:, 1 + row]
-        found.exponent[:, limit] = 0.0
+        found["correction"][:, limit] = coefficients[:, 1 + row]
+        found["alpha"][:, limit] = 0.0 if variances else fit.exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
-        found.coefficient[:, limit] = variance[:, 1 + row] * scale**2
+        found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
     for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found.interaction[:, PAIRS.index(pair)] = variance[:, row]
-    return found.table
+        found["interaction"][:, PAIRS.index(pair)] = coefficients[:, row]
+    return table
 
 
 def _pairs(group: Group) -> list[tuple[str, str]]:
@@ -389,26 +365,10 @@ def _misfit(
 
 
 def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
-    reasons = [f"exponent of {name} {why} ({evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, advice(doubt, group.variable, group.dimension)])
+    reasons = [f"exponent of {name} {why} ({limit_errors.evidence(group, name)})" for name, why in doubt.items()]
+    return "\n".join([*reasons, limit_errors.advice(doubt, group.variable, group.dimension)])
 
 
 def _refused(group: Group, reason: str) -> GroupFit:
-    return GroupFit(
-        status="refused",
-        message="\n".join([reason, *group.notes]),
-        estimate=Estimates.unknown(),
-        error=Estimates.unknown(),
-        low=np.nan,
-        high=np.nan,
-        budget=np.full(len(SOURCES), np.nan),
-        rms_residual=np.nan,
-        chi2=np.nan,
-        misfit=np.nan,
-        freedom=0,
-        laws=[""] * len(LIMITS),
-        curve=(np.full((len(LIMITS), STEPS), np.nan), np.full((len(LIMITS), STEPS), np.nan)),
-        extrapolated=np.full(len(LIMITS), np.nan),
-        extrapolation_error=np.full(len(LIMITS), np.nan),
-        contradiction=np.full(len(LIMITS), np.nan),
-    )
+    message = "\n".join([reason, *group.notes])
+    return {"fit_status": "refused", "message": message, "freedom": 0, "law": [""] * len(LIMITS)}

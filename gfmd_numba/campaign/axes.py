@@ -3,44 +3,31 @@
 To add an axis, add its row. This is pure data and records: importing it compiles nothing.
 """
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
+from itertools import product
 from operator import attrgetter
-from typing import Any
+from types import NoneType
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hints
 
-from pydantic import BaseModel
+from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.scene import Discretisation, Scene
-from gfmd_numba.scene.form_record import FormSlope
+from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.scene import Discretisation, Document, Random, Scene
+from gfmd_numba.scene.document import Location, dotted
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
     MEAN_PRESSURE,
     PUNCH_DISPLACEMENT,
+    RECORD,
     REDUCED_PRESSURE,
     RMS_GRADIENT_TARGET,
-    Anisotropy,
-    AspectRatio,
-    EpsC,
-    EpsF,
-    EpsT,
-    Force,
-    FrictionCoefficient,
-    Hurst,
-    Length,
-    LineLoad,
-    Points,
-    PoissonsRatio,
-    Pressure,
-    ReducedPressure,
-    RmsGradient,
-    SignedLength,
-    SignedWorkOfAdhesion,
-    Speed,
+    broken_rule,
 )
-from gfmd_numba.scene.surfaces import PositiveHurst
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
 _COORDINATES = {
@@ -50,9 +37,21 @@ _COORDINATES = {
 }
 
 
+@cache
+def _types_of(record: type[BaseModel]) -> dict[str, Any]:
+    return get_type_hints(record, include_extras=True)
+
+
+def _records(kind: Any) -> list[Any]:
+    """Return the records that a type allows."""
+    if isinstance(kind, type) and issubclass(kind, BaseModel):
+        return [kind]
+    return [record for each in get_args(kind) for record in _records(each)]
+
+
 @dataclass(frozen=True)
 class Axis:
-    """A parameter of a grid: its name, the type of its values, and the record of the scene that has it.
+    """A parameter of a grid: its name, and the record of the scene that has it, whose type its values have.
 
     `record` is a dotted path in the scene, and `key` the name of the field there if it is another. A discretisation
     stands next to the scene and has no record; `limit` then names the limit in which it goes to 0. `symbol` heads a
@@ -60,7 +59,6 @@ class Axis:
     """
 
     name: str
-    type: Any
     record: str
     symbol: str
     label: str
@@ -73,6 +71,17 @@ class Axis:
     def place(self) -> Place:
         """Names of the fields that lead from the scene to the value; none of a discretisation."""
         return (*self.record.split("."), self.key or self.name) if self.record else ()
+
+    @cached_property
+    def type(self) -> Any:
+        """Type of its values: that of its field in the first record that may have it, without None."""
+        kinds: list[Any] = [Scene if self.record else Discretisation]
+        *parts, field = self.place or (self.name,)
+        for name in parts:
+            kinds = [record for kind in kinds for record in _records(_types_of(kind).get(name))]
+        kind = next(_types_of(kind)[field] for kind in kinds if field in _types_of(kind))
+        given = tuple(each for each in get_args(kind) if each is not NoneType)
+        return given[0] if NoneType in get_args(kind) and len(given) == 1 else kind
 
     @property
     def forms_groups(self) -> bool:
@@ -87,7 +96,7 @@ class Axis:
     @property
     def has_names(self) -> bool:
         """Whether its values are names, which the dataset numbers as well."""
-        return self.type is FileName
+        return bool(self.type == FileName)
 
     @property
     def of_surface(self) -> bool:
@@ -114,47 +123,46 @@ class Axis:
 def _of_rough_body(body: str) -> Iterator[Axis]:
     """Axes of the roughness of one of the two bodies."""
     number, whose = ("1", "body") if body == "body" else ("2", "counter body")
-    for key, kind, symbol, label, long_name, unit in (
-        ("hurst", Hurst, "H", "H", "Hurst exponent", "1"),
-        ("rms_gradient", RmsGradient, "g", r"\bar{g}", "rms gradient asked for", "1"),
-        ("rms_height", Length, "h", r"\bar{h}", "rms height asked for", "height"),
+    for key, symbol, label, long_name, unit in (
+        ("hurst", "H", "H", "Hurst exponent", "1"),
+        ("rms_gradient", "g", r"\bar{g}", "rms gradient asked for", "1"),
+        ("rms_height", "h", r"\bar{h}", "rms height asked for", "height"),
     ):
         told = f"{symbol}_{number}", f"${label}_{number}$", f"{long_name}, of the surface of the {whose}"
-        yield Axis(f"{body}_{key}", kind, f"{body}.roughness", *told, unit, key=key)
+        yield Axis(f"{body}_{key}", f"{body}.roughness", *told, unit, key=key)
 
 
 AXES = (
-    Axis("file", FileName, "roughness", "file", "file", "file of the measured surface"),
-    Axis("hurst", Hurst, "roughness", "H", "$H$", "Hurst exponent"),
-    Axis("poissons_ratio", PoissonsRatio, "body", "nu", r"$\nu$", "Poisson's ratio of the body"),
-    Axis("aspect_ratio", AspectRatio, "body", "a", "$a$", "thickness of the body over the period"),
-    Axis("reduced_pressure", ReducedPressure, "loading", "p*", r"$\bar{p}^*$", REDUCED_PRESSURE),
-    Axis("pressure", Pressure, "loading", "p", r"$\bar{p}$", MEAN_PRESSURE, "pressure"),
-    Axis("line_load", LineLoad, "loading", "F/l", r"$F/\ell$", LINE_LOAD, "force per length"),
-    Axis("force", Force, "loading", "F", "$F$", FORCE_ON_A_MAP, "force"),
-    Axis("rms_gradient", RmsGradient, "roughness", "g", r"$\bar{g}$", RMS_GRADIENT_TARGET),
-    Axis("anisotropy", Anisotropy, "roughness", "gamma", r"$\gamma$", "correlation length of a map, y over x"),
-    Axis("hurst_x", PositiveHurst, "roughness", "H_x", "$H_x$", "Hurst exponent along x"),
-    Axis("hurst_y", PositiveHurst, "roughness", "H_y", "$H_y$", "Hurst exponent along y"),
-    Axis("rms_height", Length, "roughness", "h", r"$\bar{h}$", "rms height asked for", "height"),
-    Axis("roll_off", Length, "roughness", "lambda_l", r"$\lambda_l$", "longest wavelength of the power law", "height"),
-    Axis("cut_on", Length, "roughness", "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
-    Axis("cutoff", Length, "roughness", "lambda_c", r"$\lambda_c$", "shortest wavelength kept", "height"),
-    Axis("points", Points, "roughness", "points", "$n_x$", "grid points of the surface over the period"),
-    Axis("correlation_length", Length, "roughness", "xi", r"$\xi$", "correlation length", "height"),
-    Axis("correlation_length_x", Length, "roughness", "xi_x", r"$\xi_x$", "correlation length along x", "height"),
-    Axis("correlation_length_y", Length, "roughness", "xi_y", r"$\xi_y$", "correlation length along y", "height"),
-    Axis("mound_separation", Length, "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds", "height"),
-    Axis("radius", Length, "form", "R", "$R$", "radius of the form, a ball or a cylinder", "height"),
-    Axis("radius_y", Length, "form", "R_y", "$R_y$", "radius of the form along y", "height"),
-    Axis("slope", FormSlope, "form", "slope", r"$\tan\beta$", "slope of the flanks of the form, a wedge or a cone"),
-    Axis("width", Length, "form", "W", "$W$", "width of the form, a flat punch, between its edges", "height"),
-    Axis("edge_radius", Length, "form", "R_e", "$R_e$", "radius of the edges of the form", "height"),
-    Axis("speed", Speed, "loading", "v", "$v$", "sliding speed of the punch along x", "speed"),
-    Axis("displacement", SignedLength, "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
+    Axis("file", "roughness", "file", "file", "file of the measured surface"),
+    Axis("hurst", "roughness", "H", "$H$", "Hurst exponent"),
+    Axis("poissons_ratio", "body", "nu", r"$\nu$", "Poisson's ratio of the body"),
+    Axis("aspect_ratio", "body", "a", "$a$", "thickness of the body over the period"),
+    Axis("reduced_pressure", "loading", "p*", r"$\bar{p}^*$", REDUCED_PRESSURE),
+    Axis("pressure", "loading", "p", r"$\bar{p}$", MEAN_PRESSURE, "pressure"),
+    Axis("line_load", "loading", "F/l", r"$F/\ell$", LINE_LOAD, "force per length"),
+    Axis("force", "loading", "F", "$F$", FORCE_ON_A_MAP, "force"),
+    Axis("rms_gradient", "roughness", "g", r"$\bar{g}$", RMS_GRADIENT_TARGET),
+    Axis("anisotropy", "roughness", "gamma", r"$\gamma$", "correlation length of a map, y over x"),
+    Axis("hurst_x", "roughness", "H_x", "$H_x$", "Hurst exponent along x"),
+    Axis("hurst_y", "roughness", "H_y", "$H_y$", "Hurst exponent along y"),
+    Axis("rms_height", "roughness", "h", r"$\bar{h}$", "rms height asked for", "height"),
+    Axis("roll_off", "roughness", "lambda_l", r"$\lambda_l$", "longest wavelength of the power law", "height"),
+    Axis("cut_on", "roughness", "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
+    Axis("cutoff", "roughness", "lambda_c", r"$\lambda_c$", "shortest wavelength kept", "height"),
+    Axis("points", "roughness", "points", "$n_x$", "grid points of the surface over the period"),
+    Axis("correlation_length", "roughness", "xi", r"$\xi$", "correlation length", "height"),
+    Axis("correlation_length_x", "roughness", "xi_x", r"$\xi_x$", "correlation length along x", "height"),
+    Axis("correlation_length_y", "roughness", "xi_y", r"$\xi_y$", "correlation length along y", "height"),
+    Axis("mound_separation", "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds", "height"),
+    Axis("radius", "form", "R", "$R$", "radius of the form, a ball or a cylinder", "height"),
+    Axis("radius_y", "form", "R_y", "$R_y$", "radius of the form along y", "height"),
+    Axis("slope", "form", "slope", r"$\tan\beta$", "slope of the flanks of the form, a wedge or a cone"),
+    Axis("width", "form", "W", "$W$", "width of the form, a flat punch, between its edges", "height"),
+    Axis("edge_radius", "form", "R_e", "$R_e$", "radius of the edges of the form", "height"),
+    Axis("speed", "loading", "v", "$v$", "sliding speed of the punch along x", "speed"),
+    Axis("displacement", "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
     Axis(
         "friction_coefficient",
-        FrictionCoefficient,
         "interface.friction",
         "mu",
         r"$\mu$",
@@ -163,17 +171,15 @@ AXES = (
     ),
     Axis(
         "hardness",
-        Pressure,
         "interface.hard_wall",
         "p_H",
         "$p_H$",
         "contact pressure at which the hard wall gives way",
         "pressure",
     ),
-    Axis("yield_stress", Pressure, "body.plasticity", "Y", "$Y$", "uniaxial yield stress of the body", "pressure"),
+    Axis("yield_stress", "body.plasticity", "Y", "$Y$", "uniaxial yield stress of the body", "pressure"),
     Axis(
         "hardening",
-        Pressure,
         "body.plasticity",
         "H_p",
         "$H_p$",
@@ -182,7 +188,6 @@ AXES = (
     ),
     Axis(
         "work_of_adhesion",
-        SignedWorkOfAdhesion,
         "interface.exponential",
         "w",
         r"$\Delta\gamma$",
@@ -191,7 +196,6 @@ AXES = (
     ),
     Axis(
         "interaction_range",
-        Length,
         "interface.exponential",
         "z_r",
         "$z_r$",
@@ -202,7 +206,6 @@ AXES = (
     *(axis for body in ("body", "counter_body") for axis in _of_rough_body(body)),
     Axis(
         "counter_body_youngs_modulus",
-        Pressure,
         "counter_body",
         "E_2",
         "$E_2$",
@@ -212,7 +215,6 @@ AXES = (
     ),
     Axis(
         "counter_body_poissons_ratio",
-        PoissonsRatio,
         "counter_body",
         "nu_2",
         r"$\nu_2$",
@@ -221,16 +223,15 @@ AXES = (
     ),
     Axis(
         "counter_body_aspect_ratio",
-        AspectRatio,
         "counter_body",
         "a_2",
         "$a_2$",
         "thickness of the counter body over the period",
         key="aspect_ratio",
     ),
-    Axis("eps_c", EpsC, "", "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", limit="continuum"),
-    Axis("eps_f", EpsF, "", "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", limit="fractal"),
-    Axis("eps_t", EpsT, "", "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", limit="thermodynamic"),
+    Axis("eps_c", "", "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", limit="continuum"),
+    Axis("eps_f", "", "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", limit="fractal"),
+    Axis("eps_t", "", "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", limit="thermodynamic"),
 )
 OF_THE_SCENE = tuple(axis for axis in AXES if axis.record)
 DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.record)
@@ -261,3 +262,139 @@ def _updates(record: BaseModel, values: Mapping[Place, Any]) -> dict[str, Any]:
 def _part(part: BaseModel, values: tuple[tuple[Place, Any], ...]) -> BaseModel:
     """Return a part of a scene with other values; equal parts of many cases are one record."""
     return part.model_copy(update=_updates(part, dict(values)))
+
+
+Value = TypeVar("Value")
+
+
+def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
+    seen = set()
+    for i, value in enumerate(values):
+        if value in seen:
+            raise broken_rule((i,), "each value once")
+        seen.add(value)
+    return values
+
+
+Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
+
+
+def _fields() -> dict[str, Any]:
+    of_any: Any = Values
+    return {axis.name: (of_any[axis.type] | None, Field(None, description=axis.long_name)) for axis in AXES}
+
+
+if TYPE_CHECKING:
+    Grid = BaseModel  # the fields are those of the table
+else:
+    Grid = create_model(
+        "Grid",
+        __config__=RECORD,
+        __doc__="Parameters taken as a full product, each in place of the scene's or reference's value.",
+        **_fields(),
+    )
+
+
+def values_of(grid: Grid, axis: str) -> tuple[Any, ...] | None:
+    """Return the values that a grid gives to an axis, numbers or names, or None."""
+    given: tuple[Any, ...] | None = getattr(grid, axis)
+    if given is None:
+        return None  # whether a number has a unit, only `Campaign` needs to know
+    return tuple(float(value) if isinstance(value, float) else value for value in given)
+
+
+def varied_scenes(scene: Scene, grid: Grid) -> Iterator[tuple[Axis, Location, Scene]]:
+    """Yield the scene with each single value of a grid: its axis, where the value stands in the file, and the scene."""
+    for axis in OF_THE_SCENE:
+        for i, value in enumerate(values_of(grid, axis.name) or ()):
+            yield axis, ("grid", axis.name, i), with_values(scene, {axis.place: value})
+
+
+def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
+    """Raise InputError for values of a parameter that a scene has not, or that break a rule of the scene."""
+    for axis in OF_THE_SCENE:
+        at = ("grid", axis.name)
+        if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
+            raise document.refused(at, lack)
+    for axis, location, varied in varied_scenes(scene, grid):
+        if not axis.of_surface and (fault := _fault(varied)):
+            raise document.refused(location, fault[1])
+
+
+def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
+    """Raise InputError for values of a grid that, taken together, make no surface or one that does not fit its period.
+
+    A value of the grid takes the place of the scene's, so that each value is checked with the grid's others.
+    """
+    for values, locations in surfaces_of_grid(grid):
+        fault = _surface_fault(scene, values)
+        if fault is None:
+            continue
+        place: Place = ("roughness", fault[0])
+        allowed = fault[1]
+        if place not in values:
+            if getattr(scene.roughness, fault[0], None) is not None:
+                allowed = f"a value for which {fault[0]} is {allowed}"
+            to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
+            place = next(to_blame, list(values)[-1])
+        location = locations[place]
+        raise document.refused(location, allowed)
+
+
+def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
+    """Yield the values of each surface of a grid by their places in the scene, and where each stands in the file."""
+    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
+    for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
+        values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+        yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
+
+
+def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
+    """Return sentences about implausible numbers of a scene, its grid or its path, a line each.
+
+    Of the values of an axis the first implausible one is named.
+    """
+    axes = {axis: values for axis in OF_THE_SCENE if (values := getattr(grid, axis.name))}
+    scene = with_values(scene, {axis.place: values[0] for axis, values in axes.items()})
+    found = dict.fromkeys(implausible(scene, path))
+    for axis, values in axes.items():
+        others = (implausible(with_values(scene, {axis.place: value}), path) for value in values[1:])
+        found |= dict.fromkeys(next((sentences for sentences in others if set(sentences) - found.keys()), ()))
+    said = "\n".join(found)
+    for axis in axes:
+        said = said.replace(f"{dotted(axis.place)} is ", f"grid.{axis.name} is ")
+    return said
+
+
+def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
+    """Return the `_fault` of the surface of a scene with other values, or of a length that does not fit the period."""
+    surface = with_values(scene, values).roughness
+    return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
+
+
+def _fault(record: BaseModel) -> tuple[str, str] | None:
+    """Return the key of the first value that breaks a rule (empty for several), and what is allowed; or None."""
+    try:
+        type(record).model_validate_json(record.model_dump_json())  # which forgets what had units
+    except ValidationError as error:
+        fault = error.errors(include_url=False)[0]
+        context = fault.get("ctx", {})
+        location = (*fault["loc"], *context.get("location", ()))
+        return str(location[-1]) if location else "", context.get("allowed", fault["msg"])
+    return None
+
+
+def _lack(scene: Scene, axis: Axis) -> str:
+    """Return what is allowed instead of an axis for which the scene has no parameter; empty if it has one."""
+    record: Any = scene
+    for name in axis.place[:-1]:
+        record = getattr(record, name, None)
+    *parts, key = axis.place
+    home = ".".join(("scene", *parts))
+    if isinstance(record, Random) and key not in type(record).model_fields:
+        return f"nothing, as {home} with {record.named_by} {getattr(record, record.named_by)} has no {key}"
+    if key not in getattr(type(record), "model_fields", ()):
+        return f"nothing without {home}.{key}: add `{key}` to {home}; the values of the grid then replace it"
+    if record is scene.loading and getattr(record, key) is None:
+        return f"nothing, as the loading is a {next(name for name, value in scene.loading if value is not None)}"
+    return ""

@@ -8,23 +8,160 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.arrays import Reals
-from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, with_values
-from gfmd_numba.campaign.file import Campaign
-from gfmd_numba.campaign.grid import values_of
-from gfmd_numba.campaign.measured_surfaces import MeasuredScene, Measurements
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
+from gfmd_numba.campaign.file import Campaign, check_scene
+from gfmd_numba.contact.contact_input import with_measured
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, given_surface
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import check_drawn, ensemble_of_rough_bodies, punch_on_its_form, random_surface
+from gfmd_numba.contact.rough_surfaces import (
+    MeasuredSurfaces,
+    check_drawn,
+    ensemble_of_rough_bodies,
+    punch_on_its_form,
+    random_surface,
+)
 from gfmd_numba.contact.scales import passing, reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.scene import Discretisation, Document, InputError, Random, Scene, Surface
+from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.surface_files import read_content
+from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
-from gfmd_numba.scene.scene_file import located_boundary
+from gfmd_numba.scene.document import Location, existing_file
+from gfmd_numba.scene.scene_file import located_boundary, located_files
+
+PUNCH = ("roughness",)
+FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")
+_UNITS = {"m": "m", "1": "L_x"}
+
+
+@dataclass(frozen=True)
+class MeasuredScene:
+    """What the files of a scene give: its dimension, its period L_x in m (None: lengths are in L_x), and its surfaces.
+
+    A rigid `punch` is in g L_x and stands with its rms gradient g. For rough bodies, `surfaces` has all that were
+    measured, by their places, and errors about them name places of the `document`. Sentences say what was `done` to the
+    heights, and which `doubts` there are about them.
+    """
+
+    dimension: int
+    period: float | None
+    document: Document
+    done: tuple[str, ...]
+    doubts: tuple[str, ...]
+    punch: tuple[GivenSurface, float] | None
+    surfaces: MeasuredSurfaces
+
+    def under(self, scene: Scene) -> Scene:
+        """Scene of this dimension and period."""
+        return scene.model_copy(update={"dimension": self.dimension, "length": self.period})
+
+
+Measurements = Mapping[Surface | None, MeasuredScene]
+
+
+def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | None, MeasuredScene]:
+    """Return measured surfaces by the record of the measured punch; by None if only bodies were measured.
+
+    Raises InputError for files that cannot be used or do not fit each other.
+    """
+    if not any(isinstance(surface, Measured) for surface in campaign.scene.surfaces.values()):
+        return {}
+    if not isinstance(campaign.scene.roughness, Measured):
+        scene, surfaces = with_measured(
+            campaign.scene.model_copy(update=located_files(document, campaign.scene)), document
+        )
+        check_scene(document, campaign, scene)
+        return {None: _measured(scene, surfaces, document, "")}
+    read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
+    found: dict[Surface | None, MeasuredScene] = {}
+    first: tuple[Measured, MeasuredSurface] | None = None
+    for values, locations in surfaces_of_grid(campaign.grid):
+        scene = with_values(campaign.scene, values)
+        record = scene.roughness
+        assert isinstance(record, Measured)  # as the campaign's own
+        elsewhere: dict[Location, Location] = {("scene", *place): at for place, at in locations.items()}
+        whole = next((place for place in (POINTS, FILE) if place in values), None)
+        if whole is not None:  # what is said of the punch as a whole
+            elsewhere["scene", *PUNCH] = locations[whole]
+        placed = replace(document, elsewhere=elsewhere)
+        scene, surfaces = _read(record, scene.model_copy(update=located_files(placed, scene)), placed, read)
+        first = first or (record, surfaces[PUNCH])
+        unit, of_first = surfaces[PUNCH].unit, first[1].unit
+        if unit != of_first:
+            allowed = f"a surface with lengths in {_UNITS[of_first]}, as {first[0].shown} has them"
+            raise _refused(placed, f"{record.shown} (lengths in {_UNITS[unit]})", allowed)
+        name = ", ".join(value if place == FILE else f"{place[-1]} {value:.10g}" for place, value in values.items())
+        found[record] = _measured(scene, surfaces, placed, name)
+        check_scene(document, campaign, scene)
+    return found
+
+
+def said_of(measured: Measurements, what: str) -> list[str]:
+    """Return what was `done` to measured surfaces, or the `doubts` about them, each sentence once."""
+    return list(dict.fromkeys(sentence for each in measured.values() for sentence in getattr(each, what)))
+
+
+def _measured(scene: Scene, surfaces: MeasuredSurfaces, document: Document, name: str) -> MeasuredScene:
+    """Return what the files of a scene give; its punch has a `name` if a grid varies it."""
+    punch = None if scene.follows_topography else _punch(surfaces[PUNCH], scene, document)
+    of_punch = f" ({name})" if name else ""
+
+    def said(what: str) -> tuple[str, ...]:
+        return tuple(
+            f"{'.'.join(place)}{of_punch if place == PUNCH else ''}: {sentence}"
+            if punch is None
+            else ": ".join(filter(None, (name, sentence)))
+            for place, surface in surfaces.items()
+            for sentence in getattr(surface, what)
+        )
+
+    kept = surfaces if punch is None else {}
+    return MeasuredScene(scene.dimension, scene.length, document, said("done"), said("doubts"), punch, kept)
+
+
+def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[GivenSurface, float]:
+    record = scene.roughness
+    assert isinstance(record, Measured)  # a rigid punch is the only surface there is
+    try:
+        return given_surface(surface.in_periods, periodic=scene.periodic)
+    except ValueError as error:
+        raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
+
+
+def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurfaces]:
+    """Return the scene with the dimension and period of the file of its punch, and its measured surfaces.
+
+    An InputError names a value of the grid rather than the file, if the file can be used without that value.
+    """
+    file = ("scene", *FILE)
+    assert record.file is not None  # the campaign's promise
+    located = record.model_copy(update={"file": existing_file(document, file, record.file, ())})
+
+    def told(placed: Document, without: str = "") -> tuple[Scene, MeasuredSurfaces]:
+        roughness = located.model_copy(update={without: None} if without else {})
+        return with_measured(scene.model_copy(update={"roughness": roughness}), placed, read)
+
+    try:
+        return told(document)
+    except InputError:
+        for place, at in document.elsewhere.items():
+            if place in (file, file[:-1]):
+                continue
+            try:
+                told(document, without=str(place[-1]))
+            except InputError:
+                continue
+            told(replace(document, elsewhere={**document.elsewhere, file: at}))
+        raise
+
+
+def _refused(document: Document, given: str, allowed: str) -> InputError:
+    return InputError(document.line(("scene", *FILE), given, allowed))
+
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
@@ -106,7 +243,10 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of, tractions_of = _RoughBodies(campaign, document), _PrescribedTractions(document, campaign.scene)
+    bodies_of = _RoughBodies(campaign, document)
+    boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
+    arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
+    known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
         scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
@@ -124,7 +264,11 @@ def expand(
                 if own is None and scene.roughness is not None:
                     own = random_surface_of(scene.roughness, level.discretisation)
                 surface, rms_gradient = punch_on_its_form(scene, own, document)
-            tractions = tractions_of(scene, surface.shape, rms_gradient)
+            tractions = None
+            if boundary is not None:
+                arrays = arrays_of(boundary, scene.dimension, surface.shape)
+                tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
+                tractions = known.setdefault(tractions.digest, tractions)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
             case = Case(
                 point=point,
@@ -173,25 +317,6 @@ class _RoughBodies:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
         return summed, rough
-
-
-class _PrescribedTractions:
-    """The boundary of a campaign's scenes in units of each case; equal tractions are one object."""
-
-    def __init__(self, document: Document, scene: Scene):
-        self._document = document
-        self._boundary = None if scene.boundary is None else located_boundary(document, scene.boundary)
-        self._arrays: dict[tuple[int, ...], dict[str, Reals]] = {}
-        self._found: dict[str, Tractions] = {}
-
-    def __call__(self, scene: Scene, shape: tuple[int, ...], rms_gradient: float) -> Tractions | None:
-        """Return the tractions on a surface; raises InputError for files of another shape or without balance."""
-        if self._boundary is None:
-            return None
-        if shape not in self._arrays:
-            self._arrays[shape] = read_boundary(self._document, self._boundary, scene.dimension, shape)
-        found = tractions_on_the_body(self._document, scene, self._arrays[shape], shape, rms_gradient)
-        return self._found.setdefault(found.digest, found)
 
 
 def _reduced(

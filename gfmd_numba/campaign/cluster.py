@@ -7,12 +7,106 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
+from math import ceil
 from multiprocessing import resource_tracker
 from threading import Event, Thread
-from typing import Any
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.provenance import difference, versions
 from gfmd_numba.scene import InputError
+from gfmd_numba.scene.document import Source, document_of, validate
+from gfmd_numba.scene.quantities import RECORD, broken_rule
+from gfmd_numba.scene.units import MEMORY, TIME
+
+_LONGEST_WALLTIME = 365 * 86_400.0  # s
+_LONGEST_MARGIN = 120.0  # s
+NO_JOBQUEUE = (
+    "dask-jobqueue, which submits the jobs, is not installed; install it by `pip install 'gfmd-numba[cluster]'`"
+)
+_MOST_CORES, _MOST_JOBS = 4096, 100_000
+
+
+def _text(pattern: str, most: int, allowed: str) -> Any:
+    """Constraint on a text, with the words for what it allows."""
+    return Field(pattern=pattern, max_length=most, json_schema_extra={"allowed": allowed})
+
+
+Word = Annotated[
+    str,
+    _text(
+        r"^[A-Za-z0-9._][A-Za-z0-9._:@,+-]*$", 100, "up to 100 letters, digits and '.', '_', ':', '@', ',', '+', '-'"
+    ),
+]
+_OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
+Directive = Annotated[str, _text(rf"^-{_OF_A_LINE}+$", 1000, "an option of sbatch, like --constraint=skylake")]
+Line = Annotated[str, _text(rf"^{_OF_A_LINE}+$", 1000, "one line of shell, like module load python")]
+
+
+class Jobs(BaseModel):
+    """How many jobs a run keeps in the queue: as many as have blocks to do, between two bounds."""
+
+    model_config = RECORD
+    min: int = Field(0, ge=0, le=_MOST_JOBS, description="Jobs kept as long as the run lasts (dimensionless)")
+    max: int = Field(ge=1, le=_MOST_JOBS, description="Jobs at most, waiting or at work (dimensionless)")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> Self:
+        if self.min > self.max:
+            raise broken_rule(("min",), f"at most jobs.max, {self.max}")
+        return self
+
+
+class Cluster(BaseModel):
+    """Jobs that SLURM starts and ends, each with one worker process a core."""
+
+    model_config = RECORD
+    system: Literal["slurm"] = Field("slurm", description="Queueing system that starts the jobs")
+    cores: int = Field(ge=1, le=_MOST_CORES, description="Cores of a job, each with one worker (dimensionless)")
+    memory: Annotated[float, Field(ge=1e8, le=1e15), MEMORY] = Field(
+        description="Memory of a job in bytes, which its workers share"
+    )
+    walltime: Annotated[float, Field(ge=60.0, le=_LONGEST_WALLTIME), TIME] = Field(
+        description="Time in s after which the queueing system ends a job"
+    )
+    jobs: Jobs = Field(description="How many jobs there may be")
+    partition: Word | None = Field(None, description="Partition (queue) of the jobs; None: the default of the system")
+    account: Word | None = Field(None, description="Account that the jobs are charged to; None: the default")
+    directives: tuple[Directive, ...] = Field(
+        (), strict=False, description="More options of sbatch for each job, without `#SBATCH`"
+    )
+    setup: tuple[Line, ...] = Field((), strict=False, description="Shell lines that a job runs before its workers")
+    python: Line | None = Field(
+        None, description="Command that starts Python in a job; None: the Python of this process"
+    )
+    interface: Word | None = Field(
+        None, description="Network interface by which workers reach this process; None: that of the default route"
+    )
+
+    @property
+    def most_workers(self) -> int:
+        """Number of workers of all jobs there may be."""
+        return self.cores * self.jobs.max
+
+    @property
+    def lifetime(self) -> int:
+        """Time in s after which a worker ends, so that it does so before the queueing system ends its job."""
+        return int(self.walltime - min(_LONGEST_MARGIN, self.walltime / 4))
+
+    @property
+    def slurm_walltime(self) -> str:
+        """Walltime in the spelling of SLURM, days-hours:minutes:seconds."""
+        minutes, seconds = divmod(ceil(self.walltime), 60)
+        hours, minutes = divmod(minutes, 60)
+        days, hours = divmod(hours, 24)
+        return f"{days}-{hours:02}:{minutes:02}:{seconds:02}"
+
+
+def load_cluster(source: Source) -> Cluster:
+    """Return the checked cluster of a YAML file or a mapping; raises InputError."""
+    return validate(document_of(source, "cluster"), Cluster)
+
 
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
@@ -71,12 +165,6 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
             )
         yield client
         return
-    with _client_of(address, insecure) as own:
-        yield own
-
-
-def _client_of(address: str, insecure: bool) -> Any:
-    """Return a new client of the scheduler at an address; raises InputError."""
     from distributed import Client
     from distributed.comm.addressing import get_address_host, parse_address, resolve_address
 
@@ -91,9 +179,11 @@ def _client_of(address: str, insecure: bool) -> Any:
             "gfmd allows a tls:// address, one of this machine, or --insecure with it"
         )
     try:
-        return Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
+        own = Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
     except (OSError, ValueError, KeyError) as error:
         raise _unreachable(address, error) from None
+    with own:
+        yield own
 
 
 def _unreachable(address: str, error: Exception) -> InputError:

@@ -18,8 +18,8 @@ import numpy.typing as npt
 import psutil
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.campaign.block_work import watched
 from gfmd_numba.campaign.cases import block_bytes
+from gfmd_numba.campaign.execution import watched
 from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest

@@ -1,39 +1,192 @@
-"""Blocks of a campaign solved in this process or on dask workers. Only a finished shard counts as done."""
+"""Blocks of a campaign solved in this process or on dask workers. Only a finished shard counts as done.
 
+A task is done by one process: its blocks are solved one after another, and stored or handed back.
+"""
+
+import ctypes
+import faulthandler
+import signal
+import threading
+import time
 from collections.abc import Generator, Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field, replace
+from functools import cache
 from itertools import islice
 from math import inf
 from numbers import Integral
 from pathlib import Path
+from tempfile import gettempdir
 from time import monotonic
 from typing import TYPE_CHECKING, Any
 from uuid import uuid4
 
-from gfmd_numba.campaign import shards
-from gfmd_numba.campaign.block_work import (
-    Failures,
-    Measured,
-    Task,
-    compute,
-    expired_here,
-    perform,
-    too_long,
-    unfinished,
-)
+import numpy as np
+
+from gfmd_numba.campaign import cluster, shards
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.cluster import check_workers, connected, frozen_replaced, is_client, local
-from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, Cluster, load_cluster
+from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.failures import Failure
-from gfmd_numba.campaign.provenance import versions
+from gfmd_numba.campaign.provenance import difference, versions
+from gfmd_numba.contact import load_path
 from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage import atomic_file
 from gfmd_numba.storage.atomic_file import make_folder
 from gfmd_numba.text.input_error import brief
+
+# glibc's parameters of mallopt, and their values in bytes
+_TRIM_THRESHOLD, _KEPT = -1, 2**30  # free memory that a process keeps
+_MMAP_THRESHOLD, _LARGEST = -3, 2**25  # an array above it comes from the system and goes back; the most glibc allows
+_AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
+SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
+Task = tuple[Block, ...]  # what a worker does at a time
+Failures = dict[str, Failure]
+Measured = dict[str, shards.Arrays]  # by name of the block
+_installed = cache(versions)
+
+
+def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
+    """Solve blocks in this process, store their measures, so many blocks `together`, and return what failed.
+
+    Raises OSError, because a disk that fails one block fails them all.
+    """
+    failures: Failures = {}
+    for first in range(0, len(task), together):
+        finished: Measured = {}
+        try:
+            for block in task[first : first + together]:
+                _solve(block, timeout, finished, failures)
+        finally:  # also what an interrupt leaves
+            shards.store(directory, finished)
+    return failures
+
+
+def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
+    """Solve blocks on a worker and return their measures and what failed, without the output directory.
+
+    A block that takes longer than `timeout` seconds ends the process, which leaves a trace in this machine's folder of
+    temporary files, under the name of the `run`. A process that finds the trace does not try the block again. Raises
+    InputError on a worker whose packages have other versions than `expected`.
+    """
+    if wrong := difference(_installed(), expected):
+        raise InputError(f"cluster: you gave a worker with {wrong}")
+    keep_freed_memory()
+    finished: Measured = {}
+    failures: Failures = {}
+    for block in task:
+        trace = _trace(run, block.name)
+        if expired(trace):
+            failures[block.name] = too_long(timeout)
+        else:
+            _solve(block, timeout, finished, failures, trace)
+    return finished, failures
+
+
+def _solve(
+    block: Block, timeout: float | None, finished: Measured, failures: Failures, trace: Path | None = None
+) -> None:
+    """Add the measures of a block to those that are finished, or why there are none to the failures."""
+    try:
+        with watched(timeout, trace):
+            begun = time.thread_time()
+            measures = measured(block.problem, range(block.first, block.stop))
+            seconds = np.full(block.size, (time.thread_time() - begun) / block.size)
+            finished[block.name] = measures | {SECONDS: seconds}
+    except TooLongError:
+        failures[block.name] = too_long(timeout)
+    except Exception as error:  # whatever it is, it concerns this block only
+        failures[block.name] = Failure("crashed", f"{type(error).__name__}: {error}")
+
+
+def too_long(timeout: float | None) -> Failure:
+    """Return the failure of a block that took longer than `timeout` seconds."""
+    return Failure("timeout", f"it took more than the campaign's case_timeout of {timeout:g} s")
+
+
+def unfinished(blocks: Iterable[Block], directory: Path) -> list[Block]:
+    """Return the blocks that are not stored, or not as they were written."""
+    finished = shards.Finished(directory)
+    return [block for block in blocks if not finished.is_sound(block.name)]
+
+
+def expired_here(run: str, names: Iterable[str]) -> list[str]:
+    """Return the blocks that took too long and so ended a process of this machine in `compute`, and forget them."""
+    return [name for name in names if expired(_trace(run, name))]
+
+
+def _trace(run: str, name: str) -> Path:
+    return Path(gettempdir()) / f"gfmd-{run}-{name}.late.tmp"
+
+
+class TooLongError(Exception):
+    """A block took longer than the campaign's `case_timeout`."""
+
+
+@contextmanager
+def watched(timeout: float | None, trace: Path | None = None) -> Iterator[None]:
+    """Stop what runs inside after `timeout` seconds.
+
+    In the main thread, TooLongError is raised. In the thread of a dask worker, compiled code stops only with the whole
+    process: the process ends itself and writes to `trace` where it was. Without a `trace` it goes on, and there is no
+    time-out outside the main thread.
+    """
+    if timeout is None:
+        yield
+    elif threading.current_thread() is threading.main_thread() and hasattr(signal, "setitimer"):
+        before = signal.signal(signal.SIGALRM, _expire)
+        signal.setitimer(signal.ITIMER_REAL, timeout, _AGAIN)
+        try:
+            yield
+        finally:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            signal.signal(signal.SIGALRM, before)
+    elif trace is None:
+        yield
+    else:
+        with atomic_file.open_own(trace) as file:
+            file.truncate()
+            faulthandler.dump_traceback_later(timeout, exit=True, file=file)
+            try:
+                yield
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+                trace.unlink(missing_ok=True)
+
+
+def _expire(*_: Any) -> None:
+    raise TooLongError
+
+
+def expired(trace: Path) -> bool:
+    """Return whether a process ended itself and left this trace, and remove the trace."""
+    try:
+        return trace.stat().st_size > 0
+    except FileNotFoundError:
+        return False
+    finally:
+        trace.unlink(missing_ok=True)
+
+
+@cache
+def keep_freed_memory() -> None:
+    """Keep up to 1 GiB of freed memory for the next arrays of this process, where the C library is glibc.
+
+    A dask nanny starts its workers with a threshold of 64 KiB, under which nearly every array is made of new pages:
+    a quarter of a worker's processor time is then the system's.
+    """
+    try:
+        library = ctypes.CDLL(None)
+        library.gnu_get_libc_version  # noqa: B018 - AttributeError in any other library
+        set_parameter = library.mallopt
+    except (AttributeError, OSError, TypeError):  # the last on Windows
+        return
+    set_parameter(_TRIM_THRESHOLD, _KEPT)
+    set_parameter(_MMAP_THRESHOLD, _LARGEST)
+
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.job_queue import QueueTold
@@ -81,10 +234,10 @@ def workers_of(given: object) -> Workers:
     """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
         return Workers(int(given))
-    if is_client(given):
+    if cluster.is_client(given):
         return Workers(client=given)
     if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
-        return Workers(cluster=load_cluster(given))
+        return Workers(cluster=cluster.load_cluster(given))
     raise InputError(
         f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
         "cluster file"
@@ -97,11 +250,11 @@ def check(workers: Workers, directory: Path) -> None:
         try:
             from gfmd_numba.campaign.job_queue import check_queue
         except ImportError:
-            raise InputError(f"--cluster: {NO_JOBQUEUE}") from None
+            raise InputError(f"--cluster: {cluster.NO_JOBQUEUE}") from None
         check_queue(workers.cluster, directory)
     elif workers.elsewhere:
-        with connected(workers.address, workers.client, workers.insecure) as client:
-            check_workers(client, "workers" if workers.address is None else "--scheduler")
+        with cluster.connected(workers.address, workers.client, workers.insecure) as client:
+            cluster.check_workers(client, "workers" if workers.address is None else "--scheduler")
 
 
 @contextmanager
@@ -115,10 +268,10 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
         with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
             yield replace(workers, client=client)
     elif workers.address is not None:
-        with connected(workers.address, None, workers.insecure) as client:
+        with cluster.connected(workers.address, None, workers.insecure) as client:
             yield replace(workers, client=client)
     else:
-        with local(workers.count) as client:
+        with cluster.local(workers.count) as client:
             yield replace(workers, client=client)
 
 
@@ -137,7 +290,7 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
         for task in tasks:
             yield len(task), perform(task, directory, timeout, together)
         return
-    with started(workers, directory) as begun, frozen_replaced(begun.client, timeout):
+    with started(workers, directory) as begun, cluster.frozen_replaced(begun.client, timeout):
         submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
         with closing(submission.ended(tasks)) as ended:
             yield from ended
@@ -168,7 +321,11 @@ class Submission:
             with closing(self._outcomes(iter(tasks), alone)) as outcomes:
                 for task, outcome in outcomes:
                     left = [] if outcome is not None else unfinished(task, self.directory)
-                    late = self._late(left)
+                    names = [block.name for block in left]
+                    late: set[str] = set()  # those that took longer than the timeout
+                    if names and self.timeout is not None:
+                        told = self.client.run(expired_here, self.run, names, on_error="ignore")
+                        late = {name for found in (expired_here(self.run, names), *told.values()) for name in found}
                     failures = outcome or {}
                     for block in left:
                         if block.name in late:
@@ -179,21 +336,6 @@ class Submission:
                     yield len(task) - len(again), failures
                     suspects += [(block,) for block in again]
             tasks = suspects
-
-    def _late(self, blocks: list[Block]) -> set[str]:
-        """Return the names of those blocks that took longer than the timeout."""
-        names = [block.name for block in blocks]
-        if not names or self.timeout is None:
-            return set()
-        told = self.client.run(expired_here, self.run, names, on_error="ignore")
-        return {name for found in (expired_here(self.run, names), *told.values()) for name in found}
-
-    def _stored(self, measured: Measured, failures: Failures) -> Failures:
-        """Store what a task handed back, and return what failed of it."""
-        names = list(measured)
-        for first in range(0, len(names), self.together):
-            shards.store(self.directory, {name: measured[name] for name in names[first : first + self.together]})
-        return failures
 
     def _outcomes(self, tasks: Iterator[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
         """Yield each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
@@ -221,7 +363,11 @@ class Submission:
         for future in futures:
             failures: Failures | None
             try:
-                failures = self._stored(*future.result())
+                finished, failures = future.result()
+                names = list(finished)
+                for first in range(0, len(names), self.together):
+                    some = names[first : first + self.together]
+                    shards.store(self.directory, {name: finished[name] for name in some})
             except KilledWorker:
                 failures = None
             except FutureCancelledError:
@@ -238,4 +384,4 @@ def compile_kernels(problems: Iterable[Problem]) -> None:
     for problem in kinds.values():
         surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
         tiny = replace(problem, surface=surface, path=problem.path[:1], rough=None, tractions=None)
-        measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))
+        load_path.measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))

@@ -9,22 +9,23 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 import yaml
 from pydantic import BaseModel, Field, model_validator
 
-from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
 from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
-from gfmd_numba.campaign.grid import Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.levels import FEWEST, discretisation_of, first_levels, limits_around
-from gfmd_numba.campaign.limits import COUNT, CROSS, FixedExponents, Limits, NumberOfSurfaces, Realisations
+from gfmd_numba.campaign.limits import (
+    COUNT,
+    CROSS,
+    FEWEST,
+    FixedExponents,
+    Limits,
+    NumberOfSurfaces,
+    Realisations,
+    discretisation_of,
+    first_levels,
+    limits_around,
+)
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
-from gfmd_numba.scene.checks import (
-    arrays_of_memory,
-    arrays_of_topography,
-    arrays_per_realisation,
-    check_anisotropy_fits,
-    check_discretisation,
-    check_nodes,
-    check_surfaces,
-)
+from gfmd_numba.scene import checks
 from gfmd_numba.scene.document import (
     Document,
     Location,
@@ -112,11 +113,6 @@ class Campaign(BaseModel):
         """Whether the run chooses the discretisations of random surfaces by itself."""
         return self.reference is None and self.target is not None
 
-    @property
-    def chooses_realisations(self) -> bool:
-        """Whether the run goes on until its target is reached."""
-        return self.target is not None and "realisations" not in self.model_fields_set
-
     def fits(self) -> Iterator[tuple[Fit, Location]]:
         """Yield how the variable of the fit and the others of the target are fitted, and where each stands in the file.
 
@@ -134,16 +130,13 @@ class Campaign(BaseModel):
             getattr(surface, "hurst", nan) for surface in self.scene.surfaces.values()
         ]
         ranges: dict[str, Any] = dict(exponent_ranges(variable, self.scene.dimension or 1, max(hursts, default=nan)))
-        if all(has_slope_law(variable, hurst, 1.0 if self._is_at_one_load else nan) for hurst in hursts):
-            del ranges["eps_f"]
-        return ranges
-
-    @property
-    def _is_at_one_load(self) -> bool:
-        """Whether p / (g E*) is the same at all discretisations."""
         loading, surfaces = self.scene.loading, self.scene.surfaces.values()
         of_gradient = all(getattr(surface, "rms_gradient", None) is not None for surface in surfaces)
-        return loading.reduced_pressure is not None or (loading.displacement is None and of_gradient)
+        # whether p / (g E*) is the same at all discretisations
+        one_load = loading.reduced_pressure is not None or (loading.displacement is None and of_gradient)
+        if all(has_slope_law(variable, hurst, 1.0 if one_load else nan) for hurst in hursts):
+            del ranges["eps_f"]
+        return ranges
 
     @property
     def n_cases(self) -> int:
@@ -256,7 +249,10 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
     document = _with_a_file(document)
-    asked = validate(_with_a_target(document, target), Campaign)
+    changed: Any = document.data
+    if target is not None and isinstance(changed, Mapping):
+        changed = {**changed, "target": dict(target)}
+    asked = validate(replace(document, data=changed), Campaign)
     campaign = _begun(asked)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
@@ -276,18 +272,22 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
     laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends) + arrays_of_memory(campaign.scene)
+    arrays = checks.arrays_per_realisation(dimension, laws, campaign.scene.ends) + checks.arrays_of_memory(
+        campaign.scene
+    )
     if campaign.scene.follows_topography:
-        arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
-    check_surfaces(document, campaign.scene, arrays)
+        arrays = max(arrays, checks.arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
+    checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
-        check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
+        checks.check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
     for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
-                check_anisotropy_fits(document, anisotropy, location, discretisation)
-            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, arrays)
+                checks.check_anisotropy_fits(document, anisotropy, location, discretisation)
+            checks.check_discretisation(
+                document, discretisation, locations, differing, campaign.scene.dimension, arrays
+            )
     return campaign, document
 
 
@@ -307,15 +307,7 @@ def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
     """Return the target of a campaign whose run chooses the realisations; None for another. Raises InputError."""
     data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
     campaign = validate(_with_a_file(document_of(data, "campaign")), Campaign)
-    return campaign.target if campaign.chooses_realisations else None
-
-
-def _with_a_target(document: Document, target: Mapping[str, float] | None) -> Document:
-    """Return the document with another target."""
-    data: Any = document.data
-    if target is None or not isinstance(data, Mapping):
-        return document
-    return replace(document, data={**data, "target": dict(target)})
+    return None if "realisations" in campaign.model_fields_set else campaign.target
 
 
 def _begun(campaign: Campaign) -> Campaign:

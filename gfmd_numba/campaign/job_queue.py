@@ -24,8 +24,7 @@ from distributed.core import Status
 from distributed.deploy.adaptive import Adaptive
 from distributed.diagnostics.plugin import SchedulerPlugin
 
-from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD
-from gfmd_numba.campaign.cluster_file import Cluster
+from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD, Cluster
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from gfmd_numba.text.input_error import brief

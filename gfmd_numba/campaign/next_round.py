@@ -1,30 +1,225 @@
 """From the results of one round to the next: whether the target is reached, and what to do if not."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import hypot, inf, sqrt
+from math import hypot, inf, nan, sqrt
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.extrapolation import expected_doubts
+from gfmd_numba.analysis import UnusableDataError, cheapest_design, predictions
 from gfmd_numba.analysis.fit_dataset import in_the_limit
-from gfmd_numba.analysis.selection import LIMITS
+from gfmd_numba.analysis.limit_errors import expected_doubts
+from gfmd_numba.analysis.selection import LIMITS, groups
+from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cost import price_of_transform
-from gfmd_numba.campaign.decision import (
-    Decision,
-    Fit,
-    Judgement,
-    UnknownExponentsError,
-    decide,
-    judge,
-    price_of_realisations,
-    whole_price,
-)
-from gfmd_numba.campaign.levels import STEP, Level, finer_levels, first_realisations, nodes_of
+from gfmd_numba.campaign.limits import MOST, STEP, Level, finer_levels, first_realisations, nodes_of
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
+from gfmd_numba.theory.exponents import exponent_ranges
+
+_GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
+_LEAST_GROWTH = 1.25  # of the price: less is not worth a look
+_HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
+_LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
+
+Counts = NDArray[np.intp]
+
+
+class UnknownExponentsError(UnusableDataError):
+    """No number of realisations reaches a target, because of the ranges of exponents."""
+
+
+@dataclass(frozen=True)
+class Fit:
+    """What is fitted: the variable, and the exponents that are known."""
+
+    variable: str
+    fixed: Mapping[str, Any]
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """Errors of the worst group after a round, relative to the limit.
+
+    `error` is that of the fit (inf if it was refused), `sampling` the part of it that comes from the surfaces, `factor`
+    allows for the uncertainty of that part, and `predicted` was to be expected.
+    """
+
+    error: float
+    sampling: float
+    factor: float
+    predicted: float
+
+    @property
+    def sure_error(self) -> float:
+        """Error that is not exceeded with 90 % probability."""
+        return float(np.sqrt(self.error**2 + (self.factor**2 - 1.0) * self.sampling**2))
+
+    @property
+    def sure_factor(self) -> float:
+        """What the sure error is over that of the fit."""
+        return self.sure_error / self.error if 0.0 < self.error < inf else self.factor
+
+
+def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
+    """Return the errors of the worst group; raises UnusableDataError for results that do not tell."""
+    expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
+    limit, error = in_the_limit(fitted)
+    errors = (error / abs(limit)).fillna(inf).values
+    sampling = (fitted["error_budget"].sel(source="sampling") / abs(limit)).fillna(0.0).values
+    found = [
+        Judgement(float(whole), float(part), each.factor, max(one.error for one in expected))
+        for whole, part, each in zip(errors, sampling, expected, strict=True)
+    ]
+    return max(found, key=lambda each: each.sure_error)
+
+
+def decide(
+    results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf, after_pilot: bool = True
+) -> Round | None:
+    """Return the next round at the same levels, for a price of at most `most` in all; None if that allows no more.
+
+    The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. If a later
+    error is larger than predicted, the next may be so again, and the round makes up for it. Raises UnusableDataError
+    if no number of realisations reaches the target.
+    """
+    held = results["realisations"].values.astype(np.intp)
+    price = price_of_realisations(results)
+    spent = whole_price(results, price, held)
+    limit = min(most, _GROWTH * spent)
+    if most < _LEAST_GROWTH * spent:
+        return None
+    goal = target
+    if not after_pilot and target < found.sure_error < inf:
+        goal = target * min(1.0, found.predicted / found.sure_error)
+    try:
+        wanted, asked = _wanted(results, held, price, goal, fit), goal
+    except UnusableDataError:
+        # it seems out of reach, but a few results tell only roughly how large the corrections are
+        wanted, asked = _wanted(results, held, price, _LOOSER * goal, fit), _LOOSER * goal
+        if whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
+            _wanted(results, held, price, goal, fit)  # which says why
+    while whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
+        goal = asked = 0.9 * asked
+        wanted = _wanted(results, held, price, asked, fit)
+    total = whole_price(results, price, wanted)
+    target_price = total if asked == goal else None
+    if total > limit:
+        asked, wanted, total = _within(limit, results, held, price, asked, fit)
+    expected = max(each.error for each in predictions(results, wanted.tolist(), fit.variable, fit.fixed))
+    return Round(
+        realisations=tuple(wanted.tolist()),
+        is_last=min(asked / goal, expected / target) <= 1.0 or limit == most,
+        variable=fit.variable,
+        predicted_error=expected,
+        price=total,
+        target_price=target_price,
+    )
+
+
+def price_of_realisations(results: xr.Dataset) -> Reals:
+    """Return the price of a realisation of each case (case): its mean number of transforms times the price of one."""
+    nodes = results["nx"].values.astype(float) ** results["dimension"].values
+    transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
+    known = np.isfinite(transforms)
+    if not known.any():
+        raise UnusableDataError("you gave no good realisation; gfmd allows some of every case")
+    return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
+
+
+def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
+    """Return the price of some realisations (case); equal problems count once."""
+    of_problem: dict[str, float] = {}
+    for identity, each in zip(results["case_id"].values.tolist(), (price * counts).tolist(), strict=True):
+        of_problem[identity] = max(each, of_problem.get(identity, 0.0))
+    return sum(of_problem.values())
+
+
+def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
+    """Return the realisations (case) with which every group meets a target, none fewer than it has."""
+    counts = held.copy()
+    results = results.assign_coords(case=np.arange(results.sizes["case"]))
+    known: dict[tuple[str, ...], Counts] = {}  # groups of the same problems have the same results
+    for parameters, cases in groups(results):
+        where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
+        if identities not in known:
+            expected = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)  # along a path of every step
+            promise = target * min(each.caution for each in expected)
+            try:
+                design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
+            except UnusableDataError:
+                raise _out_of_reach(cases, _group_of(results, parameters), target, fit) from None
+            known[identities] = design.realisations
+        counts[where] = np.maximum(held[where], known[identities])
+    return counts
+
+
+def _within(
+    limit: float, results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit
+) -> tuple[float, Counts, float]:
+    """Return the least error above a target that a limit on the price allows, its realisations (case), their price."""
+    tight, loose, found = target, target, held
+    total = inf
+    while total > limit:
+        tight, loose = loose, 1.3 * loose
+        found = _wanted(results, held, price, loose, fit)
+        total = whole_price(results, price, found)
+    for _ in range(_HALVINGS):
+        middle = sqrt(tight * loose)
+        trial = _wanted(results, held, price, middle, fit)
+        trial_price = whole_price(results, price, trial)
+        if trial_price <= limit:
+            loose, found, total = middle, trial, trial_price
+        else:
+            tight = middle
+    return loose, found, total
+
+
+def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
+    """Return the error that says why the most realisations do not reach a target, and what helps."""
+    least, further = (
+        max(predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed), key=lambda each: each.error)
+        for number in (MOST, 100 * MOST)
+    )
+    if least.error <= target:
+        return UnusableDataError(
+            f"{whom}it would take more than {MOST} realisations of a level; gfmd allows a larger target, or levels "
+            "further from the reference"
+        )
+    left = f"{whom}{MOST} realisations of every case would leave an error of {100 * least.error:.2g}%"
+    if 2.0 * further.interactions**2 > least.error**2:
+        return UnusableDataError(
+            f"{left}, as no cross level tells whether corrections add up; gfmd allows a larger target, or a cross "
+            "level for every pair of limits under `limits: {cross: ...}`"
+        )
+    if 3.0 * least.exponents**2 > least.error**2:
+        return UnknownExponentsError(
+            f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
+            f"{_narrower(cases, fit)}"
+        )
+    return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
+
+
+def _narrower(cases: xr.Dataset, fit: Fit) -> str:
+    """Return which ranges of exponents to give, in full if some have none."""
+    limits = [name for name in LIMITS if name in cases["limit"].values]
+    hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
+    usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
+    if fit.fixed.keys() >= set(limits):
+        return "narrower ranges under `fit: {fixed: ...}`"
+    unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
+    return f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
+
+
+def _group_of(results: xr.Dataset, parameters: Mapping[str, float]) -> str:
+    """Return which of several groups is meant."""
+    varied = [name for name in parameters if len(set(results[name].values.tolist())) > 1]
+    named = [f"{name} = {parameters[name]:g}" for name in varied]
+    return f"{', '.join(named)}: " if named else ""
+
 
 REACHED = "reached"
 _SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
@@ -283,7 +478,7 @@ def _for_the_others(
     if decision is None:
         return {}, 0.0
     cases = [now.cases[index] for index in here]
-    return dict(zip(cases, decision.realisations.tolist(), strict=True)), decision.price - spent
+    return dict(zip(cases, decision.realisations, strict=True)), (decision.price or 0.0) - spent
 
 
 def _alike(now: Round, identities: Sequence[str]) -> list[int]:
@@ -306,19 +501,11 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:
         return state.ending(f"not {REACHED}: the budget is too small for another round")
-    another = Round(
-        realisations=tuple(decision.realisations.tolist()),
-        is_last=decision.is_last,
-        levels=state.now.levels,
-        variable=of_target.fit.variable,
-        predicted_error=hypot(decision.predicted_error, of_laws),
-        price=decision.price,
-        target_price=decision.target_price,
-    )
-    return state.followed_by(another)
+    whole_error = hypot(decision.predicted_error or 0.0, of_laws)
+    return state.followed_by(decision.model_copy(update={"levels": state.now.levels, "predicted_error": whole_error}))
 
 
-def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> Decision | None:
+def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> Round | None:
     """Return the realisations that bring what surfaces can mend to an `aim`, for a price of at most `most` in all."""
     found = of_target.found
     mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found

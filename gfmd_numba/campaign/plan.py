@@ -1,29 +1,130 @@
 """The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import pi
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import psutil
 
-from gfmd_numba.campaign.block_work import Task
-from gfmd_numba.campaign.cases import Block, Case, block_bytes, blocks, demand, distinct, expand, split
-from gfmd_numba.campaign.cluster_file import Cluster
-from gfmd_numba.campaign.coordinates import coordinates, meeting
+from gfmd_numba.campaign.axes import OF_THE_SCENE, doubt_of_numbers, values_of
+from gfmd_numba.campaign.cases import (
+    Block,
+    Case,
+    Measurements,
+    block_bytes,
+    blocks,
+    demand,
+    distinct,
+    expand,
+    measured_scenes,
+    said_of,
+    split,
+)
+from gfmd_numba.campaign.cluster import Cluster
+from gfmd_numba.campaign.coordinates import coordinates, described_coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, predict
-from gfmd_numba.campaign.doubts import check_resolved, doubt_of_bodies, unresolved
-from gfmd_numba.campaign.execution import compile_kernels
+from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
-from gfmd_numba.campaign.grid import doubt_of_numbers
-from gfmd_numba.campaign.measured_surfaces import Measurements, measured_scenes, said_of
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.doubts import too_thin
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
-from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies
+from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
+from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.scene import Document, InputError
-from gfmd_numba.scene.document import Source
+from gfmd_numba.scene.document import Location, Source
+
+
+def doubt_of_bodies(cases: Sequence[Case]) -> str:
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
+    if cases[0].problem.rough is None:
+        return ""
+    followed = dict.fromkeys((case.problem.surface, case.problem.rough) for case in cases)
+    bodies = [(surface, rough) for surface, rough in followed if isinstance(surface, SummedSurface) and rough]
+    return "\n".join(filter(None, (_of_slopes(bodies), _of_films(bodies))))
+
+
+def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
+    own = ((surface, body.part) for surface, rough in bodies for body in rough.bodies)
+    steepest = max((surface.parts[part].rms_gradient for surface, part in own if part is not None), default=0.0)
+    if steepest <= STEEPEST:
+        return ""
+    return (
+        f"a deformable surface has an rms gradient of up to {steepest:.3g}, above {STEEPEST:g}: "
+        "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
+    )
+
+
+def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
+    """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
+    films = []
+    for surface, rough in bodies:
+        thicknesses = (body.elastic.top.aspect_ratio for body in rough.bodies)
+        # thin compared with the longest waves
+        if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
+            drawn = surface.drawn(0)
+            films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
+    return too_thin(films)
+
+
+def unresolved(cases: Sequence[Case]) -> str:
+    """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
+    if not cases[0].scene.interface.reaches_across:
+        return ""
+    doubtful = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
+    if not doubtful:
+        return ""
+    worst = _worst(doubtful)
+    return f"in {len(doubtful)} of {len(cases)} cases {law_resolution.doubt(worst.problem, worst.discretisation)}"
+
+
+def is_resolved(cases: Sequence[Case]) -> bool:
+    """Whether the grid of every case resolves its law, or there is none."""
+    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in cases)
+
+
+def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]) -> None:
+    """Raise InputError, at the value of the grid that causes it, for a case that does not resolve its law at all."""
+    if not campaign.scene.interface.reaches_across:
+        return
+    worst = _worst(cases)
+
+    def locate(location: Location) -> Location:
+        for axis in OF_THE_SCENE:
+            if ("scene", *axis.place) == location and (values := values_of(campaign.grid, axis.name)):
+                return ("grid", axis.name, values.index(axis.value(worst.scene, worst.discretisation)))
+        return location
+
+    law_resolution.check_resolved(document, worst.scene.interface, worst.problem, worst.discretisation, locate)
+
+
+def _worst(cases: Sequence[Case]) -> Case:
+    return max(cases, key=lambda case: law_resolution.resolution(case.problem))
+
+
+def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:
+    """Return a sentence for each reason why the fit will refuse the limit; none for a campaign without limits."""
+    import xarray as xr
+
+    from gfmd_numba.analysis.tfc import refusals
+
+    if all(case.limit == "reference" for case in cases):
+        return []
+    coordinates, ones = described_coordinates(cases[0].scene, list(cases)), np.ones((len(cases), 1))
+    found = []
+    for fit, _ in campaign.fits():
+        described = xr.Dataset({fit.variable: (("case", "realisation"), ones)}, coordinates)
+        for reason, count in refusals(described, fit.variable, fit.exponents, fit.options["fixed"]).items():
+            groups = f"{count} group{'s' * (count > 1)} of cases"
+            found.append(f"a run will print no limit of {fit.variable} ({groups}): {'; '.join(reason.splitlines())}")
+    return found
+
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task

@@ -47,17 +47,12 @@ def read_results(path: Path) -> xr.Dataset:
     except ValueError as error:
         raise InputError(f"{file}: you gave {error}; gfmd allows a netCDF file that gfmd has written") from None
     try:
-        if not _unaltered(file):  # the HDF5 library would find wrong numbers in it, or no end
-            raise ValueError
+        content = file.read_bytes()
+        if not (mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())):
+            raise ValueError  # the HDF5 library would find wrong numbers in it, or no end
         with xr.open_dataset(file, engine="netcdf4") as dataset:
             dataset.load()
         return dataset.assign({name: each.astype(str) for name, each in dataset.variables.items() if each.dtype == "O"})
     except (OSError, ValueError, RuntimeError):
         given = "a file that is not netCDF or is damaged"
         raise InputError(f"{file}: you gave {given}; gfmd allows a netCDF file that gfmd has written") from None
-
-
-def _unaltered(file: Path) -> bool:
-    """Return whether a file is as its mark says; a file without a mark passes if it can be read at all."""
-    content = file.read_bytes()
-    return mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())

@@ -15,14 +15,23 @@ from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
-from gfmd_numba.campaign.doubts import is_resolved
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST, Level, discretisation_of, first_realisations, limit_of, limits_around
-from gfmd_numba.campaign.limits import CROSS, MOST, Limits, Realisations
+from gfmd_numba.campaign.limits import (
+    CROSS,
+    FEWEST,
+    MOST,
+    Level,
+    Limits,
+    Realisations,
+    discretisation_of,
+    first_realisations,
+    limit_of,
+    limits_around,
+)
 from gfmd_numba.campaign.output_directory import LABEL
-from gfmd_numba.campaign.plan import Plan, plan
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.campaign.plan import Plan, is_resolved, plan
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
 from gfmd_numba.text.input_error import ABSENT
@@ -132,11 +141,12 @@ class Rounds(BaseModel):
 
     def variables(self) -> dict[str, tuple[Any, ...]]:
         """Return what the results say of the rounds: dims, values and CF attributes by name."""
+        now, counts = self.now.cases, [dict(zip(each.cases, each.realisations, strict=True)) for each in self.rounds]
         numbered = cf_attributes("round of the run, 0 is the pilot")
-        asked = cf_attributes("realisations asked of the case in the round")
+        asked = cf_attributes("realisations asked of the case in the round")  # of the last round's, 0 if it had not
         found: dict[str, tuple[Any, ...]] = {
             "round": ("round", np.arange(len(self.rounds)), numbered),
-            "round_realisations": (("round", "case"), self._realisations(), asked),
+            "round_realisations": (("round", "case"), [[each.get(case, 0) for case in now] for each in counts], asked),
         }
         for name, long_name in _OF_A_ROUND.items():
             values = np.array([getattr(each, name) for each in self.rounds], dtype=float)
@@ -150,11 +160,6 @@ class Rounds(BaseModel):
         if len(targets) > 1:
             found["target"] = ("target", targets, cf_attributes("variable whose limit is to have an error"))
         return found
-
-    def _realisations(self) -> list[list[int]]:
-        """Return the realisations (round, case) of the cases of the last round, 0 if a round did not have a case."""
-        counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in self.rounds]
-        return [[each.get(case, 0) for case in self.now.cases] for each in counts]
 
     def attributes(self) -> dict[str, str | float]:
         """Return what the results say of the goal and of how the run ended."""
@@ -219,22 +224,19 @@ def as_decided(directory: Path) -> Plan:
 
 def in_round(piloted: Plan, now: Round) -> Plan:
     """Return the plan of a round from that of the pilot: its levels and its numbers of realisations."""
-    return with_realisations(_at_levels(piloted, now.levels) if now.levels else piloted, now.realisations)
-
-
-def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
-    """Return the plan with other levels of each of its groups."""
-    everywhere = list(dict.fromkeys(level for of_group in levels for level in of_group))
-    found = planned.changed(
+    if not now.levels:
+        return with_realisations(piloted, now.realisations)
+    everywhere = list(dict.fromkeys(level for of_group in now.levels for level in of_group))
+    found = piloted.changed(
         reference=discretisation_of(everywhere[0]),
         limits=limits_around(everywhere[0], everywhere[1:]),
         realisations=Realisations(reference=FEWEST),
     )
     cases: list[Case] = []
-    for members, wanted in zip(groups(found.cases), levels, strict=True):
+    for members, wanted in zip(groups(found.cases), now.levels, strict=True):
         of_level = {level_of(case): case for case in members}
         cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
-    return replace(found, cases=cases)
+    return with_realisations(replace(found, cases=cases), now.realisations)
 
 
 def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
@@ -264,15 +266,10 @@ def with_cross_levels(planned: Plan) -> Plan:
 
 def added(planned: Plan) -> str:
     """Return the cross levels that were added to a plan, as one would write them in the campaign file."""
-    given = planned.document.value(("limits", CROSS))
-    return as_written(planned.campaign) if planned.campaign.limits.crossed and given in (ABSENT, None) else ""
-
-
-def as_written(campaign: Campaign) -> str:
-    """Return the cross levels of a campaign on one line, as its file would have them."""
-    levels = [
-        ", ".join(f"{axis}: {_fraction(eps)}" for axis, eps in level.items()) for level in campaign.limits.crossed
-    ]
+    crossed = planned.campaign.limits.crossed
+    if not crossed or planned.document.value(("limits", CROSS)) not in (ABSENT, None):
+        return ""
+    levels = [", ".join(f"{axis}: {_fraction(eps)}" for axis, eps in level.items()) for level in crossed]
     return f"[{', '.join(f'{{{level}}}' for level in levels)}]"
 
 

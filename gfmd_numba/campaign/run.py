@@ -1,19 +1,29 @@
 """A campaign from its file to one netCDF file, resumable at any point."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import closing, contextmanager
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
+from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.selection import steps_of
 from gfmd_numba.campaign import failures, rounds, shards
-from gfmd_numba.campaign.block_work import Failures, unfinished
-from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.collection import NOTES, collect, note, results_path
-from gfmd_numba.campaign.execution import Workers, check, compile_kernels, execute
+from gfmd_numba.campaign.cases import Block, groups
+from gfmd_numba.campaign.collection import NOTES, collect, described, note, results_path
+from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, started, unfinished
 from gfmd_numba.campaign.file import Campaign
+from gfmd_numba.campaign.goal import Fit as FitRecord
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
+from gfmd_numba.campaign.results import read_results
+from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
+from gfmd_numba.campaign.status import finished, seconds_per_price, unused
+from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import Source
 from gfmd_numba.storage import mark
 from gfmd_numba.storage.atomic_file import check as check_file
@@ -59,12 +69,9 @@ def run(
     """
     planned = plan(source)
     cases = planned.only(choice.only) if choice.only else planned.cases
-    directory = directory_of(planned, output)
+    directory = Path(planned.campaign.name if output is None else output)
     check(workers, directory)
-    with (
-        stopped_by_errors_of_the_system(),
-        claimed(directory, planned.campaign.name, planned.document.text, planned.document.folder),
-    ):
+    with _at_work(planned, directory):
         rounds.forget(directory)
         chosen = replace(planned, cases=cases).blocks_in(directory)
         left = unfinished(chosen, directory)
@@ -73,16 +80,13 @@ def run(
         return collect(planned, directory), failures.of_all(directory, [block.name for block in chosen])
 
 
-def directory_of(planned: Plan, output: str | Path | None) -> Path:
-    """Return the output directory of a campaign: the one that is given, or one of its name."""
-    return Path(output if output is not None else planned.campaign.name)
-
-
 @contextmanager
-def stopped_by_errors_of_the_system() -> Iterator[None]:
-    """Raise StoppedError if the disk or the cluster gives up."""
+def _at_work(planned: Plan, directory: Path) -> Iterator[None]:
+    """Hold the output directory of a campaign for a run; raises StoppedError if the disk or the cluster gives up."""
+    document = planned.document
     try:
-        yield
+        with claimed(directory, planned.campaign.name, document.text, document.folder):
+            yield
     except OSError as error:
         raise StoppedError(f"{error}; finished work is kept, the same command resumes") from error
 
@@ -92,9 +96,13 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError if the memory is too small, OSError if the disk or the cluster gives up.
+    Raises InputError if the memory is too small or a file of somebody else is in the way, OSError if the disk or the
+    cluster gives up.
     """
-    _check_names(planned, todo, directory)
+    check_file(results_path(planned, directory), mark.is_product)
+    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
+        check_file(note_of_run, mark.is_note)
+    shards.check_names(directory, [block.name for block in todo])
     if not todo:
         return True
     check_room(todo, workers)
@@ -128,17 +136,233 @@ def check_room(todo: list[Block], workers: Workers) -> None:
         check_memory(todo, workers.count)
 
 
-def _check_names(planned: Plan, todo: list[Block], directory: Path) -> None:
-    """Raise InputError if somebody else's file has the name of a file that a run is going to write."""
-    check_file(results_path(planned, directory), mark.is_product)
-    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
-        check_file(note_of_run, mark.is_note)
-    shards.check_names(directory, [block.name for block in todo])
-
-
 def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
     """Return the blocks to run of those without a shard: all but failed ones, unless these are to be tried again."""
     if choice.retry_failed:
         for block in left:
             failures.forget(directory, block.name)
     return [block for block in left if failures.of(directory, block.name) is None][: choice.limit]
+
+
+_SECONDS_OF_A_FIRST_PILOT = 2.0  # to predict what the pilot itself costs
+
+Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, and how many simulations it has left
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The outcome of a run: its file, what failed, the rounds, and how many solved realisations were not asked for."""
+
+    results: Path
+    failures: Failures
+    rounds: Rounds
+    n_unused: int
+
+    @property
+    def reached(self) -> bool:
+        """Whether every group has the error that was asked for."""
+        return self.rounds.ended == REACHED
+
+
+@dataclass(frozen=True)
+class FirstDecision:
+    """The outcome of a pilot: its rounds, the last of which has not run unless they ended, and the plan of that one."""
+
+    rounds: Rounds
+    planned: Plan
+    failures: Failures
+
+
+class InterruptedRunError(KeyboardInterrupt):
+    """Ctrl-C, after which the finished work has been collected."""
+
+    def __init__(self, outcome: Outcome) -> None:
+        super().__init__()
+        self.outcome = outcome
+
+
+def run_until(
+    source: Source | Campaign,
+    goal: Goal,
+    output: str | Path | None = None,
+    workers: Workers = TWO_WORKERS,
+    watch: Watch | None = None,
+    choice: Choice = ALL,
+    told: Told | None = None,
+) -> Outcome:
+    """Run a campaign round after round until its limit has a relative error, with as many realisations as needed.
+
+    Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
+    InterruptedRunError for Ctrl-C after the pilot.
+    """
+    run = _prepared(source, goal, output, workers, watch=watch, choice=choice, told=told)
+    with _at_work(run.planned, run.directory):
+        return run.all_rounds()
+
+
+def each_round(
+    source: Source | Campaign, goal: Goal, output: str | Path | None = None, workers: Workers = TWO_WORKERS
+) -> Generator[Outcome, None, None]:
+    """Run a campaign as `run_until` does, and yield the outcome after each round, before the next one begins.
+
+    If you take no more rounds, the run stops there, and a later one goes on from it. Raises as `run_until` does.
+    """
+    return _prepared(source, goal, output, workers).each_round()
+
+
+def first_decision(
+    source: Source, goal: Goal, workers: Workers, watch: Watch | None = None, told: Told | None = None
+) -> FirstDecision:
+    """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
+
+    Raises as `run_until` does, but OSError if the disk or the cluster gives up, as nothing is kept.
+    """
+    with TemporaryDirectory(prefix="gfmd-") as folder:
+        run = _prepared(source, goal, folder, workers, watch=watch, told=told)
+        document = run.planned.document
+        owned = claimed(run.directory, run.planned.campaign.name, document.text, document.folder)
+        with owned, closing(run.states()) as states:
+            next(states)
+            state = next(states)
+        return FirstDecision(state, in_round(run.planned, state.now), run.failed(run.planned))
+
+
+def _prepared(
+    source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
+) -> "_Run":
+    """Return a run with `others` of its fields; raises InputError for a goal or workers that cannot be."""
+    planned = rounds.pilot_plan(plan(source, goal.targets), goal)
+    directory = Path(planned.campaign.name if output is None else output)
+    _check_goal(planned, goal, directory)
+    check(workers, directory)
+    return _Run(planned, goal, directory, workers, **others)
+
+
+@dataclass(frozen=True)
+class _Run:
+    """A run with a goal in a directory, whose rounds run once that is claimed; its plan is that of the pilot."""
+
+    planned: Plan
+    goal: Goal
+    directory: Path
+    workers: Workers
+    watch: Watch | None = None
+    choice: Choice = ALL
+    told: Told | None = None
+
+    def all_rounds(self) -> Outcome:
+        """Run rounds until they end."""
+        states = self.states()
+        state = next(states)
+        try:
+            for following in states:
+                state = following
+            return self.collected(state)
+        except KeyboardInterrupt:
+            if len(state.rounds) == 1:  # there is nothing to extrapolate from
+                raise
+            now = in_round(self.planned, state.now)
+            earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
+            fewest = [earlier.get(case, 0) for case in state.now.cases]
+            counts = finished(now, self.directory, fewest)
+            partial: Plan | None = with_realisations(now, counts)
+            if min(counts) < 1:  # a new level has no results yet
+                state, partial = state.without_last(), None
+            interrupted = state.ending(f"not {REACHED}: the run was interrupted")
+            raise InterruptedRunError(self.collected(interrupted, partial)) from None
+
+    def each_round(self) -> Generator[Outcome, None, None]:
+        """Run rounds until they end, and yield the outcome of each."""
+        with _at_work(self.planned, self.directory), closing(self.states()) as states:
+            next(states)
+            for state in states:
+                if not state.ended:  # its last round has not run
+                    done = state.without_last()
+                    state = done.ending(f"not {REACHED}: the run stopped before its next round")
+                yield self.collected(state)
+
+    def states(self) -> Generator[Rounds, None, None]:
+        """Run round after round. Yield the rounds with each new one before it runs, and all of them at the end.
+
+        Raises InputError for a pilot that does not fit the memory.
+        """
+        state, choice, workers = _begun(self.planned, self.goal, self.directory), self.choice, self.workers
+        with ExitStack() as stack:
+            while not state.ended:
+                planned = in_round(self.planned, state.now)
+                blocks = planned.blocks_in(self.directory)
+                todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
+                try:
+                    if todo:
+                        check_room(todo, self.workers)
+                except InputError as error:
+                    if len(state.rounds) == 1:
+                        raise
+                    told = f"not {REACHED}: finer levels do not fit the memory ({error})"
+                    state = state.without_last().ending(told)
+                    break
+                yield state
+                rounds.write(self.directory, state)  # what is decided stands before it is done
+                if todo:
+                    workers = stack.enter_context(started(workers, self.directory))
+                if self.told is not None:
+                    self.told(state, planned, sum(block.size for block in todo))
+                progress = self.watch(len(blocks), len(blocks) - len(todo)) if self.watch else None
+                if finish(planned, todo, self.directory, workers, progress, choice):
+                    state = self._judged(state, planned)
+                else:
+                    state = state.ending(f"not {REACHED}: the run stopped at the first failure")
+                choice = replace(choice, retry_failed=False)  # once is enough
+        yield state
+
+    def _judged(self, state: Rounds, planned: Plan) -> Rounds:
+        """Return the rounds with what the last one has found, and with one more or ended."""
+        if state.seconds_per_price is None:
+            state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
+        results = read_results(collect(planned, self.directory))
+        of_variable: dict[str, FitRecord] = {fit.variable: fit for fit, _ in planned.campaign.fits()}
+        fits = []
+        for variable in self.goal.targets:
+            fit = of_variable[variable]
+            judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
+            fits.append(Fitted(judged, fit_tfc(results, **fit.options), Fit(variable, fit.options["fixed"])))
+        may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
+        return after(state, fits, may_refine)
+
+    def failed(self, planned: Plan) -> Failures:
+        """Return which blocks of a round have failed."""
+        return failures.of_all(self.directory, [block.name for block in planned.blocks_in(self.directory)])
+
+    def collected(self, state: Rounds, planned: Plan | None = None) -> Outcome:
+        """Collect the results of the last round, or of what a plan has of it."""
+        planned = planned or in_round(self.planned, state.now)
+        rounds.write(self.directory, state)
+        results = collect(planned, self.directory)
+        return Outcome(results, self.failed(planned), state, unused(planned, self.directory))
+
+
+def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
+    """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
+    if all(case.limit == "reference" for case in planned.cases):
+        raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
+    if goal.budget is not None and rounds.read(directory) is None:
+        pilot = planned.predicted_cost(_SECONDS_OF_A_FIRST_PILOT).quantile(0.5)
+        number = min(case.realisations for case in planned.cases)
+        if pilot > goal.budget:
+            raise InputError(
+                f"budget: you gave {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
+                f"the finest level, and more of the others, takes about {pilot:.3g} s; gfmd allows more, or a campaign "
+                "with fewer or coarser levels"
+            )
+
+
+def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
+    """Return the rounds of an earlier run with the same goal, which go on; else those of a new run, its pilot."""
+    campaign = described(planned)["campaign_sha256"]
+    found = rounds.read(directory)
+    same = found is not None and (found.goal, found.campaign_sha256) == (goal, campaign)
+    if found is not None and same and found.of(groups(planned.cases)):
+        return found.ending("")
+    counts = tuple(case.realisations for case in planned.cases)
+    first = Round(realisations=counts, levels=levels_of(planned), is_last=False)
+    return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))

@@ -8,7 +8,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -43,11 +43,14 @@ class _Place(NamedTuple):
             return file.read(-1 if self.length is None else self.length)
 
 
-class Finished:
-    """The blocks that are finished in an output directory at this moment."""
+class Finished(dict[str, list[_Place]]):
+    """The blocks that are there in an output directory at this moment, sound or not, by name.
+
+    A block that was damaged may be there again.
+    """
 
     def __init__(self, directory: Path) -> None:
-        self._places: dict[str, list[_Place]] = {}  # a block that was damaged may be there again
+        super().__init__()
         self.unreadable: list[Path] = []  # bundles that do not tell what they hold
         self.foreign: list[Path] = []  # that have names of such files, and are none
         folder = directory / FOLDER
@@ -61,15 +64,7 @@ class Finished:
             if held is None:
                 self.unreadable.append(file)
             for name, start, length in held or ():
-                self._places.setdefault(name, []).append(_Place(file, start, length))
-
-    def __contains__(self, name: str) -> bool:
-        """Return whether a block of this name is there, sound or not."""
-        return name in self._places
-
-    def __iter__(self) -> Iterator[str]:
-        """Names of the blocks that are there, sound or not."""
-        return iter(self._places)
+                self.setdefault(name, []).append(_Place(file, start, length))
 
     def ranges(self) -> dict[str, list[tuple[int, int]]]:
         """Return the ranges of realisations in the names of the blocks, by identity of the problem."""
@@ -96,11 +91,11 @@ class Finished:
 
     def written(self, name: str) -> float:
         """Return the time at which a block was written, by the clock of the disk; raises FileNotFoundError."""
-        return max((place.file.stat().st_mtime for place in self._places[name]), default=0.0)
+        return max((place.file.stat().st_mtime for place in self[name]), default=0.0)
 
     def _sound(self, name: str) -> bytes | None:
         """Return the payload of a block as it was written, None if there is none."""
-        payloads = (_payload(name, place.content()) for place in self._places.get(name, ()))
+        payloads = (_payload(name, place.content()) for place in self.get(name, ()))
         return next((payload for payload in payloads if payload is not None), None)
 
 
@@ -133,14 +128,6 @@ def remove_unreadable(directory: Path) -> None:
     """Remove bundles whose head is damaged."""
     for bundle in Finished(directory).unreadable:
         atomic_file.remove(bundle, _OURS[_BUNDLE])
-
-
-def are_stored(directory: Path, names: Sequence[str]) -> bool:
-    """Return whether these blocks are stored together, as they were written."""
-    path = path_of(directory, names)
-    held = [(names[0], 0, None)] if len(names) == 1 else _held(path) or []
-    sound = [name for name, start, length in held if _payload(name, _Place(path, start, length).content()) is not None]
-    return sound == list(names)
 
 
 def _held(bundle: Path) -> list[tuple[str, int, int | None]] | None:

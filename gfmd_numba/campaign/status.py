@@ -3,13 +3,14 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby, takewhile
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.block_work import SECONDS
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.cost import price_of_transform
+from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan
@@ -63,35 +64,20 @@ def progress(directory: Path) -> Progress:
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
     begun = (directory / MARK).stat().st_mtime
-    done = 0
-    left = recent = 0.0  # work to do, and work done since the run began
-    failed: dict[str, Failure] = {}
-    retry: dict[str, str] = {}
-    for block in blocks:
-        if block.name not in stored:
-            failure = failures.of(directory, block.name)
-            if failure is None:
-                left += _work(block)
-            else:
-                failed[block.name] = failure
-                retry[block.name] = _retry(directory, block)
-            continue
-        done += 1
-        if stored.written(block.name) >= begun:
-            recent += _work(block)
-    seconds_left = None
-    if left == 0.0:
-        seconds_left = 0.0
-    elif recent > 0.0:
-        seconds_left = left * max(0.0, time.time() - begun) / recent
+    done = [block for block in blocks if block.name in stored]
+    missing = {block.name: block for block in blocks if block.name not in stored}
+    failed = failures.of_all(directory, missing)
+    left = sum(_work(block) for name, block in missing.items() if name not in failed)
+    recent = sum(_work(block) for block in done if stored.written(block.name) >= begun)  # since the run began
+    seconds_left = left * max(0.0, time.time() - begun) / recent if recent > 0.0 else None
     return Progress(
         campaign=planned.campaign.name,
         running=at_work(directory),
         blocks=len(blocks),
-        done=done,
+        done=len(done),
         failed=failed,
-        seconds_left=seconds_left,
-        retry=retry,
+        seconds_left=seconds_left if left > 0.0 else 0.0,
+        retry={name: _retry(directory, missing[name]) for name in failed},
     )
 
 
@@ -115,36 +101,25 @@ def verify(directory: Path) -> Verdict:
             (damaged if name in expected else foreign).append(name)
     damaged += sorted(file.name for file in stored.unreadable)
     altered = {file: f"{_OTHERS}: move it away, and `gfmd run` computes its blocks again" for file in stored.foreign}
-    return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered | _altered(planned, directory))
-
-
-def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
-    """Return the notes and results that are not as a run left them, with what they are and what to do."""
-    found = {}
     notes = (directory / NOTES, directory / rounds.FILE, *(failures.path_of(directory, b.name) for b in planned.blocks))
-    for note in notes:
-        if foreign_file(note, is_note):
-            found[note] = f"{_OTHERS}: it is not used, move it away"
+    altered |= {note: f"{_OTHERS}: it is not used, move it away" for note in notes if foreign_file(note, is_note)}
     results = results_path(planned, directory)
     if foreign_file(results):
-        found[results] = f"{_OTHERS}: move it away, and `gfmd collect {word(directory)}` writes it again"
+        altered[results] = f"{_OTHERS}: move it away, and `gfmd collect {word(directory)}` writes it again"
     elif results.exists() and is_altered(results, planned):
-        found[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
-    return found
+        altered[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
+    return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered)
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
     """Return how many realisations (case) have ended, without a gap after the first, but at least the fewest (case)."""
-    reach: dict[str, int] = {}
-    stopped: set[str] = set()
     stored = Finished(directory)
-    for block in planned.blocks_in(directory):  # those of a problem come in order
-        identity = block.problem.identity
-        ended = block.name in stored or failures.of(directory, block.name) is not None
-        if ended and identity not in stopped:
-            reach[identity] = block.stop
-        elif not ended:
-            stopped.add(identity)
+
+    def has_ended(block: Block) -> bool:
+        return block.name in stored or failures.of(directory, block.name) is not None
+
+    of_problems = groupby(planned.blocks_in(directory), lambda block: block.problem.identity)  # in order
+    reach = {name: max((block.stop for block in takewhile(has_ended, each)), default=0) for name, each in of_problems}
     cases = zip(planned.cases, fewest, strict=True)
     return [max(least, min(case.realisations, reach.get(case.problem.identity, 0))) for case, least in cases]
 

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
 from itertools import pairwise
 from math import isnan, nan
@@ -12,13 +12,12 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.campaign.axes import DISCRETISATIONS
+from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid
 from gfmd_numba.campaign.cases import Case, blocks
-from gfmd_numba.campaign.grid import Grid
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact import load_path
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.contact.observables import recorded_along
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals
@@ -46,40 +45,32 @@ KAPPA, AREA = "kappa", "contact_area_fraction"
 OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 
+def _column(long_name: str, **default: Any) -> Any:
+    """Return a field of a `Point`, and what it is called in the table."""
+    return field(metadata={"long_name": long_name}, **default)
+
+
 @dataclass(frozen=True)
 class Point:
-    """One setting, its error and what a surface costs: a row of the table of `COLUMNS`.
+    """One setting, its error and what a surface costs: a row of a table.
 
     Where no step has a mean pressure above 0, and so a kappa, the `variable` is the contact area. Errors that the
     contact does not have are nan.
     """
 
-    study: str
-    curve: str
-    setting: float
-    error: float
-    seconds: float
-    transforms: float
-    failed: int
-    variable: str = KAPPA
-    hysteresis_error: float = nan
-    pull_off_pressure_error: float = nan
-    next_order: float = nan
+    study: str = _column("what is varied")
+    curve: str = _column("what else differs within the study")
+    setting: float = _column("value of what is varied")
+    error: float = _column("relative error of the variable, along a path where it is largest")
+    seconds: float = _column("processor time of one surface")
+    transforms: float = _column("Fourier transforms of one surface")
+    failed: int = _column("surfaces that did not end ok")
+    variable: str = _column("what the error is about", default=KAPPA)
+    hysteresis_error: float = _column("relative error of the hysteresis", default=nan)
+    pull_off_pressure_error: float = _column("relative error of the pull-off pressure", default=nan)
+    next_order: float = _column("what the next order in the slope would add to a displacement, over L_x", default=nan)
 
 
-COLUMNS = {
-    "study": "what is varied",
-    "curve": "what else differs within the study",
-    "setting": "value of what is varied",
-    "error": "relative error of the variable, along a path where it is largest",
-    "variable": "what the error is about",
-    "seconds": "processor time of one surface",
-    "transforms": "Fourier transforms of one surface",
-    "failed": "surfaces that did not end ok",
-    "hysteresis_error": "relative error of the hysteresis",
-    "pull_off_pressure_error": "relative error of the pull-off pressure",
-    "next_order": "what the next order in the slope would add to a displacement, over L_x",
-}
 _OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # which not every contact has
 
 
@@ -87,10 +78,10 @@ def dataset(points: Iterable[Point]) -> xr.Dataset:
     """Return studies as a dataset over (point), for netCDF, without columns that no point has."""
     rows = list(points)
     found = xr.Dataset()
-    for name, long_name in COLUMNS.items():
-        values = [getattr(point, name) for point in rows]
-        if name not in _OF_SOME or not all(map(isnan, values)):
-            found[name] = ("point", values, cf_attributes(long_name, "s" if name == "seconds" else "1"))
+    for column in fields(Point):
+        values, unit = [getattr(point, column.name) for point in rows], "s" if column.name == "seconds" else "1"
+        if column.name not in _OF_SOME or not all(map(isnan, values)):
+            found[column.name] = ("point", values, cf_attributes(column.metadata["long_name"], unit))
     return found
 
 
@@ -132,12 +123,6 @@ def _largest(errors: Iterable[float]) -> float:
     return max((error for error in errors if not isnan(error)), default=nan)
 
 
-def measured(problem: Problem, realisations: int) -> Measures:
-    """Return measures [realisation], solved in blocks as in a run, so that their memory is bounded."""
-    parts = [load_path.measured(problem, range(block.first, block.stop)) for block in blocks(problem, realisations)]
-    return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
-
-
 def divided(problem: Problem, number: int) -> tuple[LoadStep, ...]:
     """Return the path of a problem with each step divided into equal ones."""
     return tuple(
@@ -159,7 +144,7 @@ def studies(planned: Plan, realisations: int | None = None) -> Iterator[Point]:
     """
     study = study_of(planned, realisations)
     yield from study.solvers()
-    for axis in DISCRETISATIONS:
+    for axis in study.axes:
         yield from study.discretisation(axis)
     yield from study.sampling()
     yield from study.load_steps()
@@ -192,6 +177,11 @@ class Study:
     def problem(self) -> Problem:
         """Problem of the case."""
         return self.case.problem
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Discretisations that are varied: another eps_t of a window is another contact."""
+        return DISCRETISATIONS[:2] if any(self.problem.ends) else DISCRETISATIONS
 
     @cached_property
     def of_path(self) -> tuple[str, ...]:
@@ -304,10 +294,12 @@ class Study:
         if settings.get("solver", problem.numerics.solver) != problem.numerics.solver:
             settings = {"time_step": None, "damping": None} | settings  # the other solver's own
         changed = replace(problem, numerics=replace(problem.numerics, **settings))
-        measured(changed, 1)  # kernels compiled, plans made
+        load_path.measured(changed, range(1))  # kernels compiled, plans made
         begun = time.thread_time()
-        values = measured(changed, number)
-        return values | {"seconds": np.asarray((time.thread_time() - begun) / number)}
+        # in blocks as in a run, so that their memory is bounded
+        parts = [load_path.measured(changed, range(block.first, block.stop)) for block in blocks(changed, number)]
+        seconds = np.asarray((time.thread_time() - begun) / number)
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]} | {"seconds": seconds}
 
     def point(
         self,

@@ -1,10 +1,13 @@
-"""The command that runs a campaign and shows its results, also round by round."""
+"""Commands on a campaign: run it, also round by round, see how far it is, and whether its files are sound."""
 
 from __future__ import annotations
 
+import json
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import asdict
 from pathlib import Path
 from re import sub
 from typing import TYPE_CHECKING, Any
@@ -17,23 +20,25 @@ from gfmd_numba.cli.arguments import (
     conditions_option,
     file_argument,
     is_given,
+    json_option,
     until_option,
     workers_option,
 )
-from gfmd_numba.cli.fits import fit_options
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
-from gfmd_numba.cli.tables import duration, endings
-from gfmd_numba.cli.terminal import progress_bar, say, show_queue, tell, waiting, warn, warn_of_doubts
-from gfmd_numba.cli.told import has_limits, of_campaign
+from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
+from gfmd_numba.cli.terminal import progress_bar, say, say_command, show_queue, tell, waiting, warn, warn_of_doubts
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.block_work import Failures
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.execution import Failures, Workers
+    from gfmd_numba.campaign.goal import Goal
+    from gfmd_numba.campaign.plan import Plan
+    from gfmd_numba.campaign.rounds import Round, Rounds
+    from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
 
 
 @main.command()
@@ -87,7 +92,7 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
 
 def _workers(options: dict[str, Any]) -> Workers:
     """Return the workers that the options name; raises a usage error for workers of two kinds."""
-    from gfmd_numba.campaign.cluster_file import load_cluster
+    from gfmd_numba.campaign.cluster import load_cluster
     from gfmd_numba.campaign.execution import Workers
 
     given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
@@ -166,16 +171,6 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     return True
 
 
-if TYPE_CHECKING:
-    from gfmd_numba.campaign.block_work import Failures
-    from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.goal import Goal
-    from gfmd_numba.campaign.plan import Plan
-    from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice, Watch
-    from gfmd_numba.campaign.until import Outcome, Told
-
-
 def _check_options(until: object, budget: float | None, choice: Choice) -> None:
     """Raise a usage error for options that do not go together."""
     if not until and budget is not None:
@@ -195,7 +190,7 @@ def _run_rounds(
 
     If Ctrl-C stops it, the best estimate is shown first.
     """
-    from gfmd_numba.campaign.until import InterruptedRunError, run_until
+    from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
         with options_named("until"), rounds_shown() as (watch, told):
@@ -296,3 +291,81 @@ def _show_outcome(outcome: Outcome) -> bool:
             "not need them, and they are kept for a smaller one",
         )
     return well
+
+
+_directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))
+
+
+@main.command()
+@_directory
+@json_option
+@click.option("--watch", is_flag=True, help="Repeat every two seconds until the run has ended")
+def status(directory: Path, as_json: bool, watch: bool) -> None:
+    """Show how far the campaign in an output DIRECTORY is.
+
+    If blocks have failed, the command prints the reason of each, and the command that runs it again.
+    """
+    from gfmd_numba.campaign.status import progress
+
+    while True:
+        now = progress(directory)
+        if as_json:
+            click.echo(json.dumps(asdict(now)))
+        else:
+            left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
+            state = "running" if now.running else "finished" if now.done == now.blocks else "not running"
+            failed = f", {len(now.failed)} failed" if now.failed else ""
+            say("", f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}", width=0)
+        if not watch or not now.running:
+            break
+        time.sleep(2.0)
+    if not as_json:
+        for block, failure in now.failed.items():
+            say(failure.status, f"{block}: {failure.reason}", width=10)
+            say_command(now.retry[block], width=10)
+
+
+@main.command()
+@_directory
+def collect(directory: Path) -> None:
+    """Write the finished work in a DIRECTORY to its netCDF file.
+
+    You can do this while the campaign runs. DIRECTORY is the output directory of a campaign.
+    """
+    from gfmd_numba.campaign.collection import collect as collect_campaign
+    from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.campaign.status import campaign_in
+
+    results = collect_campaign(campaign_in(directory), directory)
+    say_written("results", results)
+    for doubt in read_results(results).attrs["validity"].splitlines():
+        warn(doubt)
+
+
+@main.command()
+@_directory
+def verify(directory: Path) -> None:
+    """Compare the files of an output DIRECTORY with their digests.
+
+    These are the shards, the results, the notes of the run, its mark and its copy of the campaign file. The command
+    exits with 3 if one of them is damaged or was changed.
+    """
+    from gfmd_numba.campaign.output_directory import AlteredError
+    from gfmd_numba.campaign.status import verify as verify_files
+
+    try:
+        verdict = verify_files(directory)
+    except AlteredError as error:
+        warn(f"{error}; nothing else was looked at")
+        sys.exit(SOME_FAILED)
+    click.echo(f"shards   {verdict.sound} sound, {len(verdict.damaged)} damaged, {verdict.missing} missing")
+    for name in verdict.damaged:
+        say("damaged", f"{name}: `gfmd run` computes it again")
+    for name in verdict.foreign:
+        say("foreign", f"{name}: belongs to no case of this campaign and is not used")
+    for file, state in verdict.altered.items():
+        say("damaged", f"{file}, {state}")
+    if not verdict.altered:
+        click.echo("others   sound")
+    if verdict.damaged or verdict.altered:
+        sys.exit(SOME_FAILED)

@@ -1,29 +1,46 @@
-"""Commands that make one contact or one surface."""
+"""Commands that make one contact or one surface, and those on a solved contact: fields, distributions, leakage."""
 
 from __future__ import annotations
 
+import json
 import sys
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
-from math import inf
+from functools import partial
+from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from gfmd_numba.cli.arguments import file_argument, output_option, threads_option
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, output_option, threads_option
+from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
-from gfmd_numba.cli.outputs import check_output, companion, picture_path, say_written, write, write_picture
-from gfmd_numba.cli.tables import endings, unit
+from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
+from gfmd_numba.cli.tables import (
+    endings,
+    named,
+    of_contact,
+    of_curve,
+    of_measures,
+    of_numbers,
+    of_steps,
+    over,
+    prescribed,
+    readable,
+    unit,
+)
 from gfmd_numba.cli.terminal import say, tell, waiting, warn, warn_of_doubts
-from gfmd_numba.cli.told import named, of_contact, of_curve, of_numbers, of_steps, over, prescribed
+from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from gfmd_numba.scene import BoundaryFile, Document, SceneFile
-    from gfmd_numba.scene.units import Quantity
+    from gfmd_numba.simulate.curve import Over
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
@@ -98,7 +115,7 @@ def surface(file: Path, output: Path) -> None:
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
 
-    picture = picture_path(output)
+    picture = companion(output, "picture", ".png")
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
@@ -116,23 +133,13 @@ def surface(file: Path, output: Path) -> None:
 _MOST = 10_000
 
 
-def _loads_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the loads of a list `a,b,c`, or of a range `A:B:N` of N loads evenly spaced in their logarithm."""
-    return None if option is None else _values(option, _load, "loads")
-
-
-def _times_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the times of a list or a range, as those of loads."""
-    return None if option is None else _values(option, _time, "times")
-
-
-def _speeds_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the speeds of a list or a range, as those of loads."""
-    return None if option is None else _values(option, _speed, "speeds")
-
-
-def _values(option: str, read: Callable[[str], tuple[float, str]], name: str) -> list[float | str]:
+def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
+    """Return the values of a list `a,b,c`, or of a range `A:B:N` of N values evenly spaced in their logarithm."""
+    if option is None:
+        return None
+    name = str(param.name)
     ends = option.split(":")
+    read = _load if name == "loads" else partial(_above_0, name=name)
     if len(ends) == 1:
         loads = [read(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
@@ -167,24 +174,15 @@ def _load(text: str) -> tuple[float, str]:
     return float(number), si  # type: ignore[arg-type]
 
 
-def _time(text: str) -> tuple[float, str]:
-    """Return one time in s and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.units import TIME
-
-    return _above_0(text, TIME, "a number of s above 0 or a time, like 10 or 5 min")
-
-
-def _speed(text: str) -> tuple[float, str]:
-    """Return one speed and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.units import SPEED
-
-    return _above_0(text, SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s")
-
-
-def _above_0(text: str, quantity: Quantity, allowed: str) -> tuple[float, str]:
-    """Return a number above 0 and the SI unit of its quantity; nothing without a unit."""
+def _above_0(text: str, name: str) -> tuple[float, str]:
+    """Return one time or speed above 0 and its SI unit; nothing without a unit."""
     from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.units import SPEED, TIME
 
+    quantity, allowed = {
+        "times": (TIME, "a number of s above 0 or a time, like 10 or 5 min"),
+        "speeds": (SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s"),
+    }[name]
     number = plain_scalar(text.strip())
     if type(number) in (int, float) and 0.0 < float(number) < inf:  # type: ignore[arg-type]
         return float(number), ""  # type: ignore[arg-type]
@@ -205,19 +203,19 @@ def _text(load: float, si: str) -> float | str:
 @file_argument
 @click.option(
     "--loads",
-    callback=_loads_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
 )
 @click.option(
     "--times",
-    callback=_times_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
 @click.option(
     "--speeds",
-    callback=_speeds_given,
+    callback=_values_given,
     metavar="A:B:N",
     help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
 )
@@ -241,22 +239,22 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import curve_dataset, read_curve, read_speeds, read_times, solve_curve
+        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
-    asked_for = {name: each for name, each in (("loads", loads), ("times", times), ("speeds", speeds)) if each}
+    options: dict[Over, list[float | str] | None] = {"loads": loads, "times": times, "speeds": speeds}
+    asked_for = {name: each for name, each in options.items() if each}
     if len(asked_for) != 1:
         given = " and ".join(f"--{name}" for name in asked_for) or "none"
         raise click.UsageError(f"you gave {given} of --loads, --times and --speeds; gfmd allows one of them")
     ((what, values),) = asked_for.items()
-    picture, table = picture_path(output), companion(output, "table", ".csv")
+    picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = load_scene(file)
     described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
-    read = {"loads": read_curve, "times": read_times, "speeds": read_speeds}[what]
-    asked = read(described, document, values, realisations)
+    asked = read_curve(described, document, what, values, realisations)
     solved: list[xr.Dataset] = []
     try:
         with waiting(f"solving {what}", len(asked.loads) * realisations) as advance:
@@ -317,3 +315,167 @@ def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
         for name in names
     }
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
+
+
+_files_option = click.option(
+    "-o",
+    "--output",
+    type=NEW_FILE,
+    help="netCDF file to write, with a picture (.png) of the same name",
+)
+
+
+@main.command()
+@file_argument
+@output_option
+@click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
+@click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
+@click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
+@click.option("--plane", metavar="Z", multiple=True, help="Below a map: the horizontal plane at this z, like -5um")
+def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, plane: tuple[str, ...]) -> None:
+    """Compute displacement, strain and stress inside a body.
+
+    FILE is a contact that `gfmd solve` wrote. In addition to the netCDF file, the command writes a picture (.png) of
+    the same name. Below a map, the fields are on a vertical section, or on horizontal planes.
+    """
+    import gfmd_numba
+    from gfmd_numba.analysis import plot_body
+    from gfmd_numba.campaign.results import read_results
+
+    picture = companion(output, "picture", ".png")
+    check_output(output, file)
+    contact = read_results(file)
+    at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
+    planes = [place(contact, "plane", given) for given in plane] or None
+    with in_words_of_options(file), waiting("computing the fields"):
+        dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
+    write(output, dataset, "fields")
+    with naming(file):
+        write_picture(picture, lambda: plot_body(dataset))
+    if "peak_von_mises" in dataset:
+        say("largest", largest_stress(dataset), width=9)
+
+
+@main.command()
+@file_argument
+@output_option
+@click.option(
+    "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
+)
+def statistics(file: Path, output: Path, percolation: bool) -> None:
+    """Compute distributions of pressure, gap and contacts.
+
+    FILE is a contact that `gfmd solve` wrote. The command writes and draws the distributions. The picture (.png) has
+    the name of the netCDF file.
+    """
+    import gfmd_numba
+
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = gfmd_numba.contact_statistics(contact)
+        return found.assign(gfmd_numba.gap_percolation(contact).variables) if percolation else found
+
+    _measure(file, output, compute, "computing the statistics")
+
+
+@main.command()
+@file_argument
+@_files_option
+@json_option
+def leakage(file: Path, output: Path | None, as_json: bool) -> None:
+    """Compute how much leaks through the gap of a map.
+
+    FILE is a contact that `gfmd solve` wrote of a scene with `dimension: 2`. The command solves the Reynolds equation
+    along x and along y, and prints hydraulic gap and flow factor. The picture shows the channels.
+    """
+    from gfmd_numba.analysis import leakage as leakage_of
+
+    _measure(file, output, leakage_of, "computing the flow", as_json)
+
+
+@main.command()
+@file_argument
+@_files_option
+@json_option
+def conductance(file: Path, output: Path | None, as_json: bool) -> None:
+    """Compute the electrical or thermal conductance of a contact.
+
+    FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
+    over the conductivity of the bodies. The picture shows the current.
+    """
+    from gfmd_numba.simulate.contact_conductance import contact_conductance
+
+    _measure(file, output, contact_conductance, "computing the current", as_json)
+
+
+def _measure(
+    file: Path, output: Path | None, compute: Callable[[xr.Dataset], xr.Dataset], doing: str, as_json: bool = False
+) -> None:
+    """Compute something of the contact in a file, write and draw it if an output is given, and print its numbers."""
+    from pydantic_core import to_jsonable_python
+
+    from gfmd_numba.campaign.results import read_results
+
+    picture = None if output is None else companion(output, "picture", ".png")
+    if output is not None:
+        check_output(output, file)
+    contact = read_results(file)
+    with in_words_of_options(file), naming(file), waiting(doing):
+        dataset = compute(contact)
+    if output is not None and picture is not None:
+        write(output, dataset, err=as_json)
+        for path, drawing in pictures(dataset, None, picture).items():
+            write_picture(path, drawing, err=as_json)
+    if as_json:
+        fields = {"x", "y"} & set(map(str, dataset.dims))
+        found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)
+        click.echo(json.dumps(found))  # null stands for numbers that are not finite
+    else:
+        tell(of_measures(dataset))
+    warn_of_doubts(dataset)
+
+
+def place(contact: xr.Dataset, option: str, text: str) -> float:
+    """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for anything else."""
+    from pydantic_core import PydanticCustomError
+
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.units import LENGTH
+
+    in_metres = "x" not in contact.variables or contact["x"].attrs.get("units") != "1"
+    allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
+    number: object = plain_scalar(text.strip())
+    with suppress(PydanticCustomError):
+        if in_metres and not isinstance(number, (int, float)):
+            number = LENGTH.si_value(text)
+    if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
+        raise InputError(f"--{option}: you gave {text!r}; gfmd allows {allowed}")
+    return float(number)
+
+
+@contextmanager
+def in_words_of_options(file: Path) -> Iterator[None]:
+    """Name the file, and the options, in errors about the arguments of `gfmd_numba.body_fields`."""
+    wheres = {"contact": printable(file), "body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}
+    try:
+        yield
+    except InputError as error:
+        argument, colon, said = str(error).partition(": ")
+        raise InputError(f"{wheres.get(argument, argument)}{colon}{said}") from None
+
+
+def largest_stress(dataset: xr.Dataset) -> str:
+    """Return the largest von Mises stress below a map and its place, in the last step of a path."""
+    last, when = (dataset.isel(step=-1), ", in the last step,") if "step" in dataset.dims else (dataset, "")
+    peaks = last["peak_von_mises"].values
+    if not all(map(isfinite, peaks.ravel().tolist())):
+        return "unknown, as the run is not ok"
+    level = last.isel(z=int(peaks.argmax()))
+    stress = " ".join(readable(float(peaks.max()), _unit(level["peak_von_mises"], "E*")))
+    places = {"x": level["peak_x"], "y": level["peak_y"], "z": level["z"]}
+    at = ", ".join(f"{name} = {' '.join(readable(float(v), _unit(v, 'L_x')))}" for name, v in places.items())
+    return f"von Mises stress of these depths{when} {stress} at {at}"
+
+
+def _unit(variable: xr.DataArray, natural: str) -> str:
+    unit = str(variable.attrs["units"])
+    return natural if unit == "1" else unit

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -12,16 +11,14 @@ import click
 
 from gfmd_numba.cli.arguments import (
     NEW_FILE,
-    OF_PATHS,
-    Fixed,
     exponents_option,
     fixed_option,
     results_argument,
     variable_option,
 )
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import check_output, picture_path, picture_suffixes, pictures, write, write_picture
-from gfmd_numba.cli.tables import of_fit, of_goal
+from gfmd_numba.cli.outputs import check_output, companion, picture_suffixes, pictures, write, write_picture
+from gfmd_numba.cli.tables import fit_options, of_fit, of_goal
 from gfmd_numba.cli.terminal import say, tell, waiting
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
@@ -126,7 +123,7 @@ def plot(results: Path, output: Path | None, width: Width | None, **asked: Any) 
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    picture = output or picture_path(file)
+    picture = output or companion(file, "picture", ".png")
     check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
     dataset = read_results(file)
     for path in pictures(dataset, None, picture):
@@ -157,19 +154,3 @@ def _fit(dataset: xr.Dataset, **asked: Any) -> xr.Dataset:
 
     with waiting("fitting"):
         return fit_tfc(dataset, **fit_options(dataset, **asked))
-
-
-def fit_options(
-    dataset: xr.Dataset, fixed: tuple[Fixed, ...] = (), variable: str | None = None, exponents: str | None = None
-) -> dict[str, Any]:
-    """Return the options of the fit: those of the campaign, overridden by those of the command line."""
-    options: dict[str, Any] = json.loads(dataset.attrs.get("fit", "{}"))
-    if variable is not None:
-        options["variable"] = variable
-        if variable in OF_PATHS:
-            options.pop("step", None)  # which the path as a whole has not
-        options = json.loads(dataset.attrs.get("fits_of_targets", "{}")).get(variable, options)
-    options["fixed"] = options.get("fixed", {}) | dict(fixed)
-    if exponents is not None:
-        options["exponents"] = exponents
-    return options

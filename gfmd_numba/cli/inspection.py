@@ -72,7 +72,7 @@ def relaxation(file: Path, unit: str) -> None:
 
 def _describes_jobs(keys: Set[object]) -> bool:
     """Return whether the keys of a file are those of a cluster. A key `interface` may also be that of a scene."""
-    from gfmd_numba.campaign.cluster_file import Cluster
+    from gfmd_numba.campaign.cluster import Cluster
     from gfmd_numba.scene import Scene, SceneFile
 
     of_scenes = SceneFile.model_fields.keys() | Scene.model_fields.keys()
@@ -80,8 +80,8 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 
 def _check_campaign(document: Document) -> tuple[str, str]:
+    from gfmd_numba.campaign.axes import doubt_of_numbers
     from gfmd_numba.campaign.file import is_without_levels, load_campaign
-    from gfmd_numba.campaign.grid import doubt_of_numbers
     from gfmd_numba.scene import Measured
 
     campaign = load_campaign(document)[0]
@@ -94,7 +94,7 @@ def _check_campaign(document: Document) -> tuple[str, str]:
         planned = plan(document)
         campaign, doubts = planned.campaign, planned.validity.splitlines()
         if few:
-            from gfmd_numba.campaign.doubts import refused_limits
+            from gfmd_numba.campaign.plan import refused_limits
 
             doubts += refused_limits(planned.campaign, planned.cases)
     kind = f"a campaign of {campaign.n_cases} cases"
@@ -119,7 +119,7 @@ def _has_few_levels(campaign: Campaign) -> bool:
 
 
 def _check_cluster(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.cluster_file import NO_JOBQUEUE, load_cluster
+    from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
 
     cluster = load_cluster(document)
     lacking = "" if importlib.util.find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
@@ -144,27 +144,21 @@ def _check_scene(document: Document) -> tuple[str, str]:
 
     file, document = load_scene(document)
     doubts: list[str] = []
-    if isinstance(file, BoundaryFile):
-        if isinstance(file.scene.body.roughness, Measured):  # whose file may tell the dimension and the period
-            from gfmd_numba.contact.contact_input import with_measured_surfaces
-
-            file, measured = with_measured_surfaces(file, document)
-            doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
-        check_combination(document, file.scene, file.numerics)
-        return "a loaded body", "\n".join((*implausible(file.scene), *doubts))
     if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
         from gfmd_numba.contact.contact_input import with_measured_surfaces
 
-        file, measured = with_measured_surfaces(file, document)
+        file, measured = with_measured_surfaces(file, document)  # whose files may tell the dimension and the period
         doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
-    check_combination(document, file.scene, file.numerics, file.path)
-    kind = ", ".join(filter(None, ("a scene", dimensions(file.scene))))
-    doubts = [*implausible(file.scene, file.path), *doubts]
+    path = () if isinstance(file, BoundaryFile) else file.path
+    check_combination(document, file.scene, file.numerics, path)
+    doubts = [*implausible(file.scene, path), *doubts]
+    if isinstance(file, BoundaryFile):
+        return "a loaded body", "\n".join(doubts)
     if file.scene.interface.reaches_across:
         from gfmd_numba.simulate import doubt
 
         doubts.append(doubt(file, document))
-    return kind, "\n".join(doubts)
+    return ", ".join(filter(None, ("a scene", dimensions(file.scene)))), "\n".join(doubts)
 
 
 @main.command()
@@ -191,7 +185,7 @@ def schemas() -> dict[str, dict[str, Any]]:
     """Return the JSON Schemas of all kinds of files, with the names of the solvers."""
     from pydantic import BaseModel
 
-    from gfmd_numba.campaign.cluster_file import Cluster
+    from gfmd_numba.campaign.cluster import Cluster
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.scene import BoundaryFile, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile

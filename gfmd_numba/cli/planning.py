@@ -1,17 +1,27 @@
-"""The command that plans a campaign: its size, its cost, and the first round of a run to an accuracy."""
+"""The commands that say what results cost: the plan of a campaign, also to an accuracy, and accuracy studies."""
 
 from __future__ import annotations
 
 import sys
-from math import nan
+from itertools import groupby
+from math import isnan, nan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import LIMITS, budget_option, file_argument, is_given, target_option, workers_option
+from gfmd_numba.cli.arguments import (
+    LIMITS,
+    NEW_FILE,
+    budget_option,
+    file_argument,
+    is_given,
+    target_option,
+    workers_option,
+)
 from gfmd_numba.cli.campaigns import goal_in, levels_of, options_named, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
+from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, dimensions, duration, said_of_error
 from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 
@@ -19,7 +29,9 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
-    from gfmd_numba.campaign.until import FirstDecision
+    from gfmd_numba.campaign.run import FirstDecision
+    from gfmd_numba.campaign.work_precision import Point
+
 
 _MOST_EFFECTS = 50
 
@@ -45,9 +57,9 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.doubts import refused_limits
     from gfmd_numba.campaign.file import is_without_levels
     from gfmd_numba.campaign.plan import plan as plan_campaign
+    from gfmd_numba.campaign.plan import refused_limits
 
     _check_options(target, budget)
     with options_named("target"):
@@ -134,7 +146,7 @@ def _check_options(target: object, budget: float | None) -> None:
 
 def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.until import first_decision
+    from gfmd_numba.campaign.run import first_decision
 
     try:
         with options_named("target"), rounds_shown() as (watch, told):
@@ -210,3 +222,63 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
     print_table("realisations of each level", parameters, realisations)
     if len(now.cases) > MOST_ROWS:
         say("note", f"{len(now.cases) - MOST_ROWS} more levels are not shown", width=14)
+
+
+_OF_SOME = {
+    "error of hysteresis": "hysteresis_error",
+    "error of pull-off": "pull_off_pressure_error",
+    "order error (L_x)": "next_order",
+}
+_ERRORS = {"relative error": "error"} | _OF_SOME
+
+
+@main.command()
+@file_argument
+@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
+@click.option(
+    "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
+)
+def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
+    """Measure on this machine what accuracy costs.
+
+    The studies start from the reference case of the campaign in FILE. Each varies one setting and measures error and
+    processor time: solver and residual, time step and damping, each discretisation, the number of surfaces,
+    the length of the steps of a loading path, and the order in the slope of rough bodies. `gfmd plan --target` tells
+    what an error of the limit costs.
+    """
+    from gfmd_numba.analysis import plot_accuracy
+    from gfmd_numba.campaign import work_precision
+    from gfmd_numba.campaign.plan import plan
+
+    planned = plan(file)
+    results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
+    picture = companion(results, "picture", ".png")
+    check_output(results, file)
+    points: list[work_precision.Point] = []
+    for point in work_precision.studies(planned, realisations):
+        if not points or points[-1].study != point.study:
+            click.echo(f"study    {point.study}", err=True)
+        points.append(point)
+    dataset = work_precision.dataset(points)
+    write(results, dataset)
+    write_picture(picture, lambda: plot_accuracy(dataset))
+    for study, group in groupby(points, key=lambda point: point.study):
+        _show_study(study, list(group))
+
+
+def _show_study(study: str, points: list[Point]) -> None:
+    """Print what one setting costs, and how far off kappa is."""
+    settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
+    names = _ERRORS if points[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
+    found = {
+        heading: ["-" if isnan(value := getattr(point, name)) else f"{value:.2g}" for point in points]
+        for heading, name in names.items()
+        if name == "error" or not all(isnan(getattr(point, name)) for point in points)
+    }
+    found |= {
+        "processor time": [duration(point.seconds) for point in points],
+        "transforms": ["-" if isnan(point.transforms) else f"{point.transforms:.0f}" for point in points],
+    }
+    if any(point.failed for point in points):
+        found["failed"] = [str(point.failed) for point in points]
+    print_table(f"what accuracy costs: {study}", settings, found)

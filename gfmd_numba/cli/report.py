@@ -6,17 +6,16 @@ import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import sleep, strftime
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
 from gfmd_numba.cli.arguments import NEW_FILE, results_argument
-from gfmd_numba.cli.fits import fit_options, naming
+from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written
-from gfmd_numba.cli.tables import duration, endings
+from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_results
 from gfmd_numba.cli.terminal import Line, Told, waiting
-from gfmd_numba.cli.told import has_limits, of_results
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -166,15 +165,9 @@ def _asked(dataset: xr.Dataset) -> str:
 
     if "campaign" in dataset.attrs:
         return str(dataset.attrs["campaign"])
-    scene = _without_nulls(json.loads(dataset.attrs.get("scene", "{}")))
+    given = dataset.attrs.get("scene", "{}")
+    scene = json.loads(given, object_hook=lambda found: {key: each for key, each in found.items() if each is not None})
     return yaml.safe_dump(scene, sort_keys=False, default_flow_style=False) if scene else "The file does not say."
-
-
-def _without_nulls(given: Any) -> Any:
-    """Return nested mappings without what is null in them."""
-    if isinstance(given, dict):
-        return {key: _without_nulls(each) for key, each in given.items() if each is not None}
-    return [_without_nulls(each) for each in given] if isinstance(given, list) else given
 
 
 def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:

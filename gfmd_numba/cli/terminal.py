@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from textwrap import wrap
-from typing import TYPE_CHECKING
+from threading import Timer
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -13,19 +17,9 @@ from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
-
-import sys
-import time
-from collections.abc import Callable
-from contextlib import contextmanager, suppress
-from threading import Timer
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-if TYPE_CHECKING:
     from rich.progress import Progress
 
     from gfmd_numba.campaign.job_queue import QueueState
-
 
 COLUMNS = 80
 _SPACE = "\0"  # within a command, where no line may end: printable text has none

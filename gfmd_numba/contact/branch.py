@@ -5,22 +5,21 @@ How near a fold of its branch an equilibrium is, the smallest curvature of its e
 
 import warnings
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse.linalg import LinearOperator, lobpcg
+from scipy.sparse.linalg import lobpcg
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import free_window, solution
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.evaluation import gap, plastic_work
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State
-from gfmd_numba.elasticity import free_body
+from gfmd_numba.contact.state import NOTHING_LOST, Contact, Followed, State, with_costs
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.solvers.status import Status
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
@@ -45,24 +44,23 @@ def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals
         filtered = grid.signal(symbol * grid.coefficients(whole, len(shape)), *shape)
         return filtered.reshape(len(whole), -1)[:, free].T
 
-    def operator(product: object) -> LinearOperator:
-        return LinearOperator((len(free), len(free)), matvec=product, matmat=product, dtype=np.float64)
+    def body(x: Reals) -> Reals:
+        return filtered(positive, x)
 
-    def columns(x: Reals) -> Reals:
-        return x.reshape(len(free), -1)
+    def energy(x: Reals) -> Reals:
+        return filtered(stiffness, x) + curvature[:, np.newaxis] * x
 
-    body = operator(lambda x: filtered(positive, columns(x)))
-    energy = operator(lambda x: filtered(stiffness, columns(x)) + curvature[:, np.newaxis] * columns(x))
-    compliance = operator(lambda x: filtered(1.0 / positive, columns(x)))
     if len(free) < 5 * _VECTORS:  # too few for iterations
         every = np.eye(len(free))
-        lower = np.linalg.inv(np.linalg.cholesky(body.matmat(every)))
-        return float(np.linalg.eigvalsh(lower @ energy.matmat(every) @ lower.T)[0])
+        lower = np.linalg.inv(np.linalg.cholesky(body(every)))
+        return float(np.linalg.eigvalsh(lower @ energy(every) @ lower.T)[0])
     guess = np.random.default_rng(0).normal(size=(len(free), _VECTORS))
     if curvature.any():  # about where the law softens most; a mode exactly would end the search for a lower one
         guess[:, 0] = np.abs(curvature) / np.abs(curvature).max() + 0.1 * guess[:, 0]
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of the larger ones, which nobody needs
-        values, _ = lobpcg(energy, guess, body, compliance, tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False)
+        values, _ = lobpcg(
+            energy, guess, body, partial(filtered, 1.0 / positive), tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False
+        )
     return float(values.min())
 
 
@@ -94,13 +92,15 @@ class _Point:
     def adhesion(self) -> float:
         """Work of adhesion that the surfaces have gained where they touch, or a law of gap and slip holds them."""
         laws, found = self.problem.interface, self.contact.equilibrium
+        if laws.normal_law is not None and not laws.hard_wall:
+            return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
         if laws.normal_law is not None:
             return abs(float(laws.normal_law.energy(np.zeros(1))[0])) * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
-        gap, tangential = self.contact.punch - found.displacement, found.tangential
+        apart, tangential = self.contact.punch - found.displacement, found.tangential
         slip = np.moveaxis(tangential.sliding - tangential.displacement, 1, 0)
-        gained = -laws.cohesive.energy(gap, vector_slip.length(slip))
+        gained = -laws.cohesive.energy(apart, vector_slip.length(slip))
         return float(np.where(gained > _HELD * laws.cohesive.work, gained, 0.0).mean())
 
     def work(self, other: "_Point") -> tuple[float, float]:
@@ -125,7 +125,7 @@ def stability(problem: Problem, contact: Contact) -> float | None:
     if not any(ends):
         stiffness = solution.condensed_stiffness(problem, grid.magnitudes(shape))
     else:  # the law acts in the window alone
-        stiffness = free_body.response(shape, problem.body, ends, problem.interface.couples).normal.copy()
+        stiffness = solution.free_response(problem).normal.copy()
         apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)), ends)
         touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_), ends)
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):
@@ -149,11 +149,7 @@ def follow(problem: Problem, state: State) -> Contact:
     point, steps = _advance(start, problem, _DIVISIONS, 0.0, spent)
     jumps = [step for step in steps if not np.isnan(step.jump_at)]
     largest = max(jumps, key=lambda step: step.lost, default=NOTHING_LOST)
-    counted = {
-        name: sum(getattr(each.contact.equilibrium, name) for each in spent)
-        for name in ("n_iterations", "n_transforms", "wall_time")
-    }
-    equilibrium = replace(point.contact.equilibrium, **counted)
+    equilibrium = with_costs(point.contact.equilibrium, (each.contact.equilibrium for each in spent))
     least = min(each.pressure for each in spent)
     lost, yielded = (sum(getattr(step, name) for step in steps) for name in ("lost", "yielded"))
     followed = Followed(lost, largest.jump_at, least, largest.jump_sliding, yielded)

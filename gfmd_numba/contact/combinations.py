@@ -28,8 +28,10 @@ class Refusal:
 
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
-TALLEST = 1.0  # slab without a period, over the length of the window
-_NO_REFERENCE = "as a half-space has no reference for displacement"
+TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
+LOWEST = 0.2  # incompressible slab without a period, over that
+SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
+_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
     "the pressure alone would let it bear both"
@@ -52,12 +54,12 @@ def _laws_with_each_other() -> Iterator[Refusal]:
 def _without_a_period() -> Iterator[Refusal]:
     """What a contact without a period cannot be yet, and what it does not need."""
     not_yet = {
-        "layers on a half-space": "a rigid base, or a body of one material",
-        "incompressible slab": "a number below 0.5, or a half-space",
-        "tall slab": f"a height of at most {TALLEST:g} times the length, or a half-space",
-        "rough bodies": "a rough rigid punch on one smooth body",
-        "boundary": "no boundary",
-        "accuracy": "no `gfmd accuracy`",
+        "layers that are rubbed": "a rigid base, or a body of one material, under tangential tractions",
+        "tall slab": f"at most {TALLEST:g} times the length, or a half-space, under tangential tractions",
+        "incompressible slab": f"a number below 0.5, a half-space, or a height of at least {LOWEST:g} times the length "
+        "and no tangential tractions",
+        "soft below stiff": f"at least {SOFTEST:g} times the modulus of the stiffest layer above it",
+        "higher topography_order": "0, or nothing,",
     }
     for feature, allowed in not_yet.items():
         yield Refusal("no period", feature, f"{allowed} without a period: this is not built yet", "not built yet")
@@ -67,7 +69,7 @@ def _without_a_period() -> Iterator[Refusal]:
         "true or false with dimension 1; x and y, for a punch that ends along the other axis alone, need dimension 2",
         "physics",
     )
-    least = f"at least {LEAST_POISSONS_RATIO:g} under friction or a cohesive law where periodic is false: below it the"
+    least = f"at least {LEAST_POISSONS_RATIO:g} under tangential tractions where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
     yield Refusal("no period", "thermodynamic limit", f"{size} eps_t is another contact", "physics")
@@ -170,15 +172,22 @@ REFUSALS = (
         if LAWS[law].tangential
     ),
     Refusal(
+        "hardness",
+        "lennard_jones",
+        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart before they touch that wall",
+        "physics",
+    ),
+    Refusal(
         "displacement",
         "half-space",
-        f"a finite aspect_ratio, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",
+        "a finite aspect_ratio, periodic false, or loading.reduced_pressure in place of loading.displacement, "
+        f"{_NO_REFERENCE}",
         "physics",
     ),
     Refusal(
         "displacement",
         "layers on a half-space",
-        f"rigid, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",
+        f"rigid, periodic false, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",
         "physics",
     ),
     Refusal(
@@ -300,9 +309,10 @@ PHRASES = {
     "force": "a load `force`",
     "form alone": "a `form` without roughness",
     "form between elastic bodies": "a `form` between two elastic bodies",
-    "half-space": "a half-space",
+    "half-space": "a half-space under a periodic punch",
     "higher topography_order": "a `topography_order` above 0",
-    "layers on a half-space": "`layers` on a half-space",
+    "layers on a half-space": "`layers` on a half-space under a periodic punch",
+    "layers that are rubbed": "friction, a cohesive law or prescribed tractions on `layers` on a half-space",
     "limits": "the thermodynamic, fractal or continuum limit of a campaign",
     "thermodynamic limit": "the thermodynamic limit of a campaign (`eps_t` among its `limits`)",
     "line_load": "a load `line_load`",
@@ -324,7 +334,7 @@ PHRASES = {
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
-    "stiff sideways": "a small or negative `poissons_ratio` under friction or a cohesive law",
+    "stiff sideways": "a small or negative `poissons_ratio` under friction, a cohesive law or prescribed tractions",
     "sticking": "an infinite coefficient of friction",
     "topography_order": "`topography_order`",
     "treated ends": "`periodic: mirror` or `window` of a measured surface",
@@ -332,8 +342,10 @@ PHRASES = {
     "hard wall": "a hard wall",
     "hardness": "a hard wall of finite `hardness`",
     "normal law": "a law of the gap alone",
-    "incompressible slab": "an incompressible slab",
-    "tall slab": "a slab, or layers, higher than the window is wide",
+    "incompressible slab": f"an incompressible slab lower than {LOWEST:g} times the window, or under such tractions",
+    "tall slab": "such tractions on a slab, or layers, higher than the window is wide",
+    "soft below stiff": f"a layer or a base with less than {SOFTEST:g} times the modulus of one above it, on a "
+    "half-space or higher than the window",
     "cohesive law": "a law of gap and slip",
     **{name: law.title for name, law in LAWS.items()},
 }

@@ -1,48 +1,211 @@
-"""What `gfmd solve` writes of a contact: a dataset of one loading, or of all steps of a path, in SI units."""
+"""Datasets of contacts and loaded bodies: variables in the units of the file, each with its unit and long_name."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import branch, flow_measures, law_resolution
-from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.dataset import (
-    CONVENTIONS,
-    PRESCRIBED,
-    Units,
-    cf_attributes,
-    dropped_effects,
-    indexed,
-    load_attributes,
-    modulus_attributes,
-    refuse_nonfinite,
-)
-from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
+from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
+from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.observables import ROUGH_BODY_OBSERVABLES, recorded_along
+from gfmd_numba.contact.loaded_body import BoundaryValueProblem, Loaded
+from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED, ROUGH_BODY_OBSERVABLES, Observable, recorded_along
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, times_of
+from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
-from gfmd_numba.elasticity import fields, topography
+from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.quantities import RMS_GRADIENT_TARGET
+from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
+    PUNCH_DISPLACEMENT,
+    REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
+)
+from gfmd_numba.solvers import status
 from gfmd_numba.solvers.status import Status
+
+CONVENTIONS = "CF-1.11"
+# attributes of x, which tell a whole period from a part of one, and a window that has no period
+POINTS, POINTS_OF_WINDOW = "points_per_period", "points_per_window"
+INDICES = {
+    "case": "case, in the order of the campaign",
+    "realisation": "realisation: the same random surface in every case",
+    "step": "step of the path, from the first loading",
+}
+
+
+Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
+
+
+@dataclass(frozen=True)
+class Units:
+    """What each unit of a dimensionless problem is worth in a file, and what it is called there."""
+
+    worth: Mapping[str, float]
+    names: Mapping[str, str]
+
+    @classmethod
+    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+        """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
+        scales = scales_of(scene)
+        height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
+        metre, pascal = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
+        both = [unit for unit in (pascal, metre) if unit != "1"]
+        each = {
+            "1": (1.0, "1"),
+            "E*/stiffness": (1.0 / scales.stiffness, "1"),
+            "gradient": (rms_gradient, "1"),
+            "length": (scales.length, metre),
+            "height": (height, metre),
+            "E*": (scales.modulus, pascal),
+            "pressure": (pressure, pascal),
+            "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
+            "s": (1.0, "s"),
+        }
+        named_alone = {"force per length": "N m-1", "force": "N", "speed": "m s-1" if scene.length else "s-1"}
+        return cls(
+            {kind: worth for kind, (worth, _) in each.items()},
+            {kind: name for kind, (_, name) in each.items()} | named_alone,
+        )
+
+    def variable(
+        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
+    ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
+        """Variable of a dataset, in the unit of its file."""
+        return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+
+    def variables(self, dims: Sequence[Hashable], described: Iterable[Described]) -> dict[str, Any]:
+        """Variables of the same dims by name."""
+        return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
+
+    def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
+        """Variable without dims of an observable."""
+        attributes = measure_attributes(name, self.names[row.unit], row.long_name)
+        return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
+
+    def positions(
+        self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
+    ) -> dict[str, Any]:
+        """Coordinates of the nodes of a whole period, or window; `profile` says along what those of a profile lie."""
+        points = [POINTS_OF_WINDOW if end else POINTS for end in ends or (False,) * len(shape)]
+        ways = {1: (profile,), 2: AXES}[len(shape)]
+        return {
+            dim: (
+                dim,
+                np.arange(nodes) / nodes * (length or 1.0),
+                cf_attributes(f"position along {way}", self.names["height"]) | {name: nodes},
+            )
+            for dim, way, nodes, name in zip(AXES[-len(shape) :], ways, shape, points, strict=True)
+        }
+
+
+def units_of(given: ContactInput) -> Units:
+    """What each unit of the dimensionless problem of a contact is worth, and what it is called in results."""
+    return Units.of(given.file.scene, given.surfaces.rms_gradient)
+
+
+def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+    """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
+    if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
+        return {}
+    scales = scales_of(scene)
+    whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
+    return {"effective_modulus": f"{scales.modulus / scales.stiffness:.17g} Pa: E* is that of {whose}"}
+
+
+def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
+    """CF attributes of what a loading prescribes, by the name of its coordinate."""
+    height = Units.of(scene).names["height"]
+    return {
+        "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
+        "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
+        "line_load": cf_attributes(LINE_LOAD, "N m-1"),
+        "force": cf_attributes(FORCE_ON_A_MAP, "N"),
+        "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
+        "time": cf_attributes("time since the first load began to act", "s"),
+        "speed": cf_attributes("sliding speed of the punch along x", "m s-1" if scene.length else "s-1"),
+        "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
+        "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
+    }
+
+
+def dropped_effects(effects: Iterable[Effect]) -> str:
+    """One line for each effect of the scene that was left out of the computation."""
+    return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
+
+
+def cf_attributes(long_name: str, units: str = "1") -> dict[str, Any]:
+    """What every variable and coordinate that is written says of itself."""
+    return {"long_name": long_name, "units": units}
+
+
+def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
+    """CF attributes of a measure."""
+    attributes = cf_attributes(long_name, unit)
+    if name == "status":
+        attributes |= status.flag_attributes(status.SENTENCES)
+    if name.startswith("kappa"):
+        attributes["comment"] = (
+            "not-a-number where the mean pressure is not above 0: under tension area has no such law"
+        )
+    return attributes
+
+
+def refuse_nonfinite(dataset: xr.Dataset) -> None:
+    """Change a status that is ok where a result of one run, in its units, is not finite."""
+    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
+    dataset["status"].values = finite_status(results)
+
+
+def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
+    """Values in file units; counts and flags keep their integer type."""
+    return values if factor == 1.0 else values * factor
+
+
+def campaign_dataset(
+    coordinates: Mapping[str, tuple[str | tuple[str, ...], list[Any], dict[str, Any]]],
+    rows: Mapping[str, Observable],
+    values: list[dict[str, npt.NDArray[Any]]],
+    unit: Mapping[str, str],
+) -> xr.Dataset:
+    """Dataset `(case, realisation)` of the measures of every case, already in file units, with `step` along a path."""
+    variables = {}
+    values = [case | {"status": finite_status(case)} for case in values]
+    for name, row in rows.items():
+        stacked = np.stack([case[name] for case in values])
+        variables[name] = (
+            ("case", "realisation", "step")[: stacked.ndim],
+            stacked,
+            measure_attributes(name, unit[row.unit], row.long_name),
+        )
+    return indexed(xr.Dataset(variables, attrs={"Conventions": CONVENTIONS})).assign_coords(coordinates)
+
+
+def indexed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with a number for each case, realisation and step."""
+    counted = [str(dim) for dim in dataset.dims if dim in INDICES]
+    return dataset.assign_coords(
+        {name: (name, np.arange(dataset.sizes[name]), cf_attributes(INDICES[name])) for name in counted}
+    )
 
 
 def path_dataset(
-    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact | Pressed]
+    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact]
 ) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
@@ -51,19 +214,21 @@ def path_dataset(
     """
     file = given.file
     record, steps = PathRecord(), []
-    for at_load, each in zip(problem.at_each_load, solved, strict=False):
-        contact = each if isinstance(each, Contact) else each.contact
-        steps.append(step_dataset(given, at_load, each))
+    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
+        steps.append(step_dataset(given, at_load, contact))
         is_ok = bool(steps[-1]["status"] == Status.ok)
         if file.path:
-            record.add(at_load, each, is_ok)
+            record.add(at_load, contact, is_ok)
         if contact.followed is not None:
             _add_followed(steps[-1], given, at_load, contact, contact.followed)
         if not is_ok:
             break
-    dataset = _with_loads(_joined(steps) if file.path else steps[0], given, problem)
+    joined = steps[0]
     if file.path:
-        _add_record(dataset, given, record)
+        how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
+        joined = indexed(xr.concat(steps, "step", combine_attrs="override", **how))
+        joined.update(_recorded(given, record))
+    dataset = _with_loads(joined, given, problem)
     if file.scene.interface.reaches_across:
         resolution = law_resolution.resolution(problem)
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
@@ -77,9 +242,9 @@ def path_dataset(
     return dataset
 
 
-def step_dataset(given: ContactInput, problem: Problem, solved: Contact | Pressed) -> xr.Dataset:
+def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    step = contact_dataset(given, problem, solved if isinstance(solved, Contact) else solved.in_plane)
+    step = contact_dataset(given, problem, solved.in_plane)
     if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
         _add_bodies(step, given, given.surfaces.bodies, problem, solved)
     return step
@@ -91,38 +256,10 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     Displacements count from the unloaded body on a slab or without a period, and from their own mean on a periodic
     half-space, whose mean displacement has no reference.
     """
-    scene, unit = given.file.scene, given.units
-    displacement = contact.equilibrium.displacement[0]
-    if problem.displacement is None and not any(problem.ends):
-        displacement = displacement - displacement.mean() - _uniform_compression(given, problem) / contact.change.factor
-    if contact.change.out is not None:
-        displacement = displacement + contact.change.out[0]
-    fields = {
-        "height": ("height", "height of the punch, peaks towards the body", contact.heights[0]),
-        "pressure": ("pressure", "contact pressure", contact.equilibrium.pressure[0]),
-        "displacement": ("height", "normal displacement of the body, positive towards the punch", displacement),
-        "gap": ("height", "gap between the surfaces", gap(contact)[0]),
-    }
-    if problem.interface.hardness is not None:
-        of_punch = "depth by which the punch has been flattened, kept when it is unloaded"
-        fields["plastic_depth"] = "height", of_punch, np.asarray(contact.plastic_depth)[0]
-    if problem.wear_rate is not None:
-        fields["worn_depth"] = "height", "depth by which the punch has worn", contact.memory["worn"][0]
-    fields |= _tangential_fields(contact, problem.interface.friction is not None)
-    if problem.tractions is not None:
-        prescribed = *problem.tractions.tangential, problem.tractions.normal
-        for component, values in zip(COMPONENTS[scene.dimension], prescribed, strict=True):
-            long_name = f"prescribed traction on the body, {component.way}"
-            fields[f"prescribed_{component.key('traction')}"] = "pressure", long_name, values
-    dims = AXES[-scene.dimension :]
-    if problem.plasticity is not None:
-        out = np.asarray(contact.change.out)[0]
-        fields["residual_displacement"] = "height", "displacement of the body by what has flown, without a load", out
+    scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
-    variables: dict[str, Any] = {
-        name: unit.variable(dims, kind, long_name, values) for name, (kind, long_name, values) in fields.items()
-    }
+    variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
     if problem.plasticity is not None:
         variables |= _inside(contact, unit, dims)
     rows = recorded_of(problem)
@@ -136,48 +273,54 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     return dataset
 
 
+def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Iterator[Described]:
+    """Fields of the first realisation; tangential ones on maps along x and y, none where the normal one is alone."""
+    displacement, tangential = contact.equilibrium.displacement[0], contact.equilibrium.tangential
+    if problem.displacement is None and not any(problem.ends):
+        uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
+        pressed = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
+        displacement = displacement - displacement.mean() - pressed / contact.change.factor
+    if contact.change.out is not None:
+        displacement = displacement + contact.change.out[0]
+    yield "height", "height", "height of the punch, peaks towards the body", contact.heights[0]
+    yield "pressure", "pressure", "contact pressure", contact.equilibrium.pressure[0]
+    yield "displacement", "height", "normal displacement of the body, positive towards the punch", displacement
+    yield "gap", "height", "gap between the surfaces", gap(contact)[0]
+    if problem.interface.hardness is not None:
+        flattened = "depth by which the punch has been flattened, kept when it is unloaded"
+        yield "plastic_depth", "height", flattened, np.asarray(contact.plastic_depth)[0]
+    if problem.wear_rate is not None:
+        yield "worn_depth", "height", "depth by which the punch has worn", contact.memory["worn"][0]
+    if tangential is not None and contact.sideways is not None:
+        moved, rubs = "tangential displacement of the body", "tangential traction of the punch on the body"
+        yield from _by_axis("tangential_displacement", "height", moved, contact.sideways[0], " ")
+        yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
+        if problem.interface.friction is not None:
+            slid = vector_slip.length(tangential.slip[0])
+            yield "slip", "height", "way a touching node has slid in this step, 0 where it sticks", slid
+    if problem.tractions is not None:
+        prescribed = *problem.tractions.tangential, problem.tractions.normal
+        for component, values in zip(COMPONENTS[given.file.scene.dimension], prescribed, strict=True):
+            long_name = f"prescribed traction on the body, {component.way}"
+            yield f"prescribed_{component.key('traction')}", "pressure", long_name, values
+    if problem.plasticity is not None:
+        out = np.asarray(contact.change.out)[0]
+        yield "residual_displacement", "height", "displacement of the body by what has flown, without a load", out
+
+
 def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:
     """Means of the sublayers of a body that may flow, and the depths of their middles."""
     flow, (von_mises, along) = flow_measures.flow_of(contact), flow_measures.stresses(contact)
     bottoms = np.cumsum(flow.body.waves.thickness)
-    own = {
-        "equivalent_plastic_strain": ("gradient", "equivalent plastic strain", flow.equivalent),
-        "von_mises_stress": ("pressure", "von Mises stress", von_mises),
-        "stress_x": ("pressure", "stress along x, tension above 0", along),
-    }
-    found = {
-        name: unit.variable(("depth", *dims), kind, long_name, values.reshape(len(bottoms), *contact.heights.shape[1:]))
-        for name, (kind, long_name, values) in own.items()
-    }
+    shape = len(bottoms), *contact.heights.shape[1:]
+    own = (
+        ("equivalent_plastic_strain", "gradient", "equivalent plastic strain", flow.equivalent.reshape(shape)),
+        ("von_mises_stress", "pressure", "von Mises stress", von_mises.reshape(shape)),
+        ("stress_x", "pressure", "stress along x, tension above 0", along.reshape(shape)),
+    )
+    found = unit.variables(("depth", *dims), own)
     middles = bottoms - 0.5 * flow.body.waves.thickness
     return found | {"depth": unit.variable(("depth",), "length", "depth of the middle of a sublayer", middles)}
-
-
-def _uniform_compression(given: ContactInput, problem: Problem) -> float:
-    uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
-    return 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
-
-
-def _tangential_fields(contact: Contact, rubs: bool) -> dict[str, tuple[str, str, Reals]]:
-    """Tangential fields of the first realisation, on maps along x and y; none where the normal one is alone."""
-    tangential = contact.equilibrium.tangential
-    if tangential is None or contact.sideways is None:
-        return {}
-    sideways = contact.sideways[0]
-    kinds = {
-        "displacement": ("height", "tangential displacement of the body", sideways),
-        "traction": ("pressure", "tangential traction of the punch on the body", tangential.traction[0]),
-    }
-    ways = {"": " along x", "_y": " along y"} if len(sideways) > 1 else {"": ""}
-    fields = {
-        f"tangential_{kind}{suffix}": (unit, f"{long_name}{way}", values[i])
-        for kind, (unit, long_name, values) in kinds.items()
-        for i, (suffix, way) in enumerate(ways.items())
-    }
-    if rubs:
-        slid = vector_slip.length(tangential.slip[0])
-        fields["slip"] = ("height", "way a touching node has slid in this step, 0 where it sticks", slid)
-    return fields
 
 
 def _add_bodies(
@@ -185,48 +328,65 @@ def _add_bodies(
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
-    dims, pairing, contact = found["height"].dims, pressed.correction.pairing, pressed.contact
+    dims, pairing = found["height"].dims, pressed.correction.pairing
     assert problem.rough is not None  # as its bodies are
-    whole, rms_gradient = given.units, given.surfaces.rms_gradient
+    whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        worth = {"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}
-        unit = Units(worth, whole.names)
+        unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
-        along, pressure = tractions_on(body, problem, contact, rms_gradient, pairing)
-        own = [*_moved(body, response, along, pressure), *forming_tractions(body, problem.rough.order)]
-        for variable, kind, long_name, values in own:
-            found[prefix + variable] = unit.variable(dims, kind, long_name.format(whose), values)
-        if pairing is None:
-            continue
-        without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        along, pressure = tractions_on(body, without, contact, rms_gradient, pairing)
-        assert along is not None  # between inclined surfaces
-        for variable, long_name, values in _of_inclined(along, pressure, prefix):
-            found[prefix + variable] = unit.variable(dims, "pressure", long_name.format(whose), values)
-    if pairing is not None and problem.interface.couples:
-        for variable, long_name, values in _on_surface(contact):
-            found[variable] = whole.variable(dims, "pressure", long_name, values)
+        along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
+        if any(problem.ends):
+            own = [_moved_around_a_window(body, whose, along, pressure, problem.ends)]
+        else:
+            own = [
+                *_moved(body, whose, response, along, pressure),
+                *forming_tractions(body, whose, problem.rough.order),
+            ]
+        if pairing is not None:
+            without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
+            along, pressure = tractions_on(body, without, pressed, rms_gradient, pairing)
+            assert along is not None  # between inclined surfaces
+            if prefix:  # the pressure on the lower body is that of the contact
+                own.append(("pressure", "pressure", f"contact pressure on the {whose}", pressure))
+            rubs = f"tangential traction of the contact on the {whose}, along the plane"
+            own += _by_axis("tangential_traction", "pressure", rubs, along)
+        found.update({prefix + key: variable for key, variable in unit.variables(dims, own).items()})
+    if pairing is not None and problem.interface.couples:  # what friction compares, on the axes of the surfaces
+        equilibrium = pressed.equilibrium
+        assert equilibrium.tangential is not None  # where something rubs
+        normal = "contact pressure along the normal of the touching surface"
+        found["surface_pressure"] = whole.variable(dims, "pressure", normal, equilibrium.pressure[0])
+        rubs, values = "traction on the body along the touching surface", equilibrium.tangential.traction[0]
+        found.update(whole.variables(dims, _by_axis("surface_traction", "pressure", rubs, values)))
     row = ROUGH_BODY_OBSERVABLES["next_order"]
     found["next_order"] = whole.variable((), "length", row.long_name, pressed.next_order)
     refuse_nonfinite(found)
 
 
 def _moved(
-    body: RoughBody, response: Response, along: Reals | None, pressure: Reals
-) -> Iterator[tuple[str, str, str, Reals]]:
+    body: RoughBody, whose: str, response: Response, along: Reals | None, pressure: Reals
+) -> Iterator[Described]:
     sideways = np.zeros((pressure.ndim, *pressure.shape)) if along is None else along
     flat = body.elastic.response(pressure.shape).apply(np.stack((*sideways, -pressure)))
-    yield "displacement", "height", "normal displacement of the {}, out of it", flat[-1] + response.u3
+    yield "displacement", "height", f"normal displacement of the {whose}, out of it", flat[-1] + response.u3
     if response.along is not None:
-        way = "tangential displacement of the {}"
-        for name, long_name, values in _by_axis("tangential_displacement", way, flat[:-1] + response.along):
-            yield name, "height", long_name, values
+        way = f"tangential displacement of the {whose}"
+        yield from _by_axis("tangential_displacement", "height", way, flat[:-1] + response.along)
 
 
-def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, str, Reals]]:
-    """Name, kind of unit, description and values (E*) of the tractions that form the topography; none of maps.
+def _moved_around_a_window(
+    body: RoughBody, whose: str, along: Reals | None, pressure: Reals, ends: tuple[bool, ...]
+) -> Described:
+    """The same, of the normal displacement alone."""
+    sideways = () if along is None else along.reshape(-1, *pressure.shape)
+    moved = free_body.displaced(np.stack((*sideways, -pressure)), body.elastic, ends)[-1]
+    return "displacement", "height", f"normal displacement of the {whose}, out of it", moved
+
+
+def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Described]:
+    """Tractions (E*) that form the topography; none of maps.
 
     `order` is that in the slope to which the topography is then followed.
     """
@@ -235,33 +395,16 @@ def forming_tractions(body: RoughBody, order: int) -> Iterator[tuple[str, str, s
     former = topography.forming(body.elastic, order)
     formed = topography.formed_surface(body.heights, former)
     tangential, normal = fields.plane(formed, 0.0, former, ("stress5", "stress3"))[:, 0]
-    forms = "traction that forms the topography of the {} from flat (5.15)"
+    forms = f"traction that forms the topography of the {whose} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
 
 
-def _of_inclined(along: Reals, pressure: Reals, prefix: str) -> Iterator[tuple[str, str, Reals]]:
-    """Tractions on the places of a body; the pressure on the lower one is that of the contact."""
-    if prefix:
-        yield "pressure", "contact pressure on the {}", pressure
-    yield from _by_axis("tangential_traction", "tangential traction of the contact on the {}, along the plane", along)
-
-
-def _on_surface(contact: Contact) -> Iterator[tuple[str, str, Reals]]:
-    """What a contact of inclined surfaces bears on their own axes, which friction compares."""
-    found = contact.equilibrium
-    assert found.tangential is not None  # where something rubs
-    yield "surface_pressure", "contact pressure along the normal of the touching surface", found.pressure[0]
-    yield from _by_axis(
-        "surface_traction", "traction on the body along the touching surface", found.tangential.traction[0]
-    )
-
-
-def _by_axis(name: str, long_name: str, along: Reals) -> Iterator[tuple[str, str, Reals]]:
+def _by_axis(name: str, kind: str, long_name: str, along: Reals, comma: str = ", ") -> Iterator[Described]:
     """A tangential field `[component, (y,) x]`, on maps one along x and one along y."""
-    ways = {"": ", along x", "_y": ", along y"} if len(along) > 1 else {"": ""}
+    ways = {"": f"{comma}along x", "_y": f"{comma}along y"} if len(along) > 1 else {"": ""}
     for values, (suffix, way) in zip(along, ways.items(), strict=True):
-        yield f"{name}{suffix}", f"{long_name}{way}", values
+        yield f"{name}{suffix}", kind, f"{long_name}{way}", values
 
 
 def _add_followed(
@@ -276,25 +419,17 @@ def _add_followed(
     curvature = branch.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
-    step.update({key: given.units.variable((), *variable) for key, variable in found.items()})
+    step.update({key: units_of(given).variable((), *variable) for key, variable in found.items()})
 
 
-def _add_record(dataset: xr.Dataset, given: ContactInput, record: PathRecord) -> None:
-    """Add what is recorded along a path to its dataset."""
+def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
+    """What is recorded along a path."""
     scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
     found = {}
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
-        found[name] = given.units.variable(dims, row.unit, row.long_name, values[name])
-    dataset.update(found)
-
-
-def _joined(steps: list[xr.Dataset]) -> xr.Dataset:
-    return indexed(
-        xr.concat(
-            steps, "step", data_vars="all", coords="minimal", compat="override", join="exact", combine_attrs="override"
-        )
-    )
+        found[name] = units_of(given).variable(dims, row.unit, row.long_name, values[name])
+    return found
 
 
 def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> xr.Dataset:
@@ -314,3 +449,48 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     n = dataset.sizes["step"]
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+
+
+_TOLD = {
+    "residual": "largest unbalanced traction over the largest traction",
+    "n_transforms": "fast Fourier transforms of the surface",
+}
+
+
+def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
+
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
+    """
+    file, deformed, scene = given.file, loaded.deformed, given.file.scene
+    unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
+    found: dict[str, Any] = {}
+    for kind, quantity, values in (
+        ("height", "displacement", deformed.displacement),
+        ("pressure", "traction", deformed.traction),
+    ):
+        for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
+            long_name = f"{component.name} {quantity} of the body, {component.way}"
+            found[component.key(quantity)] = unit.variable(dims, kind, long_name, of_nodes)
+    if given.rough is not None:
+        outwards = "topography of the body, peaks outwards"
+        found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
+        found |= unit.variables(dims, forming_tractions(given.rough, "body", problem.order))
+        row = ROUGH_BODY_OBSERVABLES["next_order"]
+        found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
+    for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
+        row, value = OBSERVABLES[name], getattr(deformed, name)
+        told = replace(row, long_name=_TOLD.get(name, row.long_name))
+        found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
+    attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
+    attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
+    positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
+    dataset = xr.Dataset(found, positions, attributes)
+    refuse_nonfinite(dataset)
+    sentences = implausible(scene)
+    if given.rough is not None:
+        sentences += [sentence for surface in given.measured for sentence in surface.doubts]
+        sentences.append(doubt_of_bodies((given.rough,), problem.order, dataset, "normal_displacement"))
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+    dataset.attrs["validity"] = "\n".join(filter(None, sentences))
+    return dataset

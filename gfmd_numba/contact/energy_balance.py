@@ -62,16 +62,13 @@ class Balance:
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(apart, slip).mean())
         lossless = pressure if repels else wall_pressure(problem, contact, slip)
-        load, mean = problem.load, float(u.mean())
+        load, mean, force = problem.load, float(u.mean()), float(pressure.mean())
         if contact.approach is not None:  # the elastic energy is all there is, and the load works on the approach
-            sunk, force = float(np.ravel(contact.approach)[0]), float(pressure.mean())
-            if problem.mean_pressure is not None:
-                return cls(load, sunk, sliding, traction, potential - load * sunk, lossless, apart, rubbing)
-            return cls(load, force, sliding, traction, potential, lossless, apart, rubbing)
-        if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean, lossless, apart, rubbing)
-        force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, lossless, apart, rubbing)
+            sunk = float(np.ravel(contact.approach)[0])
+            work, conjugate = (0.0, force) if problem.mean_pressure is None else (load * sunk, sunk)
+        else:
+            work, conjugate = (0.5 * force * mean, force) if problem.mean_pressure is None else (load * mean, -mean)
+        return cls(load, conjugate, sliding, traction, potential - work, lossless, apart, rubbing)
 
     def lost(self, before: "Balance") -> float:
         """Work since an earlier contact, forces linear between the two, less what the potential has gained.
@@ -90,9 +87,9 @@ class Balance:
 
 @dataclass(frozen=True)
 class Rubbing:
-    """Nodes under friction: the `wall` pressure on them `[node]`, `traction` and `slip` `[component, node]`."""
+    """Nodes under friction: what it holds on them `[node]`, `traction` and `slip` `[component, node]`."""
 
-    wall: Reals
+    held: Reals
     traction: Reals
     slip: Reals
 
@@ -104,7 +101,7 @@ class Rubbing:
         assert contact.sideways is not None
         wall = wall_pressure(problem, contact)
         slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.sideways, wall)
-        return cls(wall.ravel(), components(found.traction, wall), slip)
+        return cls(problem.interface.conditions.held(wall).ravel(), components(found.traction, wall), slip)
 
     def linear(self, before: "Rubbing") -> float:
         """What tractions linear between an earlier contact and this one take, per nominal area."""
@@ -113,13 +110,13 @@ class Rubbing:
     def lost(self, before: "Rubbing") -> float:
         """What friction takes since an earlier contact, per nominal area.
 
-        A node that slips begins under the traction that it had, but at least under the friction of the smaller of its
-        two pressures: where slip has turned round, the tractions of the two contacts would cancel. It ends under the
+        A node that slips begins under the traction that it had, but at least under the smaller of the two that
+        friction holds: where slip has turned round, the tractions of the two contacts would cancel. It ends under the
         traction that it has; one that opens, under none.
         """
         slipped = self.slip - before.slip
         first, last = ((each.traction * slipped).sum(axis=0) for each in (before, self))
-        share = np.divide(np.minimum(before.wall, self.wall), self.wall, out=np.zeros_like(last), where=self.wall > 0.0)
+        share = np.divide(np.minimum(before.held, self.held), self.held, out=np.zeros_like(last), where=self.held > 0.0)
         return 0.5 * float((np.maximum(first, share * last) + last).mean())
 
 

@@ -1,7 +1,6 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
-from collections.abc import Callable, Collection, Mapping
-from functools import wraps
+from collections.abc import Mapping
 from pkgutil import resolve_name
 from typing import Any
 
@@ -11,7 +10,7 @@ from scipy.ndimage import label
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
-from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded, traces
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
@@ -121,17 +120,6 @@ def perimeter(contact: Contact) -> tuple[Indices, ...]:
     )
 
 
-def _of_profiles(measure: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
-    """Return a measure that is not-a-number on maps, of which it is not known."""
-
-    @wraps(measure)
-    def found(contact: Contact) -> Reals:
-        realisations, *shape = contact.heights.shape
-        return measure(contact) if len(shape) == 1 else np.full(realisations, np.nan)
-
-    return found
-
-
 def contact_area_fraction_counted(contact: Contact) -> Reals:
     """Touching nodes over all nodes `[realisation]`."""
     return np.asarray(mean_of_nodes(touching(contact)))
@@ -145,42 +133,38 @@ def contact_area_fraction(contact: Contact) -> Reals:
     return np.asarray(mean_of_nodes(filled(contact)) - excess / contact.heights[0].size)
 
 
-@_of_profiles
 def contact_area_fraction_error(contact: Contact) -> Reals:
-    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing; nan of maps.
 
     On thin bodies also their mean position is uncertain, where stretches are short.
     """
+    if contact.heights.ndim > 2:
+        return np.full(len(contact.heights), np.nan)
     (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
     return np.asarray(np.sqrt(ends / 12.0 + of_mean**2) / contact.heights.shape[1])
 
 
-@_of_profiles
-def contact_area_fraction_edges(contact: Contact) -> Reals:
-    """Contact length over L_x with each edge where the pressures at its two last nodes put it `[realisation]`."""
-    return _located(contact)[0]
-
-
-@_of_profiles
-def contact_area_fraction_edges_error(contact: Contact) -> Reals:
-    """Standard deviation of that length, from the stretches too short for it `[realisation]`."""
-    return _located(contact)[1]
-
-
 @once
-def _located(contact: Contact) -> tuple[Reals, Reals]:
+def located_length(contact: Contact) -> tuple[Reals, Reals]:
+    """Contact length over L_x with edges where the pressures at their two last nodes put them, and its deviation.
+
+    The standard deviation is that of stretches too short to tell `[realisation]`. Both are not-a-number on maps.
+    """
     found = contact.equilibrium
+    if contact.heights.ndim > 2:
+        return np.full(len(contact.heights), np.nan), np.full(len(contact.heights), np.nan)
     ends = any(contact.ends)
     return edges.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
 
 
-@_of_profiles
 def mean_segment_length(contact: Contact) -> Reals:
     """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
     area, segments = contact_area_fraction(contact), n_segments(contact)
+    if contact.heights.ndim > 2:
+        return np.full(len(area), np.nan)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
 
@@ -191,7 +175,7 @@ def contact_radius(contact: Contact) -> Reals:
     """
     mean, profile = contact_area_fraction(contact), contact.heights.ndim == 2
     if profile:
-        area, unknown = _located(contact)
+        area, unknown = located_length(contact)
         located = unknown == 0.0
     else:
         area, share = _located_area(contact)
@@ -251,12 +235,12 @@ def kappa_r(contact: Contact) -> Reals:
 
 def kappa_edges(contact: Contact) -> Reals:
     """Area-load coefficient, each contact edge located from the pressures next to it `[realisation]`."""
-    return _over_pressure(contact_area_fraction_edges(contact) * rms_gradient(contact), contact)
+    return _over_pressure(located_length(contact)[0] * rms_gradient(contact), contact)
 
 
 def kappa_edges_error(contact: Contact) -> Reals:
     """Standard deviation of `kappa_edges` by stretches of too few nodes to locate their edges `[realisation]`."""
-    return _over_pressure(contact_area_fraction_edges_error(contact) * rms_gradient(contact), contact)
+    return _over_pressure(located_length(contact)[1] * rms_gradient(contact), contact)
 
 
 def kappa_residual_error(contact: Contact) -> Reals:
@@ -436,11 +420,11 @@ def _periods(contact: Contact) -> tuple[float, ...]:
 
 def recorded_of(contact: Contact) -> dict[str, Observable]:
     """Rows of all observables that a contact has."""
-    remembered: Collection[str] = () if contact.before is None else contact.before.memory
-    if contact.before is not None and contact.step is not None:
-        remembered = traces(remembered, contact.step.speed > 0.0, contact.before.passing is not None)
-    has_hardness = contact.equilibrium.plastic is not None
-    return recorded(has_hardness, contact.ends, contact.form is not None, remembered)
+    before, has_hardness, has_form = contact.before, contact.equilibrium.plastic is not None, contact.form is not None
+    if before is None or contact.step is None:
+        return recorded(has_hardness, contact.ends, has_form)
+    steadily, passes = contact.step.speed > 0.0, before.passing is not None
+    return recorded(has_hardness, contact.ends, has_form, before.memory, steadily, passes)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

@@ -14,7 +14,8 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.interface.interactions import Interactions, NormalLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.iteration import Start

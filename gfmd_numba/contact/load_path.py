@@ -15,7 +15,7 @@ import numpy.typing as npt
 from gfmd_numba.contact import branch, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
-from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies, traces
+from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
@@ -25,9 +25,9 @@ from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
 
 
-def solve_path(problem: Problem, realisation: int) -> Iterator[Contact | Pressed]:
+def solve_path(problem: Problem, realisation: int) -> Iterator[Contact]:
     """Equilibrium of a realisation at each load of a path, begun in the state that the last step has left."""
-    solve: Callable[[Problem, State], Contact | Pressed] = solution.solve
+    solve: Callable[[Problem, State], Contact] = solution.solve
     if problem.rough is not None:
         state, solve = two_step.begin(problem, realisation), two_step.solve
     else:
@@ -66,9 +66,9 @@ class PathRecord:
     _balance: Balance | None = None
     _dissipated: float = 0.0  # by the dashpots of a viscoelastic body
 
-    def add(self, problem: Problem, solved: Contact | Pressed, is_ok: bool) -> None:
+    def add(self, problem: Problem, solved: Contact, is_ok: bool) -> None:
         """Record the contact at the next step, not-a-number for one that is not ok."""
-        on_surface, contact = (solved, solved) if isinstance(solved, Contact) else (solved.contact, solved.in_plane)
+        contact = solved.in_plane
         pressure = float(mean_pressure(contact)[0])
         self._loads.append(problem.load)
         self._pressures.append(pressure)
@@ -93,7 +93,7 @@ class PathRecord:
         self._certain.append(max(lost, 0.0) if jumps or problem.relaxation is not None else yielded)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
-        self.steps["stick_fraction"].append(stick_fraction(problem, on_surface))
+        self.steps["stick_fraction"].append(stick_fraction(problem, solved))
         self.steps["energy_lost"].append(lost)
 
     def of_steps(self) -> dict[str, npt.NDArray[Any]]:
@@ -140,7 +140,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
-    sticks = rubbing < friction * wall - slack
+    sticks = rubbing < problem.interface.conditions.held(wall) - slack
     return float((sticks & touching).sum() / touching.sum())
 
 
@@ -161,18 +161,18 @@ def measured(problem: Problem, realisations: range) -> Measures:
 
 def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
-    names = (process.name for process in processes_of(problem))
-    remembered = traces(names, problem.speed > 0.0, problem.passing is not None)
-    rows = recorded(problem.interface.hardness is not None, problem.ends, problem.has_form, remembered)
+    names = [process.name for process in processes_of(problem)]
+    has_hardness, steadily, passes = problem.interface.hardness is not None, problem.speed > 0.0, problem.passing
+    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 
-def _measure(problem: Problem, solved: Contact | Pressed) -> Measures:
+def _measure(problem: Problem, solved: Contact) -> Measures:
     """Measures `[realisation]` of one contact."""
-    if isinstance(solved, Contact):
-        return measure(solved)
-    assert isinstance(problem.surface, SummedSurface)  # of rough bodies
     values = measure(solved.in_plane)
+    if not isinstance(solved, Pressed):
+        return values
+    assert isinstance(problem.surface, SummedSurface)  # of rough bodies
     error = solved.next_order / problem.surface.rms_gradient
     return values | {"next_order": np.where(values["status"] == Status.ok, error, nan)}
 

@@ -3,7 +3,7 @@
 Pure data, and what it says of a scene.
 """
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -275,6 +275,8 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
 ROUGH_BODY_OBSERVABLES = {
     "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
 }
+# coordinates of what a loading prescribes; the fields of a contact have the short names
+PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
@@ -283,21 +285,18 @@ def recorded(
     hardness: bool,
     ends: tuple[bool, ...] = (),
     form: bool = False,
-    remembered: Collection[str] = (),
+    processes: Collection[str] = (),
+    steadily: bool = False,
+    passes: bool = False,
 ) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
-    Processes have the names of what is `remembered` of them, `traces` among them.
+    `processes` are their names. A step that slides `steadily` takes no time, one that `passes` over the body does.
     """
     has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
-    has |= {name: name in remembered for name in ("springs", "worn", "sliding", "flow")}
+    has |= {name: name in processes for name in ("springs", "worn", "flow")}
+    has |= {"sliding": steadily or passes, "springs": has["springs"] and not steadily}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
-
-
-def traces(processes: Iterable[str], steadily: bool, passes: bool) -> set[str]:
-    """What is left of processes of these names: a step that slides `steadily` takes no time, one that `passes` does."""
-    names = {name for name in processes if not (steadily and name == "springs")}
-    return names | {"sliding"} if steadily or passes else names
 
 
 def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:

@@ -8,7 +8,6 @@ mixing (J. ACM 12:547, 1965) makes it fast. Strains are in g, stresses in g E*, 
 
 import time
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.flow_measures import NAME, Flow, equivalent, stresses
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, State, relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.solvers.status import Status
 
@@ -37,31 +36,18 @@ def follow(problem: Problem, state: State, largest: float) -> Contact:
     found = _divided(problem, state, problem.plasticity.increments)
     if problem.plasticity.increments >= _FEWEST and found.equilibrium.status[0] == Status.ok:
         coarse = _divided(problem, state, problem.plasticity.increments // 2)
-        found = _remembering(found, error=_difference(coarse, found))
+        pairs = [(each.equilibrium.pressure, each.change.out) for each in (coarse, found)]
+        error = max(relative_difference(*both) for both in zip(*pairs, strict=True))
+        assert found.before is not None  # of what was solved
+        flow = replace(found.before.memory[NAME], error=error)
+        found = replace(found, before=found.before.remembering(NAME, flow))
     spent = np.array([time.perf_counter() - started])
     return replace(found, equilibrium=replace(found.equilibrium, wall_time=spent))
 
 
-def _difference(coarse: Contact, fine: Contact) -> float:
-    """Mean difference of the pressures of two contacts over their mean, or that of residual displacements if larger."""
-    pairs = [(each.equilibrium.pressure, each.change.out) for each in (coarse, fine)]
-    found = 0.0
-    for one, other in zip(*pairs, strict=True):
-        scale = float(abs(other).sum())
-        found = max(found, float(abs(one - other).sum()) / scale if scale > 0.0 else 0.0)
-    return found
-
-
-def _remembering(found: Contact, **changed: Any) -> Contact:
-    assert found.before is not None
-    return replace(found, before=found.before.remembering(NAME, replace(found.before.memory[NAME], **changed)))
-
-
 def _divided(problem: Problem, state: State, increments: int) -> Contact:
     """The contact that a step ends with, in so many increments, or the first that is not ok."""
-    start = LoadStep(0.0, problem.step.sliding)
-    if state.last is not None and state.last.step is not None:
-        start = state.last.step
+    start = state.step_before(problem.step)
     transforms = iterations = np.zeros(1, dtype=np.int64)
     before = state.memory[NAME].strain
     for increment in range(1, increments + 1):

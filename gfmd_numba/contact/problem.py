@@ -8,16 +8,15 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES, Observable
+from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
 from gfmd_numba.contact.tractions import Tractions
@@ -27,7 +26,6 @@ from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options
@@ -109,9 +107,13 @@ class Problem:
 
     @property
     def identity(self) -> str:
-        """Hash of everything that decides the numbers: equal problems are solved once."""
+        """Hash of everything that decides the numbers: equal problems are solved once.
+
+        The text of a problem names all its classes and numbers; arrays stand in it by their digests.
+        """
         if not self._identity:
-            object.__setattr__(self, "_identity", self._hash())
+            digest = hashlib.sha256(repr((results_version(), self)).encode()).hexdigest()[:24]
+            object.__setattr__(self, "_identity", digest)
         return self._identity
 
     @property
@@ -153,76 +155,6 @@ class Problem:
         moved = replace(self, sliding=step.sliding, duration=step.duration, speed=step.speed, path=())
         return replace(moved, mean_pressure=pressure, displacement=displacement)
 
-    def _hash(self) -> str:
-        content: dict[str, Any] = {
-            "results_version": results_version(),
-            "surface": _surface_content(self.surface),
-            "body": _body_content(self.body),
-            "interface": _interface_content(self.interface),
-            "mean_pressure": self.mean_pressure,
-            "displacement": self.displacement,
-            "numerics": _fields(self.numerics),
-        }
-        if self.tractions is not None:
-            content["tractions"] = self.tractions.digest
-        if self.counter is not None:
-            content["counter"] = {"body": _body_content(self.counter.body), "share": self.counter.share}
-        if self.periodic is not True:
-            content["periodic"] = self.periodic
-        for name in ("relaxation", "time_tolerance", "wear_rate", "passing", "plasticity"):
-            if getattr(self, name) is not None:
-                content[name] = repr(getattr(self, name))
-        if self.processes:
-            content["processes"] = [repr(each) for each in self.processes]
-        if any(self.sliding) or self.duration or self.speed:
-            content["step"] = self.step
-        if self.path:
-            content["path"] = self.path, rows_without_prose(PATH_OBSERVABLES)
-        if self.rough is not None:
-            bodies = [(_body_content(each.elastic), each.share, each.part) for each in self.rough.bodies]
-            content["rough"] = bodies, self.rough.order, rows_without_prose(ROUGH_BODY_OBSERVABLES)
-        return hashlib.sha256(_JSON.encode(content).encode()).hexdigest()[:24]
-
-
-_JSON = json.JSONEncoder(sort_keys=True)
-
-
-def _fields(record: Any) -> dict[str, Any]:
-    """Fields of a dataclass as they are: `asdict` copies each, which would be most of the time of a large plan."""
-    return {name: getattr(record, name) for name in record.__dataclass_fields__}
-
-
-def _surface_content(surface: Surface | SmoothSurface) -> dict[str, Any]:
-    content = _fields(surface)
-    if isinstance(surface, SmoothSurface):
-        content["form"] = repr(surface.form)
-    if isinstance(surface, SummedSurface):
-        content["parts"] = [_fields(part) | {"surface": _surface_content(part.surface)} for part in surface.parts]
-    content.pop("heights", None)
-    if isinstance(surface, RandomSurface):
-        # its text names the classes: models with equal numbers differ in nothing else
-        content["generator"] = repr(surface.generator)
-        if not surface.by_theory:
-            del content["by_theory"]
-        if surface.periods == 1:
-            del content["periods"]
-    return content
-
-
-def _body_content(body: ElasticBody) -> str:
-    """What tells a body from others: its text names its class and all its numbers."""
-    return repr(body)
-
-
-def _interface_content(interface: Interactions) -> dict[str, Any]:
-    content = _fields(interface) | {"laws": interface.laws}
-    for name in ("normal_law", "cohesive"):
-        if content[name] is not None:
-            content[name] = asdict(content[name])
-    if interface.hardness is None:
-        del content["hardness"]
-    return content
-
 
 def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
     """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
@@ -247,6 +179,7 @@ def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float,
     return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
+_TABLES = OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 _PACKAGE = Path(__file__).parent.parent
 _MAKE_NO_NUMBERS = {"analysis", "campaign", "cli", "scene", "simulate", "storage", "text"}  # of what a shard holds
 _TEXT = rb'"""(?s:.*?)"""'
@@ -263,7 +196,7 @@ def results_version() -> str:
     """
     decided = {
         "code": code_digest(_PACKAGE),
-        "observables": rows_without_prose(OBSERVABLES),
+        "observables": [(name, row.of, row.unit) for table in _TABLES for name, row in table.items()],
         "solvers": {name: asdict(row) | {"sentence": ""} for name, row in SOLVERS.items()},
         "laws": {name: (sorted(row.model_fields), row.implementation) for name, row in LAWS.items()},
     }
@@ -282,8 +215,3 @@ def code_digest(package: Path) -> str:
             code = _PROSE.sub(rb"\g<kept>", file.read_bytes().replace(b"\r\n", b"\n"))
             digest.update(f"{module} {len(code)}\n".encode() + code)
     return digest.hexdigest()
-
-
-def rows_without_prose(table: Mapping[str, Observable]) -> dict[str, tuple[str, str]]:
-    """What a table of observables decides of the numbers."""
-    return {name: (row.of, row.unit) for name, row in table.items()}

@@ -10,6 +10,7 @@ from gfmd_numba.contact.flow_measures import PlasticFlow
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import Relaxation
 from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
+from gfmd_numba.elasticity import free_body
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ class Deflection:
         assert tractions is not None
         share = 1.0 if counter is None else 1.0 - counter.share  # of E* in that of the body
         given = np.stack((*tractions.tangential, tractions.normal))
+        if any(self.problem.ends):
+            return free_body.displaced(share * given, self.problem.body, self.problem.ends)
         return self.problem.body.response(given.shape[1:]).apply(share * given)
 
     def split(self, state: State, step: LoadStep) -> Change:

@@ -23,7 +23,7 @@ from gfmd_numba.contact.scales import (
 )
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
@@ -140,39 +140,34 @@ def _body(
         "tangential displacement", "condensed", "without friction the normal displacement determines it exactly (6.75)"
     )
     coupled = Effect("tangential displacement", "on", "tangential tractions act on it")
-    if body.stack is not None:
-        return _stack(body, coupled if interface.couples else condensed, mean_matters or loaded, tolerance)
-    if body.aspect_ratio is None:
+    tangential = coupled if interface.couples else condensed
+    if body.stack is None and body.aspect_ratio is None:
         off = Effect("slab", "off", "the body is a half-space")
-        if interface.couples:
-            return body, (coupled, off)
-        if loaded:  # tangential tractions move the surface up and down by nu
-            return body, (condensed, off)
+        if interface.couples or loaded:  # tangential tractions move the surface up and down by nu
+            return body, (tangential, off)
         unknown = Effect(_NU, "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
+    name, why, effect, bound = _below_the_top(body)
     if interface.couples:
-        return body, (coupled, Effect("slab", "on", "its mean displacement counts"))
-    effect = stiffness.stiffening(body.nu, body.aspect_ratio)
-    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
-    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
+        return body, (coupled, Effect(name if body.stack is not None else "slab", "on", why))
     if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
         return body, (condensed, Effect(name, "on", bound))
     return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
 
 
-def _stack(
-    body: ElasticBody, tangential: Effect, all_matters: bool, tolerance: float
-) -> tuple[ElasticBody, tuple[Effect, ...]]:
-    assert body.stack is not None
-    n = len(body.stack.heights)
-    name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
-    if tangential.state == "on":
-        return body, (tangential, Effect(name, "on", "both displacements feel them"))
-    effect = stiffness.deviation(body.condensed_stiffness, body.stack.heights[0])
-    bound = f"what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most {effect:.1e}"
-    if all_matters or effect > max(_ROUNDING, tolerance):
-        return body, (tangential, Effect(name, "on", bound))
-    return ElasticBody(None, None), (tangential, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
+def _below_the_top(body: ElasticBody) -> tuple[str, str, float, str]:
+    """What makes a body no half-space, why it counts with friction, what it changes at most, and that in words."""
+    if body.stack is not None:
+        n = len(body.stack.heights)
+        name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
+        effect = body.deviation()
+        bound = "what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most"
+        return name, "both displacements feel them", effect, f"{bound} {effect:.1e}"
+    assert body.aspect_ratio is not None  # of what is no half-space
+    effect = body.deviation()
+    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
+    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
+    return name, "its mean displacement counts", effect, bound
 
 
 def _below(effect: float, tolerance: float) -> str:

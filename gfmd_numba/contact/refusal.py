@@ -5,8 +5,9 @@ from itertools import chain
 from math import inf, isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, REFUSALS, TALLEST, Refusal
-from gfmd_numba.scene import COMPONENTS, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SOFTEST, TALLEST, Refusal
+from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene.body_record import Layer, Material
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
@@ -35,7 +36,7 @@ def check_combination(
     if numerics.solver not in (known := ("auto", *SOLVERS)):
         raise document.unknown(("numerics", "solver"), known)
     _raise(document, refusals(scene, numerics, path, grid))
-    if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
+    if isinstance(scene, Scene) and (_has_hardness(scene, grid or {}) or scene.body.plasticity is not None):
         from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without
 
         check_bearable(document, scene, path, grid or {})
@@ -78,7 +79,7 @@ def _features(
     if isinstance(scene, LoadedBody):
         parts.append(iter([("prescribed", ("scene", "boundary"))]))
     else:
-        parts += [_of_contact(scene, path, grid or {}), _on_inclined_surfaces(scene, grid or {})]
+        parts.append(_of_contact(scene, path, grid or {}))
     if grid is not None:
         parts.append(iter([("campaign", ("grid",))]))
     for feature, location in chain(*parts):
@@ -129,9 +130,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     for name, law in scene.interface.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
             yield feature, ("scene", "interface", name)
-    if _has_hardness(scene, grid):
-        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
-    yield from (("sticking", location) for location in _infinite_friction(scene, grid))
+    yield from _of_touching_nodes(scene, grid)
     if not scene.interface.couples and scene.interface.wear is None:
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
@@ -153,7 +152,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
             yield "negative displacement", ("grid", "displacement", i)
     if "anisotropy" in grid:
         yield "anisotropy", ("grid", "anisotropy")
-    if scene.loading.displacement is not None:
+    if scene.loading.displacement is not None and not any(scene.ends):
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
 
 
@@ -187,19 +186,18 @@ def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
         yield "radius_y", ("grid", "radius_y")
 
 
-def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """What acts between inclined deformable surfaces and is known at order 0 in their slope alone."""
-    if scene.touches_inclined and _has_hardness(scene, grid):
-        yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
-
-
-def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:
-    """Where the file says that touching nodes stick."""
-    if "friction_coefficient" in grid:
-        values = enumerate(grid["friction_coefficient"])
-        yield from (("grid", "friction_coefficient", i) for i, value in values if isinf(value))
-    elif scene.interface.friction is not None and isinf(scene.interface.friction.coefficient):
-        yield "scene", "interface", "friction", "coefficient"
+def _of_touching_nodes(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What bounds the tractions of touching nodes, or does not."""
+    if _has_hardness(scene, grid):
+        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
+        if scene.touches_inclined:
+            yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
+    friction = scene.interface.friction
+    for i, coefficient in enumerate(grid.get("friction_coefficient", ())):
+        if isinf(coefficient):
+            yield "sticking", ("grid", "friction_coefficient", i)
+    if "friction_coefficient" not in grid and friction is not None and isinf(friction.coefficient):
+        yield "sticking", ("scene", "interface", "friction", "coefficient")
 
 
 def _has_hardness(scene: Scene, grid: Grid) -> bool:
@@ -252,43 +250,52 @@ def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]
     yield "no period", ("scene", "periodic")
     if scene.periodic is not False:
         yield "period along one axis", ("scene", "periodic")
-    yield from _slabs_without_a_period(scene, grid)
-    is_half_space = scene.body.is_half_space if "aspect_ratio" not in grid else inf in grid["aspect_ratio"]
-    if scene.interface.couples and is_half_space and scene.body.layers is None:
-        for i, nu in enumerate(grid.get("poissons_ratio", ())):
-            if scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
-                yield "stiff sideways", ("grid", "poissons_ratio", i)
-        nu = scene.body.surface_poissons_ratio
-        if "poissons_ratio" not in grid and scene.body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO:
-            yield "stiff sideways", ("scene", "body", "poissons_ratio")
+    for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
+        yield from _body_without_a_period(name, body, scene, grid)
     for place, surface in scene.surfaces.items():
         if isinstance(surface, Measured) and surface.periodic != "none" and all(scene.ends):
             yield "treated ends", ("scene", *place, "periodic")
 
 
-def _slabs_without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """Slabs and layers that the table may refuse around a window."""
-    body = scene.body
-    if body.layers is not None and body.is_half_space:
-        yield "layers on a half-space", ("scene", "body", "base")
-        return
-    heights: dict[Location, float]
-    if body.layers is not None:
-        heights = {("scene", "body", "layers"): sum(layer.height for layer in body.layers) / (scene.length or 1.0)}
-    elif "aspect_ratio" in grid:
-        heights = {("grid", "aspect_ratio", i): height for i, height in enumerate(grid["aspect_ratio"])}
-    else:
-        heights = {("scene", "body", "aspect_ratio"): body.aspect_ratio}
-    slabs = [at for at, height in heights.items() if not isinf(height)]
-    yield from (("tall slab", at) for at in slabs if heights[at] > TALLEST)
-    if slabs and body.is_incompressible and "poissons_ratio" not in grid:
-        yield (
-            "incompressible slab",
-            ("scene", "body", *(() if body.layers is None else ("layers", 0)), "poissons_ratio"),
-        )
-    ratios = grid.get("poissons_ratio", ()) if slabs and body.layers is None else ()
-    copies = [body.model_copy(update={"poissons_ratio": nu}).is_incompressible for nu in ratios]
-    yield from (("incompressible slab", ("grid", "poissons_ratio", i)) for i, each in enumerate(copies) if each)
+def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What the table may refuse of one body around a window."""
+    place, layers = ("scene", name), body.layers
+    own: tuple[str | int, ...] = () if layers is None else ("layers", 0)
+    heights: dict[Location, float] = {(*place, "aspect_ratio"): body.aspect_ratio}
+    ratios: dict[Location, float] = {(*place, *own, "poissons_ratio"): body.surface_poissons_ratio}
+    if layers is not None:
+        whole = sum(layer.height for layer in layers) / (scene.length or 1.0)
+        heights = {(*place, "layers"): inf if body.is_half_space else whole}
+    elif (axis := _ASPECT_RATIO[name]) in grid:
+        heights = {("grid", axis, i): height for i, height in enumerate(grid[axis])}
+    if layers is None and (axis := _POISSONS_RATIO[name]) in grid:
+        ratios = {("grid", axis, i): ratio for i, ratio in enumerate(grid[axis])}
+    slabs = {at: height for at, height in heights.items() if not isinf(height)}
+    rubs = scene.interface.couples or scene.boundary is not None
+    if rubs:
+        yield from (("tall slab", at) for at, height in slabs.items() if height > TALLEST)
+    if rubs and len(slabs) < len(heights) and layers is not None:
+        yield "layers that are rubbed", (*place, "base")
+    elif rubs and len(slabs) < len(heights):
+        stiff = (at for at, nu in ratios.items() if body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO)
+        yield from (("stiff sideways", at) for at in stiff)
+    if any(rubs or height < LOWEST for height in slabs.values()):
+        copies = {at: body.model_copy(update={"poissons_ratio": nu}) for at, nu in ratios.items()}
+        yield from (("incompressible slab", at) for at, each in copies.items() if each.is_incompressible)
+    if max(heights.values()) > TALLEST:
+        yield from (("soft below stiff", (*place, *at)) for at in _soft_below_stiff(body))
+
+
+def _soft_below_stiff(body: Body) -> Iterator[Location]:
+    """Moduli of layers, or of the base, that are far below those of a layer above, by their places in the body."""
+    parts: dict[Location, Layer | Material] = {("layers", i): each for i, each in enumerate(body.layers or ())}
+    if isinstance(body.base, Material):
+        parts["base",] = body.base
+    stiffest = 0.0
+    for at, part in parts.items():
+        if part.youngs_modulus < SOFTEST * stiffest:
+            yield *at, "youngs_modulus"
+        stiffest = max(stiffest, part.youngs_modulus)
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:

@@ -25,8 +25,8 @@ class Springs:
 
     `stretch` and `traction` are `[spring, realisation, component, (y,) x]`, the normal component last and out of the
     body. The stretch of the relaxed one is the displacement. `dissipated` is the energy per nominal area that dashpots
-    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest mean sizes so far of the
-    traction that all bear together and of the displacement.
+    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over nodes so far
+    of the sizes of what all bear together, and of the displacement.
     """
 
     stretch: Reals
@@ -99,7 +99,7 @@ class Relaxation:
             w, t = before.stretch[1 + i], before.traction[1 + i]
             products = old[i] * w * t + both[i] * (modulus * w * borne + t * moved) + new[i] * modulus * moved * borne
             lost = lost + products.mean(axis=along).sum(axis=1)
-        sizes = float(abs(tractions_of(solved)).mean()), float(abs(stretch[0]).mean())
+        sizes = float(abs(tractions_of(solved)).sum()), float(abs(stretch[0]).sum())
         traction_so_far, stretch_so_far = (max(each) for each in zip(before.largest, sizes, strict=True))
         return Springs(stretch, traction, before.dissipated + lost, (traction_so_far, stretch_so_far))
 

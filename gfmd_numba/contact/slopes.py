@@ -11,7 +11,7 @@ Lengths in L_x, stresses in E*.
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
@@ -21,19 +21,12 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.contact.state import Change, Contact, LoadStep, State
 from gfmd_numba.elasticity import topography
-from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.displaced_nodes import DisplacedNodes
+from gfmd_numba.roughness.statistics import rms_gradient
 
 _RESOLVED = 3 / 8  # wave index over nodes, up to which splines between the nodes are right
-
-
-class _Body(Protocol):
-    @property
-    def heights(self) -> Reals: ...
-    @property
-    def share(self) -> float: ...
 
 
 @dataclass(frozen=True)
@@ -102,28 +95,8 @@ class Pairing:
         return max(float(abs(self.way - other.way).max()), float(abs(self.raised - other.raised).max()))
 
 
-def moved(
-    body: ElasticBody,
-    level: tuple[Reals | None, Reals],
-    inclined: tuple[Reals | None, Reals],
-    response: Response,
-) -> Moved:
-    """How a surface has moved under its tractions along the plane and pressures, were surfaces level, and as they are.
-
-    `response` is what the topography of the body adds to the latter.
-    """
-    pressure = inclined[1]
-    flat, shape = body.response(pressure.shape), (len(pressure.shape), *pressure.shape)
-    found, found_level = (
-        flat.apply(np.stack((*(np.zeros(shape) if along is None else along.reshape(shape)), -each)))
-        for along, each in (inclined, level)
-    )
-    sideways = found[:-1] if response.along is None else found[:-1] + response.along
-    return Moved(sideways, found[-1] + response.u3, found_level[:-1], found_level[-1])
-
-
 def pair(
-    bodies: Sequence[_Body], punch: Reals | None, sliding: Reals, moved: Sequence[Moved], last: Pairing
+    bodies: Sequence[RoughBody], punch: Reals | None, sliding: Reals, moved: Sequence[Moved], last: Pairing
 ) -> Pairing:
     """Pairing of surfaces that have `moved`; the way to the places of the counter body is that of the `last` one.
 
@@ -150,13 +123,6 @@ def pair(
     above = np.stack([places.values(each) for each in above])
     slope = bodies[1].share * below + bodies[0].share * above
     return Pairing(own.along - met - slid, slope, raised, shifted)
-
-
-def change(level: Sequence[Moved], inclined: Sequence[Moved], met: Pairing) -> float:
-    """Most that a pairing changes of displacements, which were those between level surfaces before (L_x)."""
-    both = zip(level, inclined, strict=True)
-    own = (max(abs(a.along - b.along).max(), abs(a.out - b.out).max()) for a, b in both)
-    return float(max(*own, abs(met.raised).max()))
 
 
 def _resolved(field: Reals) -> Reals:
@@ -308,15 +274,19 @@ class Slopes:
         return SlopeCorrection(met.raised / self.gradient, shifted, last.since, lifted, met)
 
     def next_order(self, contact: Contact, responses: Responses, pairing: Pairing | None) -> float:
-        """What the next order would add to any displacement (L_x)."""
+        """What the next order would add to any displacement (L_x); around a window displacements times slopes."""
+        if any(self.problem.ends):
+            steepest = max(float(rms_gradient(each.heights, (1.0,) * each.heights.ndim)) for each in self.bodies)
+            return steepest * self.gradient * float(abs(contact.equilibrium.displacement).max())
         error = float(sum(each.highest_order for each in self.responses(contact, pairing, self.order + 1)))
         if pairing is not None and self.problem.interface.friction is not None:
             error += self._off_bound(contact, pairing)
         if self.order == 0 and self.are_inclined:
             level = Pairing.before_contact(self.problem.surface.shape)
             met = self._met(contact, responses, level)
-            flat, tilted = (self._moved(contact, responses, each) for each in (level, met))
-            error += change(flat, tilted, met)
+            both = zip(*(self._moved(contact, responses, each) for each in (level, met)), strict=True)
+            moves = (max(abs(a.along - b.along).max(), abs(a.out - b.out).max()) for a, b in both)
+            error += float(max(*moves, abs(met.raised).max()))
         return error
 
     def _met(self, contact: Contact, responses: Responses, last: Pairing) -> Pairing:
@@ -325,11 +295,18 @@ class Slopes:
         return pair(self.bodies, self.punch, sliding, self._moved(contact, responses, last), last)
 
     def _moved(self, contact: Contact, responses: Responses, pairing: Pairing) -> list[Moved]:
-        """How the surface of each body has moved (L_x)."""
-        found = []
+        """How the surface of each body has moved (L_x) under its tractions and by its topography, or if level."""
+        found, shape = [], self.problem.surface.shape
         for body, response in zip(self.bodies, responses, strict=False):
-            level, tilted = (self._borne(body, contact, met) for met in (None, pairing))
-            found.append(moved(body.elastic, level, tilted, response))
+            flat = body.elastic.response(shape)
+            borne = (self._borne(body, contact, met) for met in (pairing, None))
+            still = np.zeros((len(shape), *shape))
+            own, level = (
+                flat.apply(np.stack((*(still if along is None else along.reshape(still.shape)), -pressure)))
+                for along, pressure in borne
+            )
+            sideways = own[:-1] if response.along is None else own[:-1] + response.along
+            found.append(Moved(sideways, own[-1] + response.u3, level[:-1], level[-1]))
         return found
 
     def _borne(self, body: RoughBody, contact: Contact, pairing: Pairing | None) -> tuple[Reals | None, Reals]:

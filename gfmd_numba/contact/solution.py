@@ -88,7 +88,7 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
-    response = felt(free_body.response(shape, problem.body, problem.ends, laws.couples), change)
+    response = felt(free_response(problem), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
@@ -145,6 +145,15 @@ def _response(problem: Problem) -> SpectralResponse:
         return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
     own = problem.body.response(shape)
     return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
+
+
+def free_response(problem: Problem) -> SpectralResponse:
+    """The same around a window, on its padded grid."""
+    shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
+    own = free_body.response(shape, problem.body, ends, couples)
+    return (
+        own if counter is None else own.in_series(free_body.response(shape, counter.body, ends, couples), counter.share)
+    )
 
 
 def _stiffness_felt(problem: Problem, change: Change, q: Reals) -> Reals:

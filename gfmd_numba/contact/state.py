@@ -77,6 +77,7 @@ class Change:
 
 
 NO_CHANGE = Change()
+_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 def _sum(parts: Iterable[Any]) -> Any:
@@ -148,10 +149,14 @@ class State:
         """What all processes do to the next step."""
         return Change.of_all(each.split(self, step) for each in self.processes)
 
+    def step_before(self, step: LoadStep) -> LoadStep:
+        """The step before the next one; at first no load, and no sliding."""
+        before = None if self.last is None else self.last.step
+        return LoadStep(0.0, (0.0,) * len(step.sliding)) if before is None else before
+
     def way(self, step: LoadStep) -> float:
         """Distance that the punch slides in the next step."""
-        before = None if self.last is None else self.last.step
-        return dist(step.sliding, (0.0,) * len(step.sliding) if before is None else before.sliding)
+        return dist(step.sliding, self.step_before(step).sliding)
 
     def remembering(self, name: str, memory: Any) -> "State":
         """The same, but for what one process remembers."""
@@ -223,6 +228,11 @@ class Contact:
         return self.before.after(self, self.step)
 
     @property
+    def in_plane(self) -> "Contact":
+        """The contact with its tractions along the plane and its pressure out of it, as the load counts them."""
+        return self
+
+    @property
     def sideways(self) -> Reals | None:
         """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
         found, along = self.equilibrium.tangential, self.change.along
@@ -260,6 +270,18 @@ class Contact:
         """How far the punch is flattened in all (g L_x), and stays when it is unloaded."""
         depth: Reals | float = self.after.memory.get("dents", 0.0)
         return depth
+
+
+def with_costs(found: Equilibrium, every: Iterable[Equilibrium]) -> Equilibrium:
+    """The same equilibrium with what all that led to it, and are given, have taken."""
+    each = list(every)
+    return replace(found, **{name: sum(getattr(one, name) for one in each) for name in _COSTS})
+
+
+def relative_difference(coarse: Reals, fine: Reals, least: float = 0.0) -> float:
+    """Mean difference of two fields over the mean of the finer one, or over a `least` sum of it if that is larger."""
+    scale = max(float(abs(fine).sum()), least)
+    return float(abs(coarse - fine).sum()) / scale if scale > 0.0 else 0.0
 
 
 def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:

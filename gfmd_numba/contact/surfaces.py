@@ -12,28 +12,41 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.scene.form_record import Form
 
 
+class _OnGrid:
+    """A surface on a grid."""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape of the surface, (nx,) or (ny, nx)."""
+        raise NotImplementedError
+
+    @property
+    def nx(self) -> int:
+        """Number of grid points over the period."""
+        return self.shape[-1]
+
+    @property
+    def nodes(self) -> int:
+        """Number of its nodes."""
+        return math.prod(self.shape)
+
+
 @dataclass(frozen=True)
-class GivenSurface:
+class GivenSurface(_OnGrid):
     """The user's own heights `[(ny,) nx]`, or the sum of several surfaces, in g L_x."""
 
-    nx: int
     digest: str
     heights: Reals = field(repr=False, compare=False)
 
     @classmethod
     def of(cls, heights: Reals) -> "GivenSurface":
         """Surface of heights, which tell it from others."""
-        return cls(heights.shape[-1], hashlib.sha256(heights.tobytes()).hexdigest(), heights)
+        return cls(hashlib.sha256(heights.tobytes()).hexdigest(), heights)
 
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface."""
         return self.heights.shape
-
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return self.heights.size
 
 
 @dataclass(frozen=True)
@@ -88,26 +101,16 @@ class Topography:
 
 
 @dataclass(frozen=True)
-class SummedSurface:
+class SummedSurface(_OnGrid):
     """What several surfaces are together, in L_x and units of `rms_gradient`, the g that is asked of all rough ones."""
 
     parts: tuple[Topography, ...]
     rms_gradient: float
 
     @property
-    def nx(self) -> int:
-        """Number of grid points over the period."""
-        return self.parts[0].surface.nx
-
-    @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface, (nx,) or (ny, nx)."""
         return self.parts[0].surface.shape
-
-    @property
-    def nodes(self) -> int:
-        """Number of its nodes."""
-        return math.prod(self.shape)
 
     def drawn(self, realisation: int) -> list[Reals]:
         """Heights `[(y,) x]` of each part in L_x; raises ValueError for a grid that cannot hold the waves."""

@@ -9,18 +9,17 @@ from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
 from math import expm1, inf, log1p
-from typing import Any
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import tractions_of
-from gfmd_numba.contact.state import Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
 _SLOWEST, _SURE = 1.15, 2.5  # how many times smaller the next change is expected to be, at least and at most
 _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
-_COUNTED = ("n_iterations", "n_transforms", "wall_time")
 
 
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
@@ -36,14 +35,14 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         if found.equilibrium.status[0] != Status.ok:
             break
         coarse, (found, more) = found, _divided(problem, state, 2**halvings)
-        spent = {name: spent[name] + more[name] for name in _COUNTED}
+        spent += more
         if found.equilibrium.status[0] != Status.ok:
             break
         changes.append(difference(coarse, found))
         error = left_open(changes)
         if error <= tolerance:
             break
-    return replace(found, equilibrium=replace(found.equilibrium, **spent), time_error=before + error)
+    return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
 
 
 def left_open(changes: Sequence[float]) -> float:
@@ -58,12 +57,11 @@ def left_open(changes: Sequence[float]) -> float:
     return last / (min(max(min(shrink, default=0.0), _SLOWEST), _SURE) - 1.0)
 
 
-def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, dict[str, Any]]:
-    """The contact that a step ends with, in so many divisions, or the first that is not ok, and what all have taken."""
-    start = LoadStep(0.0, (0.0,) * len(problem.step.sliding))
-    if state.last is not None and state.last.step is not None:
-        start = state.last.step
-    series, gone, spent, least = problem.relaxation, 0.0, dict.fromkeys(_COUNTED, 0), inf
+def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Equilibrium]]:
+    """The contact that a step ends with, in so many divisions, or the first that is not ok, and all before it."""
+    start = state.step_before(problem.step)
+    series, gone, least = problem.relaxation, 0.0, inf
+    spent: list[Equilibrium] = []
     assert series is not None
     slides = problem.passing is not None and start.sliding != problem.step.sliding
     growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
@@ -71,7 +69,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, d
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
         solved = solution.solve(problem.under(step), state)
-        spent = {name: spent[name] + getattr(solved.equilibrium, name) for name in _COUNTED}
+        spent.append(solved.equilibrium)
         if solved.equilibrium.status[0] != Status.ok:
             break
         state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
@@ -84,8 +82,5 @@ def difference(coarse: Contact, fine: Contact) -> float:
     The larger of both counts. Of what falls again errors stay, and are measured by what they came from.
     """
     springs = [each.after.memory["springs"] for each in (coarse, fine)]
-    found = 0.0
     pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
-    for (one, other), largest in zip(pairs, springs[1].largest, strict=True):
-        found = max(found, float(abs(one - other).mean()) / largest if largest > 0.0 else 0.0)
-    return found
+    return max(relative_difference(*both, most) for both, most in zip(pairs, springs[1].largest, strict=True))

@@ -39,12 +39,12 @@ def tractions_on_the_body(
     Raises InputError for a mean traction that nothing holds, or that the loading decides already.
     """
     *tangential, normal = (component.key("traction") for component in COMPONENTS[scene.dimension])
-    if scene.loading.displacement is None:
+    is_held = any(scene.ends)  # by the body around it, and the load is what the punch bears
+    if scene.loading.displacement is None and not is_held:
         control = scene.loading.control
         arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
-    if scene.body.is_half_space:
-        for name in tangential:
-            arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
+    for name in tangential if scene.body.is_half_space and not is_held else ():
+        arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
     scale = rms_gradient * scales_of(scene).modulus
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
     return tractions(np.stack(found[:-1]), found[-1])

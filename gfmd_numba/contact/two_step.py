@@ -1,9 +1,8 @@
 """Contact of bodies whose own surfaces are rough: two-step GFMD (thesis chapter 5) and its higher orders."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
@@ -11,11 +10,10 @@ from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.rough_surfaces import rough_body
 from gfmd_numba.contact.slopes import Responses, SlopeCorrection, Slopes, in_plane
-from gfmd_numba.contact.state import Contact, State
+from gfmd_numba.contact.state import Contact, State, with_costs
 from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
-
-Spent = tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], Reals]  # iterations, transforms and seconds of a round
 
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
@@ -25,38 +23,31 @@ _HALF = 0.5  # of the largest displacement, which the next order may add
 _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; rounds that may come no closer
 
 
-@dataclass(frozen=True)
-class Pressed:
+@dataclass(frozen=True, kw_only=True)
+class Pressed(Contact):
     """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
 
     `next_order` is what the next order would add to any displacement (L_x), and `correction` what slopes added to the
     contact.
     """
 
-    contact: Contact
     responses: Responses
     next_order: float
     correction: SlopeCorrection
 
     @property
-    def after(self) -> State:
-        """State in which the next step begins."""
-        return self.contact.after
-
-    @property
     def in_plane(self) -> Contact:
-        """The contact with its tractions along the plane and its pressure out of it, as the load counts them.
+        """As of any contact; its own tractions are along the touching surface and its normal.
 
-        Those of `contact` itself are along the touching surface and its normal. Without tangential tractions the two
-        pressures are the same.
+        Without tangential tractions the two pressures are the same.
         """
-        found = self.contact.equilibrium
+        found = self.equilibrium
         if self.correction.pairing is None or found.tangential is None:
-            return self.contact
-        along, pressure = in_plane(self.contact, self.correction.pairing)
+            return self
+        along, pressure = in_plane(self, self.correction.pairing)
         sideways = replace(found.tangential, traction=along.reshape(found.tangential.traction.shape))
         turned = replace(found, pressure=pressure[np.newaxis], tangential=sideways)
-        return replace(self.contact, equilibrium=turned)
+        return replace(self, equilibrium=turned)
 
 
 def begin(problem: Problem, realisation: int) -> State:
@@ -88,14 +79,14 @@ def solve(problem: Problem, state: State) -> Pressed:
     gradient, has_friction = slopes.gradient, problem.interface.friction is not None
     correction: SlopeCorrection = state.memory[slopes.name]
     began, nearest, patience = state, np.inf, _PATIENCE
-    spent: list[Spent] = []
+    spent: list[Equilibrium] = []
     rounds, most = Rounds(), _MOST_ROUNDS if correction.pairing is None else _MOST_ROUNDS_INCLINED
     for round_ in range(most):
         solved = solution.solve(problem, state)
         found = solved.equilibrium
         if not slopes.rub:
             state = state.begun_at(solved)
-        spent.append((found.n_iterations, found.n_transforms, found.wall_time))
+        spent.append(found)
         responses = slopes.responses(solved, correction.pairing, slopes.order)
         new = slopes.after(solved, responses, correction)
         moved = new.difference(correction, gradient, solved)
@@ -115,20 +106,15 @@ def solve(problem: Problem, state: State) -> Pressed:
         state = state.remembering(slopes.name, correction)
     else:
         solved = _failed(solved)
-    solved = replace(_of_all_rounds(solved, spent), before=began.remembering(slopes.name, correction))
+    found = with_costs(solved.equilibrium, spent)
+    solved = replace(solved, equilibrium=found, before=began.remembering(slopes.name, correction))
     error = slopes.next_order(solved, responses, correction.pairing)
     out = solved.change.out
     moved_by_all = found.displacement if out is None else found.displacement + out
-    if solved.equilibrium.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
+    if found.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
-    return Pressed(solved, responses, error, correction)
-
-
-def _of_all_rounds(contact: Contact, spent: list[Spent]) -> Contact:
-    """The same with what all rounds have taken."""
-    iterations, transforms, seconds = (np.sum(of_rounds, axis=0) for of_rounds in zip(*spent, strict=True))
-    all_rounds = {"n_iterations": iterations, "n_transforms": transforms, "wall_time": seconds}
-    return replace(contact, equilibrium=replace(contact.equilibrium, **all_rounds))
+    of_contact = {each.name: getattr(solved, each.name) for each in fields(solved) if each.init}
+    return Pressed(**of_contact, responses=responses, next_order=error, correction=correction)
 
 
 def _failed(contact: Contact) -> Contact:

@@ -19,28 +19,42 @@ Tangential tractions displace the surface in the same way. The compliance of a w
 kernel 1 / (2 pi r) times the same of the direction in the plane. The kernel of m f, less (r/R)^m / R, is cut at R: its
 transform is int_0^(q R) J_m(t) dt - J_(m+1)(q R) over q.
 
-All other kernels decay by themselves: that of a slab on a rigid base within some of its heights, and where a map has a
-period along one axis, those of waves along that axis within half a period. They are sampled on so many windows that
-their images are farther away than that, and kept up to the width of one, along each axis without a period. On a
-half-space with a period along y, waves along x alone are those of a profile.
+The kernel of a slab on a rigid base decays by itself within some of its heights, and where a map has a period along
+one axis, those of waves along that axis do so within half a period. They are sampled on so many windows that their
+images are farther away than that, and kept up to the width of one, along each axis without a period. Where y has a
+period, waves along x alone are those of a profile.
+
+Layers on a half-space, and slabs higher than the window, give way to short waves as a half-space of their topmost
+material does. The difference g(q) / q of the compliances is split in two. Long waves, below some tens of waves in the
+window, make a smooth kernel, which is an integral over q at each distance: (1 / 2 pi) int g(q) J0(q r) dq. What short
+waves add decays within the window, so that it is taken as it is on the padded grid. On profiles, where g(0) is g0,
+
+    -(g0 / 2 pi) ln(1 + x^2) + (1 / pi) int (g(q) - g0 exp(-q)) cos(q x) / q dq,
+
+which counts displacements of slabs from their base. Those of half-spaces count from where x = 1, as without layers.
 """
 
 from collections.abc import Callable
 from functools import lru_cache
-from math import ceil
+from math import ceil, hypot
 
 import numpy as np
-from scipy.special import itj0y0, j0, j1, jn, sici
+from scipy.special import erfc, itj0y0, j0, j1, jn, sici
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window
+from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.grid import of_half_a_period
 
 HALF_SPACE = ElasticBody(None, None)
 WIDER = 2  # the padded grid over the window, along each direction
 _HEIGHTS = 12.0  # of a slab, beyond which its kernel is 0
 _STRIPS = 3  # half the windows on which waves along a period are sampled: exp(-2 pi 5) is left of them
+TALLEST = 1.0  # slab, over the window, whose kernel is sampled
+_LONG, _WITHIN = 72.0, 12.0  # wave number (1/L_x) up to which waves count as long, and half the way on which that ends
+_LONGEST, _PANEL = 1e-8, 5.0  # wave number where panels of quadrature begin to double, and their largest width
+_FINE = 0.4  # distances at which long waves are summed up, over 1 / their largest number
 _SAMPLED, _CUT = 4, 2.0  # windows over which the kernel of maps is sampled, and at which it is cut
 _ODD = {  # of each element of a compliance, by their number: whether it changes its sign with q_y, and with q_x
     1: ((False, False),),
@@ -62,10 +76,21 @@ def response(
 
     It is that of the normal displacement alone, or of all that tangential tractions couple. Then Poisson's ratio of a
     half-space is above 0: below that, waves along an axis would give way by themselves where the kernel ends. Raises
-    ValueError for a map that has not as many nodes along y as along x.
+    ValueError for a map that has not as many nodes along y as along x, and for layers on a half-space that are coupled.
     """
     window = Window(shape, padded_shape(shape, ends), body.condensed_stiffness)
     return SpectralResponse.of_compliance(compliance(shape, body, ends, couples), window)
+
+
+def displaced(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...]) -> Reals:
+    """Displacement `[component, (y,) x]` of a window that `ends` along (y,) x under tractions of its shape (L_x, E*).
+
+    The last component is the normal one, which may be alone.
+    """
+    shape = tractions.shape[1:]
+    wide, window = np.zeros((len(tractions), *padded_shape(shape, ends))), grid.corner(shape)
+    wide[window] = tractions
+    return np.asarray(response(shape, body, ends, len(tractions) > 1).apply(wide)[window])
 
 
 def compliance(
@@ -74,7 +99,11 @@ def compliance(
     """Elements of the compliance `[element, (y,) x]` that `response` is made of, in L_x/E*."""
     n, ends = _side(shape), ends or (True,) * len(shape)
     number = {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1)
-    if body.aspect_ratio is None and all(ends):
+    if number > 1 and body.stack is not None and body.aspect_ratio is None:
+        raise ValueError("layers on a half-space, under tangential tractions without a period")
+    if number == 1 and _is_deep(body) and all(ends):
+        quarter = _of_deep(n, body, len(shape)).reshape(1, -1, n + 1)
+    elif body.aspect_ratio is None and all(ends):
         quarter = _of_half_space(n, body, number) if len(shape) > 1 else _of_line_loads(n, body, number)[:, np.newaxis]
     else:
         quarter = _sampled(n, ends, body, number)
@@ -106,8 +135,74 @@ def _of_half_space(n: int, body: ElasticBody, number: int) -> Reals:
     return np.array([*in_plane, *(both * _of_maps(n, kind) for kind in ("cos f", "sin f")), out * isotropic])
 
 
+def _is_deep(body: ElasticBody) -> bool:
+    """Whether it is no half-space of one material, and its kernel decays beyond the window."""
+    return body.stack is not None if body.aspect_ratio is None else body.aspect_ratio > TALLEST
+
+
+@lru_cache(maxsize=2)
+def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
+    """Compliance `[(y,) x]` of the normal displacement of layers on a half-space, or a tall slab, from the waves 0 on.
+
+    It is that of a half-space of the topmost material, and what the rest of the body makes of long and of short waves.
+    """
+    from scipy.interpolate import make_interp_spline  # which loads more of scipy than all other bodies need
+
+    q, weights = _long_waves()
+    nodes = n * ceil(_LONG / (1.5 * n))  # at least so many as bear all long waves
+    x = np.arange(nodes + 1) / nodes
+    if dimension == 1:
+        smooth = _beyond_half_space(body, x)
+        smooth -= smooth[-1] if body.aspect_ratio is None else 0.0
+        found, waves = 2.0 * _of_profiles(n)[0], np.pi * np.arange(n + 1, dtype=np.float64)
+    else:
+        r = np.arange(-6.0, hypot(1.0, 1.0) * q[-1] / _FINE + 8.0) * _FINE / q[-1]
+        weights = weights * (q / body.condensed_stiffness(q) - 2.0)
+        along_r = np.array([weights @ j0(q * each) for each in r]) / (2.0 * np.pi)
+        smooth = make_interp_spline(r, along_r, 5)(np.hypot(x[:, np.newaxis], x))
+        along = np.pi * np.arange(n + 1, dtype=np.float64)
+        found, waves = 2.0 * _of_maps(n, "1"), np.hypot(along[:, np.newaxis], along)
+    for axis in range(dimension):
+        smooth = of_half_a_period(smooth, axis).take(np.arange(n + 1), axis=axis) / nodes
+    waves.flat[0] = 1.0  # which is long
+    short = _short(waves) * (1.0 / body.condensed_stiffness(waves) - 2.0 / waves)
+    return np.asarray(found + smooth + short)
+
+
+def _beyond_half_space(body: ElasticBody, x: Reals) -> Reals:
+    """Displacement by the long waves of a line load at distances x, less that of a half-space of the top (L_x, E*)."""
+    q, weights = _long_waves()
+    jump = (0.0 if body.aspect_ratio is not None else 2.0 / body.material(np.inf).modulus) - 2.0
+    smooth = (q / body.condensed_stiffness(q) - 2.0 - jump * np.exp(-q)) / q
+    return np.asarray((np.cos(x[:, np.newaxis] * q) @ (weights * smooth) - 0.5 * jump * np.log1p(x**2)) / np.pi)
+
+
+def displaced_by_layers(body: ElasticBody) -> float:
+    """Displacement at a distance of 1 from a line load of 1, where that of a half-space of the base is 0 (L_x, E*)."""
+    return 0.0 if body.stack is None else float(_beyond_half_space(body, np.ones(1))[0])
+
+
+def _short(q: Reals) -> Reals:
+    """Share of waves of these numbers that counts as short."""
+    return np.asarray(0.5 * erfc((_LONG - q) / _WITHIN))
+
+
+@lru_cache(maxsize=1)
+def _long_waves() -> tuple[Reals, Reals]:
+    """Wave numbers of all long waves and their shares and weights in an integral over them, denser towards 0."""
+    edges = [0.0, _LONGEST]
+    while edges[-1] < _LONG + 6.0 * _WITHIN:
+        edges.append(edges[-1] + min(edges[-1], _PANEL))
+    at, weights = np.polynomial.legendre.leggauss(16)
+    halves, middles = 0.5 * np.diff(edges)[:, np.newaxis], 0.5 * (np.array(edges[1:]) + edges[:-1])[:, np.newaxis]
+    q = (middles + halves * at).ravel()
+    return q, (halves * weights).ravel() * (1.0 - _short(q))
+
+
 def _of_line_loads(n: int, body: ElasticBody, number: int) -> Reals:
     """Elements of a half-space under what is uniform along y `[element, x]`."""
+    if number == 1 and _is_deep(body):
+        return _of_deep(n, body, 1)[np.newaxis]
     isotropic, odd = _of_profiles(n)
     units = _of_waves(body, 0.0, np.ones(1), number)
     return np.array(
@@ -121,7 +216,8 @@ def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> 
     if not ends[-1]:
         swapped = _sampled(n, ends[::-1], body, number)
         return np.ascontiguousarray(swapped[_X_FOR_Y[number]].swapaxes(1, 2))
-    half = _STRIPS if body.aspect_ratio is None else ceil(0.5 + 0.5 * _HEIGHTS * body.aspect_ratio) + 1
+    deep = body.aspect_ratio is None or (number == 1 and _is_deep(body))
+    half = _STRIPS if deep else ceil(0.5 + 0.5 * _HEIGHTS * (body.aspect_ratio or 0.0)) + 1
     q_x = np.pi / half * np.arange(half * n + 1, dtype=np.float64)
     q_y = np.zeros(1) if len(ends) == 1 else q_x if ends[0] else 2.0 * np.pi * np.arange(n // 2 + 1)
     found = np.empty((number, q_y.size, n + 1))
@@ -132,7 +228,7 @@ def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> 
             row[:] = _kept(waves, half, odd)
     if ends[0] and len(ends) > 1:
         return np.array([_kept(each.T, half, odd).T for each, (odd, _) in zip(found, _ODD[number], strict=True)])
-    if body.aspect_ratio is None:
+    if deep:
         found[:, 0] = _of_line_loads(n, body, number)
     if len(ends) > 1 and n % 2 == 0:  # the grid does not tell the waves q_y and -q_y there
         found[[odd for odd, _ in _ODD[number]], -1] = 0.0

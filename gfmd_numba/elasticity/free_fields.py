@@ -20,9 +20,10 @@ from scipy.special import erfc
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.arrays import Complexes, Reals
-from gfmd_numba.elasticity import fields, moduli
+from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRESSES, Axis, Largest, Surface
+from gfmd_numba.elasticity.free_body import displaced_by_layers
 from gfmd_numba.fourier import grid
 
 _PERIOD = 2.0  # of the first sum, in windows
@@ -142,16 +143,18 @@ def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:
 def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float) -> Reals:
     """Displacement along x, y and z `[component]` in all waves of a half-space that are longer than those of the sums.
 
-    Under a line load the surface is displaced by zero at a distance of one window.
+    They feel the base of layers alone. Under a line load the surface is displaced by zero at a distance of one window.
     """
     force = rows.mean(axis=(1, 2))
     if body.aspect_ratio is not None:
         return np.zeros(3)
-    across = 0.5 / float(moduli.c44(body.nu))
+    base = body.material(np.inf)
+    along, across = 1.0 / base.modulus, 0.5 / base.shear
     if all(ends):
-        sideways = 1.0 + across
-        return np.asarray(_FALLS / (period - 1.0) / (2.0 * np.pi) * force * np.array([sideways, sideways, 2.0]))
+        softness = np.array([along + across, along + across, 2.0 * along])
+        return np.asarray(_FALLS / (period - 1.0) / (2.0 * np.pi) * force * softness)
     nodes, weights = np.polynomial.hermite.hermgauss(12)
     of_share = float(weights @ np.log(_FALLS + _WITHIN * nodes)) / np.sqrt(np.pi) - np.log(period - 1.0)
-    softness = np.array([1.0, across, 1.0] if ends[1] else [across, 1.0, 1.0])
-    return np.asarray(2.0 / np.pi * (np.euler_gamma + of_share) * force * softness)
+    softness = np.array([along, across, along] if ends[1] else [across, along, along])
+    by_layers = np.array([0.0, 0.0, displaced_by_layers(body)])
+    return np.asarray((2.0 / np.pi * (np.euler_gamma + of_share) * softness - by_layers) * force)

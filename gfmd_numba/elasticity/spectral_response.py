@@ -150,13 +150,17 @@ class SpectralResponse:
         the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
         result is in that of both together; `share` is the other's part of 1/E*.
         """
+        window = None
+        if self.window is not None and other.window is not None:
+            ways = self.window.stiffness, other.window.stiffness
+            window = replace(self.window, stiffness=lambda q: in_series(ways[0](q), ways[1](q), share))
         facing = other.inverse()
         facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
         compliance = (1.0 - share) * self.inverse() + share * facing
         _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
         found, own = _inverse(compliance), _mean(self.elements)
         _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
-        return SpectralResponse(found)
+        return SpectralResponse(found, window)
 
     def coarsened(self, shape: tuple[int, ...]) -> "SpectralResponse":
         """Return the response of the waves that a coarser grid of a shape holds."""

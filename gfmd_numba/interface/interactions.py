@@ -4,48 +4,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import isinf
 from pkgutil import resolve_name
-from typing import Any, Protocol, Self
+from typing import Any, Self
 
 import numpy as np
 
 from gfmd_numba import kernels, scene
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-
-
-class NormalLaw(Protocol):
-    """A law of the gap alone; lengths in g L_x, stresses in g E*."""
-
-    @property
-    def strength(self) -> float:
-        """Largest traction where no gap is negative; below 0 for repulsion."""
-
-    @property
-    def reach(self) -> float:
-        """Gap over which its attraction falls off; 0 for repulsion."""
-
-    @property
-    def softening(self) -> float:
-        """Largest -d2(energy)/d(gap)2 where no gap is negative; 0 for repulsion."""
-
-    def energy(self, gap: Reals) -> Reals:
-        """Energy per area of the surfaces at a gap."""
-
-    def traction(self, gap: Reals) -> Reals:
-        """Traction that pulls the body towards the punch."""
-
-    def stiffness(self, gap: Reals) -> Reals:
-        """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
-
-    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
-        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
-
-    def stiffest(self, pressure: float, hard_wall: bool) -> float:
-        """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
-
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
-        """Take the traction of the law off the restoring traction `ku` in the active rows."""
 
 
 @dataclass(frozen=True)
@@ -53,8 +19,8 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
-    `hardness` bounds the pressure of the hard wall, in g E*. `laws` are the names of all that acts, as in the scene
-    file.
+    `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*. `laws` are the names of
+    all that acts, as in the scene file.
     """
 
     hard_wall: bool
@@ -62,6 +28,7 @@ class Interactions:
     friction: float | None = None
     cohesive: XuNeedlemanLaw | None = None
     hardness: float | None = None
+    shear_limit: float | None = None
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
@@ -71,13 +38,14 @@ class Interactions:
             for law in asked.laws.values()
             if law.implementation is not None
         }
-        friction = None if asked.friction is None else asked.friction.coefficient
+        friction, limit = (None, None) if (rubs := asked.friction) is None else (rubs.coefficient, rubs.limit)
         return cls(
             asked.hard_wall is not None,
             computed.get("normal law"),
             friction,
             computed.get("cohesive law"),
             None if asked.hardness is None else asked.hardness / (energy / length),
+            None if limit is None else limit / (energy / length),
         )
 
     @cached_property
@@ -96,7 +64,8 @@ class Interactions:
     @property
     def conditions(self) -> kernels.Conditions:
         """What holds at a node that touches."""
-        return kernels.Conditions(np.inf if self.hardness is None else self.hardness, self.friction or 0.0)
+        hardness, limit = (np.inf if each is None else each for each in (self.hardness, self.shear_limit))
+        return kernels.Conditions(hardness, self.friction or 0.0, limit)
 
     @property
     def softening(self) -> float:

@@ -6,13 +6,14 @@ from typing import Self
 
 import numpy as np
 
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Reals
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.scene.interface_records import SquaredExponential
 from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
-class SquaredExponentialLaw:
+class SquaredExponentialLaw(NormalLaw):
     """Law with energy -work exp(-(gap / length)^2 / 2) per area, which pulls most at a gap of its length.
 
     Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
@@ -62,7 +63,3 @@ class SquaredExponentialLaw:
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds, at no gap."""
         return self.work / self.length**2
-
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
-        """Take the traction of the law off the restoring traction `ku` in the active rows."""
-        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])

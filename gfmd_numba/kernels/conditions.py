@@ -11,11 +11,18 @@ from gfmd_numba.kernels.compilation import jit
 class Conditions(NamedTuple):
     """What holds at a node that touches: its pressure is at most `hardness`, its `friction` holds that times pressure.
 
-    Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction.
+    Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction. None
+    bears more than the `limit`.
     """
 
     hardness: float = np.inf
     friction: float = 0.0
+    limit: float = np.inf
+
+    def held(self, pressure: Reals) -> Reals:
+        """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
+        held = np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
+        return np.minimum(held, self.limit)
 
 
 class State(NamedTuple):
@@ -73,21 +80,22 @@ def wall_violation(
             largest = max(largest, abs(traction - pressure))
         imbalance[i] = abs(total - carried) / n
         if normal > 0:
-            sideways, total_sideways = tangential_violation(state, conditions.friction, i, n)
+            sideways, total_sideways = tangential_violation(state, conditions, i, n)
             largest, total = max(largest, sideways), total + total_sideways
         worst[i] = largest if np.isfinite(total) else np.nan
         peak[i] = highest
 
 
 @jit
-def tangential_violation(state: State, friction: float, i: int, n: int) -> tuple[float, float]:
+def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -> tuple[float, float]:
     """Largest tangential traction of a row that friction does not balance, and the sum of all.
 
-    Free nodes bear none, sticking nodes less than friction times pressure, sliding ones exactly that against the way
-    they have slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
+    Free nodes bear none, sticking nodes less than friction holds, sliding ones exactly that against the way they have
+    slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
     """
     u, ku, wall, load, anchor = state
     normal = u.shape[1] - 1
+    friction = conditions.friction
     largest = 0.0
     total = 0.0
     for j in range(n):
@@ -98,17 +106,18 @@ def tangential_violation(state: State, friction: float, i: int, n: int) -> tuple
             way += (u[i, c, j] - anchor[i, c, j]) ** 2
         violation, slid = np.sqrt(traction), np.sqrt(way)
         pressure = load[i] - ku[i, normal, j]
+        held = min(friction * pressure, conditions.limit)
         if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
             if slid > 0.0 and np.isinf(friction):
                 violation = max(violation, pressure)
             elif slid > 0.0:
                 traction = 0.0
                 for c in range(normal):
-                    against = friction * pressure * ((u[i, c, j] - anchor[i, c, j]) / slid)
+                    against = held * ((u[i, c, j] - anchor[i, c, j]) / slid)
                     traction += (ku[i, c, j] + against) ** 2
                 violation = np.sqrt(traction)
             else:
-                violation = max(violation - friction * pressure, 0.0)
+                violation = max(violation - held, 0.0)
         largest = max(largest, violation)
     return largest, total
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import State
+from gfmd_numba.kernels.conditions import Conditions, State
 
 
 @jit
@@ -26,7 +26,7 @@ def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: flo
 
 
 @jit
-def friction_step(state: State, u_old: Reals, friction: float, active: Indices, n: int, push: float) -> None:
+def friction_step(state: State, u_old: Reals, conditions: Conditions, active: Indices, n: int, push: float) -> None:
     """Hold touching nodes by Coulomb friction after a Verlet step from `u_old` (an infinite one sticks).
 
     Friction acts against the way slid from the `anchor`; a node that an infinite one has pulled off sticks where it
@@ -46,7 +46,7 @@ def friction_step(state: State, u_old: Reals, friction: float, active: Indices, 
             square = 0.0
             for c in range(normal):
                 square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
-            slid, held = np.sqrt(square), 0.5 * push * friction * pressure
+            slid, held = np.sqrt(square), 0.5 * push * min(conditions.friction * pressure, conditions.limit)
             left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
             for c in range(normal):
                 pulled = u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]

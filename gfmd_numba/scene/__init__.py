@@ -18,28 +18,3 @@ from gfmd_numba.scene.records import (
 from gfmd_numba.scene.scene_file import input_files, load_scene
 from gfmd_numba.scene.surfaces import Random, SelfAffine, Surface
 from gfmd_numba.text.input_error import InputError
-
-__all__ = [
-    "COMPONENTS",
-    "Body",
-    "Boundary",
-    "BoundaryFile",
-    "Discretisation",
-    "Document",
-    "HardWall",
-    "InputError",
-    "Interface",
-    "LoadedBody",
-    "Loading",
-    "Measured",
-    "Numerics",
-    "Random",
-    "Scene",
-    "SceneFile",
-    "SelfAffine",
-    "Surface",
-    "input_files",
-    "load_scene",
-    "read_document",
-    "validate",
-]

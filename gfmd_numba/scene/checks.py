@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable, Mapping
 from math import prod
 
 from gfmd_numba.scene.document import Document, Location
+from gfmd_numba.scene.interface_records import LAWS_OF_THE_GAP
 from gfmd_numba.scene.records import Discretisation, LoadedBody, Scene
 
 # of the size of a realisation that solving it takes, as measured on a dense contact (`benchmarks/memory.py`)
@@ -11,8 +12,7 @@ _ARRAYS = {1: 72, 2: 24}
 _ARRAYS_OF_LAWS = {
     (1, "friction"): 180,
     (2, "friction"): 256,
-    (2, "exponential"): 32,
-    (2, "squared_exponential"): 32,
+    **{(2, law): 32 for law in LAWS_OF_THE_GAP},
     (2, "cohesive"): 96,
     (2, "boundary"): 32,
 }
@@ -56,7 +56,7 @@ def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
         return 0
     acting = set(laws)
     fields = _FIELDS[dimension] if acting & {"friction", "cohesive"} else _FIELDS_WITHOUT_DRAG
-    return 2 * fields * (1 + steps) + (_ARRAYS_OF_STABILITY if "exponential" in acting else 0)  # joined: twice
+    return 2 * fields * (1 + steps) + (_ARRAYS_OF_STABILITY if acting & LAWS_OF_THE_GAP else 0)  # joined: twice
 
 
 def arrays_of_memory(scene: Scene) -> int:

@@ -5,7 +5,8 @@ they act across an open gap, whether they keep the bodies apart, and whether the
 `Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
-from typing import ClassVar, Self
+from math import isinf
+from typing import ClassVar, Self, get_args
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -25,6 +26,7 @@ class LawRecord(BaseModel):
     """Record of a law; what its class variables do not say, the law does not do."""
 
     model_config = RECORD
+    title: ClassVar[str]
     implementation: ClassVar[str | None] = None
     normal: ClassVar[bool] = False
     tangential: ClassVar[bool] = False
@@ -44,18 +46,27 @@ class HardWall(LawRecord):
     )
 
 
-class Exponential(LawRecord):
-    """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
+class LawOfTheGap(LawRecord):
+    """A law of the gap alone."""
 
-    title: ClassVar = "exponential law"
     ability: ClassVar = "normal law"
-    implementation: ClassVar = "gfmd_numba.interface.exponential:ExponentialLaw"
     normal: ClassVar = True
     across_open_gap: ClassVar = True
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
+
+    @property
+    def pull(self) -> float:
+        """Traction at no gap over work_of_adhesion / range."""
+        return 1.0
+
+
+class SignedLaw(LawOfTheGap):
+    """A law that attracts or repels at all gaps."""
+
     work_of_adhesion: SignedWorkOfAdhesion = Field(
         description="Energy per area in J/m^2 (E* L_x without moduli and length); above 0 attracts, below 0 repels"
     )
-    range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
 
     @property
     def keeps_apart(self) -> bool:
@@ -69,18 +80,66 @@ class Exponential(LawRecord):
         return self
 
 
-class SquaredExponential(LawRecord):
+class Exponential(SignedLaw):
+    """Finite-range law with energy -work_of_adhesion exp(-gap/range) per area."""
+
+    title: ClassVar = "exponential law"
+    implementation: ClassVar = "gfmd_numba.interface.exponential:ExponentialLaw"
+
+
+class PowerLaw(SignedLaw):
+    """Law with energy -work_of_adhesion (1 + gap/range)^-exponent per area."""
+
+    title: ClassVar = "power law"
+    implementation: ClassVar = "gfmd_numba.interface.power_laws:ShiftedPowerLaw"
+    exponent: float = Field(
+        2.0, ge=2.0, le=12.0, description="Power of the distance; van der Waals: 2, retarded 3 (dimensionless)"
+    )
+
+    @property
+    def pull(self) -> float:
+        """Traction at no gap over work_of_adhesion / range."""
+        return self.exponent
+
+
+class Attraction(LawOfTheGap):
+    """A law that does not keep the bodies apart."""
+
+    needs_touching_nodes: ClassVar = True
+    keeps_apart: ClassVar = False
+
+
+class SquaredExponential(Attraction):
     """Attraction with energy -work_of_adhesion exp(-(gap/range)^2 / 2) per area."""
 
     title: ClassVar = "squared exponential law"
-    ability: ClassVar = "normal law"
     implementation: ClassVar = "gfmd_numba.interface.squared_exponential:SquaredExponentialLaw"
-    normal: ClassVar = True
-    across_open_gap: ClassVar = True
-    needs_touching_nodes: ClassVar = True
-    keeps_apart: ClassVar = False
-    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Gap of the largest attraction, in m if the scene has a length, else in L_x")
+
+    @property
+    def pull(self) -> float:
+        """Traction at no gap over work_of_adhesion / range."""
+        return 0.0
+
+
+class MaugisDugdale(Attraction):
+    """Attraction of work_of_adhesion/range up to a gap of the range, about which it falls to 0."""
+
+    title: ClassVar = "Maugis-Dugdale law"
+    implementation: ClassVar = "gfmd_numba.interface.maugis_dugdale:MaugisDugdaleLaw"
+    range: Length = Field(description="Gap up to which it attracts, in m if the scene has a length, else in L_x")
+    taper: float = Field(
+        0.2, ge=0.01, le=2.0, description="Gaps over which the attraction falls to 0, over the range (dimensionless)"
+    )
+
+
+class LennardJones(LawOfTheGap):
+    """Lennard-Jones attraction and repulsion of two half-spaces, integrated over their atoms."""
+
+    title: ClassVar = "Lennard-Jones law"
+    implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
+    keeps_apart: ClassVar = True
+    range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
 
 
 class Cohesive(LawRecord):
@@ -103,7 +162,7 @@ class Cohesive(LawRecord):
 
 
 class Friction(LawRecord):
-    """Coulomb friction between touching nodes (dimensionless)."""
+    """Coulomb friction between touching nodes, which hold at most a limit."""
 
     title: ClassVar = "friction"
     ability: ClassVar = "friction"
@@ -111,6 +170,15 @@ class Friction(LawRecord):
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
     coefficient: FrictionCoefficient
+    limit: Pressure | None = Field(
+        None, description="Largest tangential traction in Pa (E* without moduli), the shear strength; None: no limit"
+    )
+
+    @model_validator(mode="after")
+    def _limits(self) -> Self:
+        if self.limit is not None and isinf(self.coefficient):
+            raise broken_rule(("limit",), "no limit with an infinite coefficient, under which touching nodes stick")
+        return self
 
 
 class Wear(BaseModel):
@@ -120,7 +188,7 @@ class Wear(BaseModel):
     rate: WearRate = Field(description="Depth over pressure and sliding distance in m^2/N (1/E* without moduli)")
 
 
-Law = HardWall | Exponential | SquaredExponential | Cohesive | Friction
+Law = HardWall | Exponential | SquaredExponential | PowerLaw | MaugisDugdale | LennardJones | Cohesive | Friction
 
 
 class Interface(BaseModel):
@@ -132,6 +200,9 @@ class Interface(BaseModel):
     squared_exponential: SquaredExponential | None = Field(
         None, description="Attraction that is largest at a gap, and none at no gap"
     )
+    power_law: PowerLaw | None = Field(None, description="Attraction or repulsion by a power of the distance")
+    maugis_dugdale: MaugisDugdale | None = Field(None, description="Constant attraction up to a range")
+    lennard_jones: LennardJones | None = Field(None, description="Attraction and repulsion of half-spaces of atoms")
     cohesive: Cohesive | None = Field(None, description="Attraction, repulsion and resistance to slip in one law")
     friction: Friction | None = Field(None, description="Tangential tractions on touching nodes")
     wear: Wear | None = Field(None, description="Loss of material of the punch where it slides")
@@ -140,6 +211,11 @@ class Interface(BaseModel):
     def laws(self) -> dict[str, Law]:
         """The laws that act, by name."""
         return {name: law for name, law in self if isinstance(law, Law)}
+
+    @property
+    def law_of_the_gap(self) -> LawOfTheGap | None:
+        """The law of the gap alone that acts."""
+        return next((law for law in self.laws.values() if isinstance(law, LawOfTheGap)), None)
 
     @property
     def hardness(self) -> float | None:
@@ -162,9 +238,14 @@ class Interface(BaseModel):
         if not any(law.keeps_apart for law in laws.values()):
             raise broken_rule(
                 (),
-                "hard_wall, cohesive, or an exponential law that repels: something must keep the bodies apart",
+                "hard_wall, cohesive, lennard_jones, or an exponential or power law that repels: something must keep "
+                "the bodies apart",
             )
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
                 raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
         return self
+
+
+_RECORDS = {name: get_args(field.annotation)[0] for name, field in Interface.model_fields.items()}
+LAWS_OF_THE_GAP = {name for name, record in _RECORDS.items() if issubclass(record, LawOfTheGap)}

@@ -189,7 +189,7 @@ class Scene(BaseModel):
         """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
         layered = any(body.layers is not None for body in self.deformable) or self.form is not None
         further = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
-        return self.dimension == 2 or layered or further
+        return self.dimension == 2 or layered or further or any(self.ends)
 
     @property
     def awaits_period(self) -> bool:
@@ -317,7 +317,7 @@ class Numerics(BaseModel):
         ge=0,
         le=3,
         description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2, "
-        "and 0 for maps, and with friction, a cohesive law, a hardness, a boundary or layers",
+        "and 0 for maps, without a period, and with friction, a cohesive law, a hardness, a boundary or layers",
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")

@@ -7,8 +7,9 @@ slides over it, at one speed after another.
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
-from typing import Any
+from functools import cache
+from itertools import pairwise
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -16,11 +17,11 @@ from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact.contact_dataset import step_dataset
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import FEW_NODES, doubts
 from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
@@ -42,29 +43,13 @@ from gfmd_numba.scene.units import has_unit
 from gfmd_numba.solvers import status
 from gfmd_numba.text.input_error import brief
 
-RECORDED = (
-    "mean_pressure",
-    "contact_area_fraction",
-    "approach",
-    "mean_gap",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-    "hysteretic_friction",
-    "hysteretic_friction_error",
-    "time_error",
-    "status",
-    "residual",
-    "n_iterations",
-    "wall_time",
-)
-
 SHOWN = (
     "reduced_pressure",
     "mean_pressure",
     "contact_area_fraction",
     "contact_area",
     "contact_length",
+    "contact_radius",
     "approach",
     "mean_gap",
     "contact_stiffness",
@@ -84,35 +69,25 @@ _METHOD = (
 _SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
 
 
-_MANY = Field(min_length=1, max_length=10_000, strict=False)
-
-
-class _Curve(BaseModel):
-    model_config = RECORD
-    loads: tuple[float, ...] = _MANY
-    realisations: int = Field(1, ge=1, le=1_000_000)
-
-
-def _record(load: Any) -> type[_Curve]:
-    return create_model("_Loads", __base__=_Curve, loads=(tuple[load, ...], _MANY))
-
-
-_LOADS = {  # by what a loading prescribes
-    "reduced_pressure": _record(ReducedPressure),
-    "pressure": _record(Pressure),
-    "line_load": _record(LineLoad),
-    "force": _record(Force),
-    "displacement": _record(SignedLength),
-}
 _TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
+_VALUES: dict[str, Any] = {  # types, by what is prescribed
+    "reduced_pressure": tuple[ReducedPressure, ...],
+    "pressure": tuple[Pressure, ...],
+    "line_load": tuple[LineLoad, ...],
+    "force": tuple[Force, ...],
+    "displacement": tuple[SignedLength, ...],
+    _TIME: tuple[Duration, ...],
+    _SPEED: tuple[Speed, ...],
+}
+Over = Literal["loads", "times", "speeds"]
 
 
-class _Times(_Curve):
-    loads: tuple[Duration, ...] = Field(min_length=1, max_length=10_000, strict=False, alias="times")
-
-
-class _Speeds(_Curve):
-    loads: tuple[Speed, ...] = Field(min_length=1, max_length=10_000, strict=False, alias="speeds")
+@cache
+def _record(over: Over, prescribed: str) -> type[BaseModel]:
+    """Record of the values that a curve is over, and of its number of realisations."""
+    many = Field(min_length=1, max_length=10_000, strict=False)
+    fields: dict[str, Any] = {over: (_VALUES[prescribed], many)}
+    return create_model("_Curve", __config__=RECORD, realisations=(int, Field(1, ge=1, le=1_000_000)), **fields)
 
 
 @dataclass(frozen=True)
@@ -129,36 +104,42 @@ class LoadCurve:
     realisations: int
 
 
-def read_times(file: SceneFile | BoundaryFile, document: Document, times: object, realisations: object) -> LoadCurve:
-    """Check a scene and times in s since its load began to act; raises InputError as `read_curve` does."""
-    file = _without_path(file, document)
-    asked = Document(None, "", {"times": _listed(times), "realisations": realisations})
-    if file.scene.body.relaxation is None:
-        raise asked.refused(("times",), "nothing without a relaxation of the body: give loads")
-    checked = validate(asked, _Times)
-    _check_order(asked, checked.loads, "times")
-    begun = file.scene.loading.takes or 0.0
-    if len(checked.loads) > 1 and checked.loads[1] < checked.loads[0]:
-        raise asked.error(("times", 1), checked.loads[1], "times that rise")
-    if checked.loads[0] <= begun:
-        raise asked.error(("times", 0), checked.loads[0], f"times after the duration of the loading, {begun:g} s")
-    _check_realisations(file, asked, checked.realisations)
-    return LoadCurve(read_contact(file, document), document, _TIME, checked.loads, checked.realisations)
+def read_curve(
+    file: SceneFile | BoundaryFile, document: Document, over: Over, values: object, realisations: object
+) -> LoadCurve:
+    """Check a scene and the loads, the times in s since its load began to act, or the speeds of its punch.
 
-
-def read_speeds(file: SceneFile | BoundaryFile, document: Document, speeds: object, realisations: object) -> LoadCurve:
-    """Check a scene and sliding speeds of its punch; raises InputError as `read_curve` does."""
+    Raises InputError, by the names of these arguments, for what makes no sense.
+    """
     file = _without_path(file, document)
-    asked = Document(None, "", {"speeds": _listed(speeds), "realisations": realisations})
-    if file.scene.body.relaxation is None:
-        raise asked.refused(("speeds",), "nothing without a relaxation of the body: give loads")
-    checked = validate(asked, _Speeds)
+    asked = Document(None, "", {over: _listed(values), "realisations": realisations})
+    if (over == "loads") != (file.scene.body.relaxation is None):
+        raise asked.refused((over,), _OF_ELASTIC if over == "loads" else _OF_VISCOELASTIC)
+    prescribed = _control(file.scene, asked.value((over,))) if over == "loads" else over.removesuffix("s")
+    checked = validate(asked, _record(over, prescribed)).model_dump()
+    points, n_realisations = checked[over], checked["realisations"]
+    if over == "loads":
+        file = _loaded(file, prescribed, points[0])
     with located(asked):
-        check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("speeds",))
-    _check_order(asked, checked.loads, "speeds")
-    _check_realisations(file, asked, checked.realisations)
-    given = read_contact(_with_path(file, _SPEED, checked.loads), document)
-    return LoadCurve(given, document, _SPEED, checked.loads, checked.realisations)
+        check_scales(points, file.scene.length, file.scene.has_moduli, (over,))
+    _check_order(asked, points, over)
+    if over == "times":
+        _check_times(asked, points, file.scene.loading.takes or 0.0)
+    if n_realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
+        raise asked.error(("realisations",), n_realisations, "1, as no surface of this scene is random")
+    given = read_contact(_with_path(file, _SPEED, points) if over == "speeds" else file, document)
+    curve = LoadCurve(given, document, prescribed, points, n_realisations)
+    if over == "loads":
+        if prescribed == "displacement":
+            check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(points)})
+        path = _with_path(given.file, prescribed, _approached(curve))
+        scenes = (scene for scene, _ in steps_of(path.scene, path.path))
+        check_loads(((("loads", i // 2), scene) for i, scene in enumerate(scenes)), given.surfaces, asked)
+    return curve
+
+
+_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
+_OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
 def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
@@ -175,35 +156,6 @@ def _listed(values: object) -> object:
     if isinstance(values, Iterable) and not isinstance(values, str | bytes | Mapping):
         return values.tolist() if isinstance(values, np.ndarray) else list(values)
     return values
-
-
-def _check_realisations(file: SceneFile, asked: Document, realisations: int) -> None:
-    if realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
-        raise asked.error(("realisations",), realisations, "1, as no surface of this scene is random")
-
-
-def read_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> LoadCurve:
-    """Check a scene and its loads; raises InputError, by the names of these arguments, for what makes no sense."""
-    file, loads = _without_path(file, document), _listed(loads)
-    if file.scene.body.relaxation is not None:
-        allowed = "times, or speeds, for a viscoelastic body, under the load of its scene"
-        raise InputError(f"loads: you gave {brief(loads)}; gfmd allows {allowed}, or a path that takes time")
-    prescribed = _control(file.scene, loads)
-    asked = Document(None, "", {"loads": loads, "realisations": realisations})
-    checked = validate(asked, _LOADS[prescribed])
-    loaded = _loaded(file, prescribed, checked.loads[0])
-    with located(asked):
-        check_scales(checked.loads, file.scene.length, file.scene.has_moduli, ("loads",))
-    _check_order(asked, checked.loads)
-    _check_realisations(file, asked, checked.realisations)
-    given = read_contact(loaded, document)
-    if prescribed == "displacement":
-        check_room(file, given.surfaces, asked, {("loads", i): load for i, load in enumerate(checked.loads)})
-    curve = LoadCurve(given, document, prescribed, checked.loads, checked.realisations)
-    path = _with_path(given.file, prescribed, _approached(curve))
-    scenes = (scene for scene, _ in steps_of(path.scene, path.path))
-    check_loads(((("loads", i // 2), scene) for i, scene in enumerate(scenes)), given.surfaces, asked)
-    return curve
 
 
 def _control(scene: Scene, loads: object) -> str:
@@ -232,11 +184,18 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
     return file.model_copy(update={"scene": file.scene.model_copy(update={"loading": loading})})
 
 
-def _check_order(asked: Document, loads: tuple[float, ...], name: str = "loads") -> None:
+def _check_order(asked: Document, loads: tuple[float, ...], name: str) -> None:
     rises = len(loads) > 1 and loads[1] > loads[0]
     for i, (before, load) in enumerate(pairwise(loads)):
         if load == before or (load > before) != rises:
             raise asked.error((name, i + 1), load, f"{name} that all rise, or all fall, unlike {before:g} before it")
+
+
+def _check_times(asked: Document, times: tuple[float, ...], begun: float) -> None:
+    if len(times) > 1 and times[1] < times[0]:
+        raise asked.error(("times", 1), times[1], "times that rise")
+    if times[0] <= begun:
+        raise asked.error(("times", 0), times[0], f"times after the duration of the loading, {begun:g} s")
 
 
 def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> SceneFile:
@@ -254,54 +213,37 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
     numbers = implausible(curve.given.file.scene)
-    in_time = curve.prescribed in (_TIME, _SPEED)
     with shared_by(curve.given.file.numerics.threads):
-        yield from _solve_in_time(curve, numbers) if in_time else _solve_loads(curve, numbers)
-
-
-def _solve_loads(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
-    """Scalars at each load, in SI units."""
-    for i in range(curve.realisations):
-        given = _given(curve, i)
-        whole, _ = given.reduced
-        steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
-        for (problem_before, before), (problem, solved) in zip(steps, steps, strict=True):
-            short, step = step_dataset(given, problem_before, before), step_dataset(given, problem, solved)
-            scalars = step[[name for name in RECORDED if name in step]]
-            for name in ("n_iterations", "wall_time"):
-                scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
-            scalars["contact_stiffness"] = _stiffness(short, step)
-            sentences = (*numbers, doubts(given, whole, step))
-            yield scalars.assign_attrs(solver=problem.numerics.solver, validity="\n".join(filter(None, sentences)))
-
-
-def _solve_in_time(curve: LoadCurve, numbers: list[str]) -> Iterator[xr.Dataset]:
-    """Scalars after each time, or at each speed, in SI units."""
-    begun = curve.given.file.scene.loading.takes or 0.0
-    dwells = tuple(Step(duration=end - start) for start, end in pairwise((begun, *curve.loads)))
-    for i in range(curve.realisations):
-        given = _realisation(curve, i)
-        if curve.prescribed == _TIME:
-            given = replace(given, file=given.file.model_copy(update={"path": dwells}))
-        whole, _ = given.reduced
-        steps = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
-        for problem, solved in islice(steps, 1 if curve.prescribed == _TIME else 0, None):
-            step = step_dataset(given, problem, solved)
-            sentences = (*numbers, doubts(given, whole, step))
-            attributes = {"solver": problem.numerics.solver, "validity": "\n".join(filter(None, sentences))}
-            yield step[[name for name in RECORDED if name in step]].assign_attrs(attributes)
-
-
-def _given(curve: LoadCurve, i: int) -> ContactInput:
-    """What the file gives for one of the realisations, with a path that approaches each load over a short step."""
-    given = _realisation(curve, i)
-    return replace(given, file=_with_path(given.file, curve.prescribed, _approached(curve)))
+        for i in range(curve.realisations):
+            given = _realisation(curve, i)
+            whole, _ = given.reduced
+            solved = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
+            steps = (step_dataset(given, *each) for each in solved)
+            if curve.prescribed == _TIME:
+                next(steps)  # the load itself, before any time has passed
+            for step in steps:
+                short, step = (None, step) if curve.prescribed in _TITLES else (step, next(steps))
+                scalars = step[[name for name in OBSERVABLES if name in step]]
+                if short is not None:
+                    for name in ("n_iterations", "wall_time"):
+                        scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
+                    scalars["contact_stiffness"] = _stiffness(short, step)
+                validity = "\n".join(filter(None, (*numbers, doubts(given, whole, step))))
+                yield scalars.assign_attrs(solver=whole.numerics.solver, validity=validity)
 
 
 def _realisation(curve: LoadCurve, i: int) -> ContactInput:
-    """What the file gives for one of the realisations."""
-    file = curve.given.file.model_copy(update={"realisation": curve.given.file.realisation + i})
-    return curve.given if i == 0 else read_contact(file, curve.document)
+    """What the file gives for one of the realisations, with the path that is followed."""
+    given, file = curve.given, curve.given.file
+    if i > 0:
+        given = read_contact(file.model_copy(update={"realisation": file.realisation + i}), curve.document)
+    if curve.prescribed == _SPEED:
+        return given
+    if curve.prescribed == _TIME:
+        times = file.scene.loading.takes or 0.0, *curve.loads
+        dwells = tuple(Step(duration=end - start) for start, end in pairwise(times))
+        return replace(given, file=given.file.model_copy(update={"path": dwells}))
+    return replace(given, file=_with_path(given.file, curve.prescribed, _approached(curve)))
 
 
 def _approached(curve: LoadCurve) -> tuple[float, ...]:
@@ -353,23 +295,14 @@ def _of_all(validities: Iterable[str]) -> str:
     return "\n".join(found.values())
 
 
-def load_curve(file: SceneFile | BoundaryFile, document: Document, loads: object, realisations: object) -> xr.Dataset:
-    """Observables over `prescribed_load` in SI units; raises InputError. The `status` says which runs failed."""
-    curve = read_curve(file, document, loads, realisations)
-    return curve_dataset(curve, list(solve_curve(curve)))
-
-
-def creep_curve(file: SceneFile | BoundaryFile, document: Document, times: object, realisations: object) -> xr.Dataset:
-    """Observables over `time` in SI units; raises InputError. The `status` says which runs failed."""
-    curve = read_times(file, document, times, realisations)
-    return curve_dataset(curve, list(solve_curve(curve)))
-
-
-def friction_curve(
-    file: SceneFile | BoundaryFile, document: Document, speeds: object, realisations: object
+def curve_of(
+    file: SceneFile | BoundaryFile, document: Document, over: Over, values: object, realisations: object
 ) -> xr.Dataset:
-    """Observables over `speed` in SI units; raises InputError. The `status` says which runs failed."""
-    curve = read_speeds(file, document, speeds, realisations)
+    """Observables over `prescribed_load`, `time` or `speed` in SI units; raises InputError as `read_curve` does.
+
+    The `status` says which runs failed.
+    """
+    curve = read_curve(file, document, over, values, realisations)
     return curve_dataset(curve, list(solve_curve(curve)))
 
 
@@ -424,7 +357,7 @@ def _standard_error(values: xr.DataArray) -> xr.DataArray:
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     """Add what the path and the size of the period make of the recorded scalars."""
     scene = curve.given.file.scene
-    one = curve.given.units.worth["pressure"]
+    one = units_of(curve.given).worth["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
@@ -436,7 +369,7 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
 
 
 def _stiffness_attributes(given: ContactInput) -> dict[str, Any]:
-    unit = given.units.names
+    unit = units_of(given).names
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"

@@ -2,19 +2,19 @@
 
 import warnings
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 import xarray as xr
 from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.contact.rough_surfaces import usable
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
-from gfmd_numba.roughness.measured import measured_surface
-from gfmd_numba.scene import Document, InputError
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Random
@@ -25,19 +25,10 @@ _ROUNDING = 1e-12  # of the largest height, below which a range of heights is ro
 
 
 @dataclass(frozen=True)
-class Made:
-    """Heights `[nx]` or `[ny, nx]` and their periods, in m or L_x; the mean power `[..., nx // 2 + 1]` of theory.
+class Made(MeasuredSurface):
+    """Surface with the mean power `[..., nx // 2 + 1]` of theory, None for a measured one."""
 
-    `power` is None for a measured surface; `done` tells what was done to one, and `doubts` what makes it implausible.
-    The `unit` is "m", or "1" for L_x.
-    """
-
-    heights: Reals
-    lengths: tuple[float, ...]
-    unit: Literal["m", "1"]
-    power: Reals | None
-    done: tuple[str, ...] = ()
-    doubts: tuple[str, ...] = ()
+    power: Reals | None = None
 
 
 def make(file: SurfaceFile) -> Made:
@@ -57,14 +48,15 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
-    return Made(heights, lengths, "1" if file.length is None else "m", power)
+    largest = float(abs(heights).max())
+    return Made(heights, lengths, "1" if file.length is None else "m", largest, (), (), power)
 
 
 def _measured(file: SurfaceFile, record: Measured) -> Made:
     found = measured_surface(record, file.length)
     if np.ptp(found.heights) <= _ROUNDING * found.largest:
         raise ValueError("a flat surface once the trend is gone")
-    return Made(found.heights, found.lengths, found.unit, None, found.done, found.doubts)
+    return Made(**vars(found))
 
 
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
@@ -94,14 +86,8 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
 
 def made_surface(file: SurfaceFile, document: Document) -> Made:
     """Surface of a file; raises InputError for a description that makes no sense or a file that cannot be used."""
-    try:
+    with usable(document, ("surface",), file.surface if isinstance(file.surface, Measured) else None):
         return make(file)
-    except ValueError as error:
-        if isinstance(file.surface, Measured):
-            given = f"{file.surface.shown} ({error})"
-            allowed = "a table of equidistant heights in units that are stated"
-            raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
-        raise document.refused(("surface",), f"a usable surface, not {error}") from None
 
 
 def _described(made: Made) -> xr.Dataset:

@@ -93,7 +93,7 @@ class _BoundaryValueProblem:
     def advance(self) -> None:
         """Make one time step of the free nodes."""
         self.traction -= self._prescribed
-        self._step.step(self._state, 0.0, _ROW, self.field.n)
+        self._step.step(self._state, kernels.Conditions(), _ROW, self.field.n)
         np.copyto(self.displacement, self._held, where=~self._free)
         self._restore()
 

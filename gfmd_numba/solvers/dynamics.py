@@ -25,7 +25,7 @@ from gfmd_numba.theory.damping import critical_damping, stability_limit
 class Integrator(Protocol):
     """One step of displacements under the tractions that nothing balances, as friction and the wall allow."""
 
-    def step(self, state: kernels.State, friction: float, active: Indices, n: int) -> None: ...  # noqa: D102
+    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None: ...  # noqa: D102
 
 
 def verlet(batch: Batch, options: Options) -> "Dynamics":
@@ -82,11 +82,11 @@ class Verlet:
     def __init__(self, displacement: Reals, memory: float, push: float) -> None:
         self._last, self._memory, self._push = displacement.copy(), memory, push
 
-    def step(self, state: kernels.State, friction: float, active: Indices, n: int) -> None:
+    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
         kernels.verlet_step(state, self._last, active, n, self._memory, self._push)
-        if friction > 0.0:
-            kernels.friction_step(state, self._last, friction, active, n, self._push)
+        if conditions.friction > 0.0:
+            kernels.friction_step(state, self._last, conditions, active, n, self._push)
 
 
 class Fire:
@@ -98,7 +98,7 @@ class Fire:
         self._dt, self._mixing = np.full(rows, 0.1 * longest), np.full(rows, 0.1)
         self._downhill = np.zeros(rows, dtype=np.int64)
 
-    def step(self, state: kernels.State, friction: float, active: Indices, n: int) -> None:
+    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None:
         """Make one step of the normal displacement in the active rows."""
         kernels.fire_step(state, self._velocity, self._dt, self._mixing, self._downhill, active, n, self._longest)
 
@@ -141,7 +141,7 @@ class Dynamics:
 
     def advance(self, active: Indices) -> None:
         """Make one time step in the active rows."""
-        self._integrator.step(self.state, self.certificate.conditions.friction, active, self.field.n)
+        self._integrator.step(self.state, self.certificate.conditions, active, self.field.n)
         self._restore(active)
 
     def residual(self, active: Indices) -> Reals:

@@ -13,7 +13,8 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse, diagonal
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.interface.interactions import Interactions, NormalLaw
+from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decays.parallel_law import ParallelLaw

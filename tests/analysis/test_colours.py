@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis.plots.parameter import looks_of
+from gfmd_numba.analysis.plots.campaign import looks_of
 from gfmd_numba.analysis.plots.style import COLOURS, ordered_colours
 from support import eyes
 

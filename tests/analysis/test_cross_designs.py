@@ -6,7 +6,7 @@ import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
 from support.cross_levels import crossed
-from support.synthetic_campaigns import ALPHA, CROSS, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, noisy, of_limit
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
@@ -22,19 +22,10 @@ def priced(dataset, seed=0):
     ).values / 4096
 
 
-def asked(dataset, design):
-    """Realisations of each case of a dataset in a design."""
-    cross = iter(design.cross)
-    return np.array([
-        next(cross) if limit == "cross"
-        else design.levels[limit][float(dataset[limit][i])] if limit in design.levels
-        else design.reference
-        for i, limit in enumerate(dataset["limit"].values.tolist())
-    ])  # fmt: skip
-
-
 def test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not():
-    *cheap, dear = cheapest_design(*priced(crossed(*CROSS, DEAR)), target=0.01, variable="kappa_r", fixed=ALPHA).cross
+    dataset, seconds = priced(crossed(*CROSS, DEAR))
+    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
+    *cheap, dear = of_limit(dataset, design, "cross")
     assert min(cheap) >= 20
     assert dear == 0
 
@@ -43,8 +34,9 @@ def test_an_accuracy_that_interactions_forbid_asks_for_cross_levels():
     for levels in ((), CROSS[:2]):
         with pytest.raises(UnusableDataError, match=r"cross levels for every pair of limits \(`cross`\)"):
             cheapest_design(*priced(crossed(*levels)), target=0.01, variable="kappa_r", fixed=ALPHA)
-    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, variable="kappa_r", fixed=ALPHA)
-    assert min(design.cross) >= 20
+    dataset, seconds = priced(crossed(*CROSS))
+    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
+    assert min(of_limit(dataset, design, "cross")) >= 20
 
 
 def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interactions():
@@ -52,27 +44,26 @@ def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interacti
     loose, tight = (
         cheapest_design(dataset, seconds, target=target, variable="kappa_r", fixed=ALPHA) for target in (0.04, 0.01)
     )
-    assert min(tight.cross) > 3 * min(loose.cross)
+    fewest = [min(of_limit(dataset, design, "cross")) for design in (loose, tight)]
+    assert fewest[1] > 3 * fewest[0]
 
 
 def test_the_price_includes_that_of_the_cross_levels():
     dataset, seconds = priced(crossed(*CROSS, DEAR))
     design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
-    assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
+    assert design.seconds == pytest.approx(design.realisations @ seconds, rel=1e-12)
 
 
 def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
-    assert (
-        cheapest_design(
-            *priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS)), target=0.02, variable="kappa_r", fixed=ALPHA
-        ).cross[0]
-        == 0
-    )
+    dataset, seconds = priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS))
+    design = cheapest_design(dataset, seconds, target=0.02, variable="kappa_r", fixed=ALPHA)
+    assert of_limit(dataset, design, "cross")[0] == 0
 
 
 def test_a_limit_keeps_its_own_levels_next_to_cross_ones():
-    design = cheapest_design(*priced(crossed(*CROSS)), target=0.01, variable="kappa_r", fixed=ALPHA)
-    assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
+    dataset, seconds = priced(crossed(*CROSS))
+    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
+    assert all(np.count_nonzero(of_limit(dataset, design, limit)) >= 2 for limit in ("eps_c", "eps_f", "eps_t"))
 
 
 @pytest.mark.long
@@ -81,8 +72,8 @@ def test_a_target_is_met_with_cross_levels():
     design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
     found = []
     for seed in range(40):
-        whole = noisy(crossed(*CROSS, n=asked(dataset, design).max()), np.random.default_rng(1000 + seed))
-        counts = asked(whole, design)
+        whole = noisy(crossed(*CROSS, n=design.realisations.max()), np.random.default_rng(1000 + seed))
+        counts = design.realisations
         kept = np.arange(whole.sizes["realisation"]) < counts[:, None]
         whole = whole.assign(kappa=whole["kappa"].where(kept)).assign_coords(realisations=("case", counts))
         found.append(fit_tfc(whole.isel(case=counts > 0), fixed=ALPHA)["kappa_tfc"].item())
@@ -99,4 +90,5 @@ def test_a_cross_level_is_one_whatever_eps_the_grid_varies():
     grid["case_id"] = ("case", [f"case-{i}" for i in range(grid.sizes["case"])])
     assert (grid["limit"] == "cross").sum() == 2
     dataset, seconds = priced(grid)
-    assert len(cheapest_design(dataset, seconds, target=0.05, variable="kappa_r", fixed=ALPHA).cross) == 1
+    design = cheapest_design(dataset, seconds, target=0.05, variable="kappa_r", fixed=ALPHA)
+    assert len(set(of_limit(dataset, design, "cross"))) == 1

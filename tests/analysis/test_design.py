@@ -5,7 +5,7 @@ import pytest
 
 from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
 from support.expected_interactions import drawn
-from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy, of_limit
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
@@ -27,7 +27,7 @@ def pilot(seed=0, n=40):
 
 def achieved(design, seeds=40):
     """How far kappa_tfc of repeated campaigns of a design is off, relative and root mean square."""
-    return off([left(whole(1000 + seed, most(design)), design) for seed in range(seeds)])
+    return off([left(whole(1000 + seed, design.realisations.max()), design) for seed in range(seeds)])
 
 
 def off(datasets):
@@ -35,24 +35,9 @@ def off(datasets):
     return np.sqrt(np.mean((found / TFC[0.8] - 1.0) ** 2))
 
 
-def most(design):
-    return max(design.reference, *design.cross, *(n for levels in design.levels.values() for n in levels.values()))
-
-
-def asked(dataset, design):
-    """Realisations of each case of a dataset in a design."""
-    cross = iter(design.cross)
-    return np.array([
-        next(cross) if limit == "cross"
-        else design.levels[limit][float(dataset[limit][i])] if limit in design.levels
-        else design.reference
-        for i, limit in enumerate(dataset["limit"].values.tolist())
-    ])  # fmt: skip
-
-
 def left(dataset, design):
     """What a campaign of that design has of a dataset."""
-    counts = asked(dataset, design)
+    counts = design.realisations
     kept = np.arange(dataset.sizes["realisation"]) < counts[:, None]
     dataset = dataset.assign(kappa=dataset["kappa"].where(kept)).assign_coords(realisations=("case", counts))
     return dataset.isel(case=counts > 0)
@@ -78,7 +63,7 @@ def test_fewer_fine_levels_are_cheaper_than_equal_numbers():
 def test_the_price_is_that_of_the_realisations():
     dataset, seconds = pilot()
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
-    assert design.seconds == pytest.approx(asked(dataset, design) @ seconds, rel=1e-12)
+    assert design.seconds == pytest.approx(design.realisations @ seconds, rel=1e-12)
 
 
 def test_a_level_that_costs_much_and_tells_little_is_left_out():
@@ -86,8 +71,8 @@ def test_a_level_that_costs_much_and_tells_little_is_left_out():
     dataset = noisy(campaign(realisations=40, levels=levels, cross=CROSS), np.random.default_rng(5))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
-    assert design.levels["eps_c"][1 / 4096] == 0
-    assert all(np.count_nonzero(list(levels.values())) >= 2 for levels in design.levels.values())
+    assert design.realisations[dataset["eps_c"].values == 1 / 4096] == 0
+    assert all(np.count_nonzero(of_limit(dataset, design, limit)) >= 2 for limit in ("eps_c", "eps_f", "eps_t"))
 
 
 def test_half_the_error_costs_four_times_as_much():

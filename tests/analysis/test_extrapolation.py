@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.rivals import rivals
+from gfmd_numba.analysis.limit_errors import rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
 from support.synthetic_campaigns import TFC, campaign, noisy

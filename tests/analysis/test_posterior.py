@@ -9,8 +9,7 @@ from scipy.stats import t as student
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
-from gfmd_numba.analysis.linear_fit import Means
-from gfmd_numba.analysis.posterior import along, shares, weighed
+from gfmd_numba.analysis.posterior import Means, along, shares, weighed
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, REFERENCE, WANING, campaign, noisy
 
@@ -160,7 +159,7 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     law, (low, high) = unseen_slope(0.8, 0.007), (0.3, 1.5)
     first = low + (high - low) * (np.arange(400) + 0.5)[:, np.newaxis] / 400
     cut, tail = 0.055 * np.exp(3.0 * 0.8 - 6.0 * 0.007) / 0.007**0.55, np.exp(0.25 - 0.95 * 0.8)
-    cuts, tails = cut * 1.4 ** np.linspace(-5.0, 5.0, 161), np.geomspace(0.25, 2.5, 161)
+    cuts, tails = cut * 1.4 ** np.linspace(-5.0, 5.0, 61), np.geomspace(0.25, 2.5, 61)
     second = np.array(list(product(cuts, tails)))
     deviations = np.log(second / [cut, tail]) / np.log([1.4, 1.2])
     usual = np.exp(-(deviations**2).sum(axis=1) / 2)

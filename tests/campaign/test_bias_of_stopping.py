@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.next_round import Fitted, after
+from gfmd_numba.campaign.limits import FEWEST
+from gfmd_numba.campaign.next_round import Fit, Fitted, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 

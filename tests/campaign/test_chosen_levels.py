@@ -8,14 +8,15 @@ import xarray as xr
 import yaml
 
 import gfmd_numba
-from gfmd_numba.campaign import next_round, until
+from gfmd_numba.campaign import next_round
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
+from gfmd_numba.campaign.limits import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.rounds import Round
+from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, verify
-from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError
 
 SCENE = {
@@ -243,7 +244,7 @@ def test_levels_only_adds_none_and_says_what_is_in_the_way(tmp_path):
 
 
 def test_finer_levels_stay_within_a_budget(refined, tmp_path, monkeypatch):
-    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 1.0)
+    monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
     first, *_, last = (each.price for each in refined.rounds.rounds)
     outcome = run_until(COARSE, GOAL.model_copy(update={"budget": 1.05 * first}), tmp_path / "out", HERE)
     assert outcome.rounds.ended.startswith("not reached: the budget is too small")
@@ -258,7 +259,7 @@ class Killed(BaseException):
 @pytest.mark.parametrize("n_fits", [0, 1])
 def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkeypatch, n_fits):
     """In the fit of a round, whose decision is not made yet."""
-    fits = iter([until.fit_tfc] * n_fits)
+    fits = iter([runs.fit_tfc] * n_fits)
 
     def dying(*given, **options):
         fit = next(fits, None)
@@ -267,7 +268,7 @@ def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkey
         return fit(*given, **options)
 
     with monkeypatch.context() as patch:
-        patch.setattr(until, "fit_tfc", dying)
+        patch.setattr(runs, "fit_tfc", dying)
         with pytest.raises(Killed):
             run_until(COARSE, GOAL, tmp_path / "out", HERE)
     resumed = run_until(COARSE, GOAL, tmp_path / "out", HERE)

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gfmd_numba.campaign.cluster_file import load_cluster
+from gfmd_numba.campaign.cluster import load_cluster
 from gfmd_numba.scene import InputError
 from support.command_line import unfolded
 

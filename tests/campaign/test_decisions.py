@@ -5,16 +5,19 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.campaign.decision import (
+from gfmd_numba.campaign.goal import Goal
+from gfmd_numba.campaign.next_round import (
     Fit,
+    Fitted,
     UnknownExponentsError,
+    _Doubt,
+    _hopeless,
+    after,
     decide,
     judge,
     price_of_realisations,
     whole_price,
 )
-from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import Fitted, _Doubt, _hopeless, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
@@ -45,7 +48,7 @@ def test_every_cross_level_has_realisations_of_its_own_wherever_it_stands():
     """A dear one that tells little keeps those of the pilot, whatever the order of the cases."""
     for levels in ((*CROSS, DEAR), (DEAR, *CROSS)):
         found = results(crossed(*levels))
-        counts = decided(found, 0.03).realisations
+        counts = np.array(decided(found, 0.03).realisations)
         dear = (found["eps_c"] == DEAR["eps_c"]).values
         cheap = (found["limit"] == "cross").values & ~dear
         assert counts[dear] == [HELD]
@@ -74,7 +77,7 @@ def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     found = results(grid)
     counts = decided(found, 0.03, Fit("kappa", {"eps_f": 0.6, "eps_t": 1.0})).realisations
     assert (found["limit"] == "cross").sum() == 2
-    assert len(set(counts[(found["limit"] == "cross").values])) == 1
+    assert len(set(np.array(counts)[(found["limit"] == "cross").values])) == 1
 
 
 @pytest.mark.long

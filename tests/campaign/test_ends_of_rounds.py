@@ -5,12 +5,12 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import block_work, decision, execution, next_round, rounds, until
+from gfmd_numba.campaign import execution, next_round, rounds
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Ending, Failure
 from gfmd_numba.campaign.goal import Goal, goal_of
-from gfmd_numba.campaign.run import Choice
-from gfmd_numba.campaign.until import InterruptedRunError, run_until
+from gfmd_numba.campaign.run import Choice, InterruptedRunError, run_until
 from gfmd_numba.scene import InputError
 from support.campaigns import TINY, campaign
 
@@ -27,7 +27,7 @@ HERE = Workers(0)
 @pytest.fixture
 def priced(monkeypatch):
     """A machine on which a unit of price takes a second."""
-    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 1.0)
+    monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
 
 
 def opened(outcome):
@@ -62,7 +62,7 @@ def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, 
     pilot = prices(run_until(path, GOAL, tmp_path / "free", HERE))[0]
     goal = GOAL.model_copy(update={"budget": 1.8 * pilot})
     whole = run_until(path, goal, tmp_path / "whole", HERE)
-    perform = until.finish
+    perform = runs.finish
 
     def interrupted(planned, todo, *others):
         if rounds.read(out).now.predicted_error is not None:  # a round that follows the pilot
@@ -70,10 +70,10 @@ def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, 
         return perform(planned, todo, *others)
 
     with monkeypatch.context() as patch:
-        patch.setattr(until, "finish", interrupted)
+        patch.setattr(runs, "finish", interrupted)
         with pytest.raises(InterruptedRunError):
             run_until(path, goal, out, HERE)
-    monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 0.5)
+    monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 0.5)
     resumed = run_until(path, goal, out, HERE)
     assert opened(resumed).attrs["content_sha256"] == opened(whole).attrs["content_sha256"]
     assert opened(resumed).attrs["seconds_per_price"] == 1.0
@@ -109,7 +109,7 @@ def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeyp
         said = {"fit_status": ("group", ["refused"]), "message": ("group", ["no exponent\nno idea"])}
         return found.assign(said | {"kappa_tfc": np.nan * found["kappa_tfc"]})
 
-    monkeypatch.setattr(until, "fit_tfc", refusing)
+    monkeypatch.setattr(runs, "fit_tfc", refusing)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     assert outcome.rounds.ended == "not reached: the fit is refused, no exponent; no idea"
     assert outcome.rounds.now.is_last
@@ -130,9 +130,9 @@ def test_a_contradicted_exponent_ends_a_run_and_is_named(tmp_path, monkeypatch):
         return fit
 
     path = campaign(tmp_path, **ONE)
-    monkeypatch.setattr(until, "fit_tfc", rivalled(0.1, 0.0))
+    monkeypatch.setattr(runs, "fit_tfc", rivalled(0.1, 0.0))
     assert "contradict" not in run_until(path, GOAL, tmp_path / "level", HERE).rounds.ended
-    monkeypatch.setattr(until, "fit_tfc", rivalled(0.1, -0.1))
+    monkeypatch.setattr(runs, "fit_tfc", rivalled(0.1, -0.1))
     ended = run_until(path, GOAL, tmp_path / "exponent", HERE).rounds.ended
     assert ended == "not reached: the levels contradict the fixed eps_c: 1.5; gfmd allows the range that it lies in"
 
@@ -141,7 +141,7 @@ def test_a_contradicted_exponent_ends_a_run_and_is_named(tmp_path, monkeypatch):
 def test_rounds_come_to_an_end(tmp_path, monkeypatch):
     """Where each fit says less than was expected, or the other way round."""
     monkeypatch.setattr(next_round, "_MOST", 2)
-    monkeypatch.setattr(decision, "_GROWTH", 1.3)
+    monkeypatch.setattr(next_round, "_GROWTH", 1.3)
     outcome = run_until(
         campaign(tmp_path, **ONE), GOAL.model_copy(update={"targets": {"kappa": 0.005}}), tmp_path / "out", HERE
     )
@@ -158,7 +158,7 @@ def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkey
         return found.assign(kappa_tfc_error=2.0 * found["kappa_tfc_error"])
 
     expected = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "expected", HERE)
-    monkeypatch.setattr(until, "fit_tfc", doubting)
+    monkeypatch.setattr(runs, "fit_tfc", doubting)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     assert outcome.reached
     assert prices(outcome)[-1] > 1.5 * prices(expected)[-1]
@@ -215,15 +215,15 @@ def test_the_first_failure_may_stop_a_run(tmp_path, monkeypatch):
             raise FloatingPointError("boom")
         return solve(problem, chosen)
 
-    solve = block_work.measured
-    monkeypatch.setattr(block_work, "measured", boom)
+    solve = execution.measured
+    monkeypatch.setattr(execution, "measured", boom)
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     outcome = run_until(path, GOAL, out, HERE, choice=Choice(fail_fast=True))
     assert outcome.rounds.ended == "not reached: the run stopped at the first failure"
     assert list(outcome.failures.values()) == [Failure("crashed", "FloatingPointError: boom")]
     outcome = run_until(path, GOAL, out, HERE)
     assert "you gave no good realisation" in outcome.rounds.ended
-    monkeypatch.setattr(block_work, "measured", solve)
+    monkeypatch.setattr(execution, "measured", solve)
     assert run_until(path, GOAL, out, HERE, choice=Choice(retry_failed=True)).reached
 
 

@@ -5,8 +5,8 @@ from itertools import count, islice
 import psutil
 import pytest
 
-from gfmd_numba.campaign.block_work import perform
 from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.execution import perform
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.shards import Finished, path_of
 from support.campaigns import campaign

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work
+from gfmd_numba.campaign import execution
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Ending, Failure
 from gfmd_numba.campaign.output_directory import claimed
@@ -96,14 +96,14 @@ def test_a_damaged_shard_is_computed_again(finished, tmp_path):
 def test_a_crashed_task_is_named_and_leaves_the_others_alone(finished, tmp_path, monkeypatch):
     planned = plan(campaign(tmp_path))
     bad = next(planned.blocks)
-    solve = block_work.measured
+    solve = execution.measured
 
     def fails_once(problem, realisations):
         if problem.identity == bad.problem.identity:
             raise FloatingPointError("boom")
         return solve(problem, realisations)
 
-    monkeypatch.setattr(block_work, "measured", fails_once)
+    monkeypatch.setattr(execution, "measured", fails_once)
     path, failures = run_campaign(tmp_path / "campaign.yaml", tmp_path / "out", Workers(0))
     assert failures == {bad.name: Failure("crashed", "FloatingPointError: boom")}
     result = gfmd_numba.open_campaign(path)

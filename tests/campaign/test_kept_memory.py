@@ -8,13 +8,13 @@ import threading
 
 import pytest
 
-from gfmd_numba.campaign import block_work
-from gfmd_numba.campaign.block_work import keep_freed_memory
+from gfmd_numba.campaign import execution
+from gfmd_numba.campaign.execution import keep_freed_memory
 
 FAULTS = """
 import resource
 import numpy as np
-from gfmd_numba.campaign.block_work import keep_freed_memory
+from gfmd_numba.campaign.execution import keep_freed_memory
 
 def faults():
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
@@ -54,8 +54,8 @@ def test_nothing_happens_without_a_library_that_knows_it(monkeypatch):
 def test_only_a_process_of_workers_keeps_memory(tmp_path, monkeypatch):
     """That of the user keeps its own ways."""
     kept = threading.Event()
-    monkeypatch.setattr(block_work, "keep_freed_memory", kept.set)
-    block_work.perform((), tmp_path, None)
+    monkeypatch.setattr(execution, "keep_freed_memory", kept.set)
+    execution.perform((), tmp_path, None)
     assert not kept.is_set()
-    block_work.compute((), "run", {}, None)
+    execution.compute((), "run", {}, None)
     assert kept.is_set()

@@ -14,8 +14,7 @@ import yaml
 import gfmd_numba
 import gfmd_numba.analysis
 from gfmd_numba.analysis.plots.path import plot_path
-from gfmd_numba.campaign.block_work import _outcome
-from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.execution import Workers, _outcome
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.run import run as run_campaign

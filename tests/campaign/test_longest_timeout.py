@@ -7,7 +7,7 @@ from threading import Thread
 
 import pytest
 
-from gfmd_numba.campaign.block_work import TooLongError, watched
+from gfmd_numba.campaign.execution import TooLongError, watched
 from gfmd_numba.campaign.file import LONGEST_TIMEOUT, load_campaign
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from gfmd_numba.campaign import block_work
+from gfmd_numba.campaign import execution
 from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.plan import check_memory, plan
 from gfmd_numba.scene import InputError
@@ -42,7 +42,7 @@ def free(monkeypatch):
 
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_two_workers_beyond_the_free_memory_are_objected_to(tmp_path, free, monkeypatch, command):
-    monkeypatch.setattr(block_work, "measured", lambda *_: pytest.fail("begun"))
+    monkeypatch.setattr(execution, "measured", lambda *_: pytest.fail("begun"))
     monkeypatch.chdir(tmp_path)
     free(20e9)
     said = gfmd(command, campaign(tmp_path, LARGE), "--workers=2")

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work, cases
+from gfmd_numba.campaign import cases, execution
 from gfmd_numba.campaign.cases import blocks
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.status import progress, verify
@@ -40,14 +40,14 @@ def of_six(tmp_path_factory):
 def solved(monkeypatch):
     """Realisations that have been solved, in order."""
     counted = []
-    solve = block_work.measured
+    solve = execution.measured
 
     def counting(problem, chosen):
         if problem.surface.nodes > 16:  # kernels are compiled on less
             counted.append((chosen.start, chosen.stop))
         return solve(problem, chosen)
 
-    monkeypatch.setattr(block_work, "measured", counting)
+    monkeypatch.setattr(execution, "measured", counting)
     return counted
 
 

@@ -10,8 +10,7 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
-from gfmd_numba.campaign.block_work import TooLongError, compute, expired_here
-from gfmd_numba.campaign.execution import Workers
+from gfmd_numba.campaign.execution import TooLongError, Workers, compute, expired_here
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.scene import InputError
@@ -68,7 +67,7 @@ def block(tmp_path):
 
 
 def test_a_block_that_ended_a_process_of_this_machine_is_not_tried_again(block, tmp_path, monkeypatch):
-    monkeypatch.setattr("gfmd_numba.campaign.block_work.gettempdir", lambda: str(tmp_path))
+    monkeypatch.setattr("gfmd_numba.campaign.execution.gettempdir", lambda: str(tmp_path))
     trace = tmp_path / f"gfmd-run-{block.name}.late.tmp"
     trace.write_text("Timeout!")
     measured, failures = compute((block,), "run", {}, 5.0)
@@ -84,7 +83,7 @@ def test_a_block_that_takes_too_long_is_a_timeout(block, monkeypatch):
     def late(*_):
         raise TooLongError
 
-    monkeypatch.setattr("gfmd_numba.campaign.block_work.measured", late)
+    monkeypatch.setattr("gfmd_numba.campaign.execution.measured", late)
     assert compute((block,), "run", {}, 5.0)[1][block.name].status == "timeout"
 
 

@@ -7,11 +7,12 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc, plot_rounds
-from gfmd_numba.campaign import rounds, until
+from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import fitted_variable, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.until import run_until
+from gfmd_numba.campaign.run import run_until
 from gfmd_numba.scene import InputError
 from gfmd_numba.theory.exponents import exponent_ranges
 from support.campaigns import campaign
@@ -82,7 +83,7 @@ def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
         pass
 
     for number in (1, 2 * len(reached.rounds.rounds) - 1):  # between the fits of the first round, and of the last
-        out, fits = tmp_path / str(number), iter([until.fit_tfc] * number)
+        out, fits = tmp_path / str(number), iter([runs.fit_tfc] * number)
         with monkeypatch.context() as patch:
 
             def dying(*given, **options):
@@ -91,7 +92,7 @@ def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
                     raise Killed
                 return fit(*given, **options)
 
-            patch.setattr(until, "fit_tfc", dying)
+            patch.setattr(runs, "fit_tfc", dying)
             with pytest.raises(Killed):
                 run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
         resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign import block_work, failures, provenance, shards
+from gfmd_numba.campaign import execution, failures, provenance, shards
 from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
@@ -73,7 +73,7 @@ def test_a_part_that_is_not_there_is_refused(tmp_path, only, said):
 def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tmp_path, monkeypatch):
     path, out = campaign(tmp_path), tmp_path / "it's p_a;touch X"
     bad = next(plan(path).blocks)
-    solve, calls = block_work.measured, []
+    solve, calls = execution.measured, []
 
     def fails(problem, realisations):
         if problem.identity == bad.problem.identity and problem.surface.nx == bad.problem.surface.nx:
@@ -81,7 +81,7 @@ def test_a_failed_block_is_left_alone_until_it_is_to_be_tried_again(finished, tm
             raise FloatingPointError("boom")
         return solve(problem, realisations)
 
-    monkeypatch.setattr(block_work, "measured", fails)
+    monkeypatch.setattr(execution, "measured", fails)
     for _ in range(2):
         ran = gfmd("run", path, "-o", out, "--workers=0")
         assert ran.exit_code == 3
@@ -104,7 +104,7 @@ def test_fail_fast_stops_at_the_first_failure(tmp_path, monkeypatch):
     def fails(*_):
         raise FloatingPointError("boom")
 
-    monkeypatch.setattr(block_work, "measured", fails)
+    monkeypatch.setattr(execution, "measured", fails)
     monkeypatch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
     monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
     out = tmp_path / "out"

@@ -8,12 +8,13 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import execution, rounds, until
+from gfmd_numba.campaign import execution, rounds
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST
+from gfmd_numba.campaign.limits import FEWEST
+from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, progress, verify
-from gfmd_numba.campaign.until import run_until
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from support.campaigns import campaign, numbers
@@ -132,7 +133,7 @@ def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, mo
 @pytest.mark.long
 def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
     for number in range(len(reached.rounds.rounds)):
-        out, fits = tmp_path / str(number), iter([until.fit_tfc] * number)
+        out, fits = tmp_path / str(number), iter([runs.fit_tfc] * number)
         with monkeypatch.context() as patch:
 
             def dying(*given, **options):
@@ -141,7 +142,7 @@ def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
                     raise Killed
                 return fit(*given, **options)
 
-            patch.setattr(until, "fit_tfc", dying)
+            patch.setattr(runs, "fit_tfc", dying)
             with pytest.raises(Killed):
                 run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
         resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
@@ -168,13 +169,13 @@ def test_rounds_that_are_damaged_are_decided_anew(reached, tmp_path):
 def solved(monkeypatch):
     """Numbers of realisations that have been solved."""
     counted = []
-    perform = until.finish
+    perform = runs.finish
 
     def counting(planned, todo, *others):
         counted.append(sum(block.stop - block.first for block in todo))
         return perform(planned, todo, *others)
 
-    monkeypatch.setattr(until, "finish", counting)
+    monkeypatch.setattr(runs, "finish", counting)
     return counted
 
 
@@ -239,7 +240,7 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
     local = execution.local
-    monkeypatch.setattr(execution, "local", lambda count: (started.append(count), local(count))[1])
+    monkeypatch.setattr(execution.cluster, "local", lambda count: (started.append(count), local(count))[1])
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert len(outcome.rounds.rounds) > 1
     assert started == [1]
@@ -249,6 +250,6 @@ def test_local_workers_start_once(reached, tmp_path, monkeypatch):
 
 
 def test_no_worker_starts_before_the_memory_is_looked_at(tmp_path, monkeypatch):
-    monkeypatch.setattr(execution, "local", lambda count: pytest.fail("started"))
+    monkeypatch.setattr(execution.cluster, "local", lambda count: pytest.fail("started"))
     with pytest.raises(InputError, match=r"--workers: you gave 1000000, .* gfmd allows at most \d+"):
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1_000_000))

@@ -8,10 +8,9 @@ import yaml
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign.decision import Fit
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.levels import FEWEST
-from gfmd_numba.campaign.next_round import Fitted, after
+from gfmd_numba.campaign.limits import FEWEST
+from gfmd_numba.campaign.next_round import Fit, Fitted, after
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rounds import Round, Rounds
 from gfmd_numba.scene import InputError

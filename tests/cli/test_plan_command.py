@@ -6,7 +6,8 @@ import tempfile
 import pytest
 import yaml
 
-from gfmd_numba.campaign import rounds, until
+from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.cli.campaigns import goal_in
 from gfmd_numba.cli.tables import duration
 from gfmd_numba.scene import InputError
@@ -61,17 +62,17 @@ def compared(tmp_path, monkeypatch):
     """What a plan said, and the first two rounds of a run to the same target, which is killed before the second."""
 
     def of(path, target):
-        monkeypatch.setattr(until, "seconds_per_price", lambda planned, directory: 1.0)
+        monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
         said = planned(path, f"--target={target}")
         assert said.exit_code == 0, said.output
-        left = [until.finish]
+        left = [runs.finish]
 
         def dying(*given):
             if not left:
                 raise Killed
             return left.pop()(*given)
 
-        monkeypatch.setattr(until, "finish", dying)
+        monkeypatch.setattr(runs, "finish", dying)
         with pytest.raises(Killed):
             gfmd("run", path, "-o", tmp_path / "out", "--workers=0", f"--until={target}")
         first, second = rounds.read(tmp_path / "out").rounds
@@ -137,7 +138,7 @@ def test_levels_that_do_not_fit_the_memory_are_told(tmp_path, monkeypatch):
             raise InputError("--workers: you gave 0")
         room.pop()
 
-    monkeypatch.setattr(until, "check_room", check_room)
+    monkeypatch.setattr(runs, "check_room", check_room)
     said = planned(written(tmp_path, COARSE), "--target=5%")
     assert said.exit_code == 3
     assert "not reached: finer levels do not fit the memory (--workers: you gave 0)" in unfolded(said.stdout)
@@ -160,7 +161,7 @@ def test_an_interrupt_is_told_as_what_it_is(tmp_path, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(until, "finish", interrupted)
+    monkeypatch.setattr(runs, "finish", interrupted)
     said = planned(campaign(tmp_path, **ONE), "--target=3%")
     assert said.exit_code == 130
     assert said.stderr.splitlines()[-1] == "gfmd: interrupted; a plan keeps no results"

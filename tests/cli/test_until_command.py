@@ -15,7 +15,7 @@ import gfmd_numba
 from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.campaign import rounds
 from gfmd_numba.campaign.failures import Ending
-from gfmd_numba.campaign.levels import FEWEST
+from gfmd_numba.campaign.limits import FEWEST
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 

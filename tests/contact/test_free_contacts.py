@@ -293,10 +293,7 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it(tabor, wo
 @pytest.mark.parametrize(
     ("change", "named"),
     [
-        ({"body": {"poissons_ratio": 0.3, "aspect_ratio": 2.0}}, "aspect_ratio"),
-        ({"body": {"poissons_ratio": 0.5, "aspect_ratio": 0.5}}, "poissons_ratio"),
         ({"interface": WALL | {"friction": {"coefficient": 0.3}}, "body": {"poissons_ratio": 0.0}}, "poissons_ratio"),
-        ({"boundary": {"normal_traction": 0.0}}, "boundary"),
         ({"roughness": {"method": "measured", "heights": [0.0, 1.0, 0.0, 2.0], "periodic": "mirror"}}, "periodic"),
         ({"periodic": "perhaps"}, "periodic"),
     ],

@@ -1,51 +1,105 @@
 """The law of the gap: consistent derivatives, balance of forces, and both branches of an adhesive contact."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+import slab_stiffness
+from scipy import integrate
 
 import gfmd_numba
 from gfmd_numba import kernels
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.maugis_dugdale import MaugisDugdaleLaw
+from gfmd_numba.interface.power_laws import LennardJonesLaw, ShiftedPowerLaw
 from gfmd_numba.interface.squared_exponential import SquaredExponentialLaw
 from gfmd_numba.scene import InputError
+from gfmd_numba.scene.interface_records import (
+    Exponential,
+    LennardJones,
+    MaugisDugdale,
+    PowerLaw,
+    SquaredExponential,
+)
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
 from support.kernel_twins import both
 from support.laws import nearly_flat, surface
 
-LAWS = [ExponentialLaw(0.3, 0.2), ExponentialLaw(-0.3, 0.2), SquaredExponentialLaw(0.3, 0.2)]
+ASKED = {"work_of_adhesion": 0.3, "range": 0.2}
+LAWS = {
+    "attraction": ExponentialLaw(0.3, 0.2),
+    "repulsion": ExponentialLaw(-0.3, 0.2),
+    "squared": SquaredExponentialLaw(0.3, 0.2),
+    "maugis": MaugisDugdaleLaw(0.3, 0.2, 0.2),
+    "lennard-jones": LennardJonesLaw.scaled(LennardJones(**ASKED), 1.0, 1.0),
+    "van der waals": ShiftedPowerLaw.scaled(PowerLaw(**ASKED), 1.0, 1.0),
+    "power repulsion": ShiftedPowerLaw.scaled(PowerLaw(work_of_adhesion=-0.3, range=0.2, exponent=3.5), 1.0, 1.0),
+}
+of_each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
 
-@pytest.mark.parametrize("law", LAWS, ids=["attraction", "repulsion", "squared"])
+@of_each_law
 def test_traction_and_stiffness_are_derivatives_of_the_energy(law):
-    gap, h = np.linspace(-0.1, 1.0, 12), 1e-6
+    gap, h = np.linspace(-0.1, 0.97, 12), 1e-6
     # the gap shrinks as the body moves towards the punch
     np.testing.assert_allclose(law.traction(gap), (law.energy(gap + h) - law.energy(gap - h)) / (2 * h), rtol=1e-8)
     np.testing.assert_allclose(
         law.stiffness(gap), (law.traction(gap + h) - law.traction(gap - h)) / (2 * h), 1e-8, 1e-9
     )
-    worst = law.stiffness(np.maximum(gap, 0.0)).max()
-    assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
     fine = np.linspace(0.0, 1.0, 5001)
+    worst = law.stiffness(fine).max()
+    assert law.stiffest(np.inf, hard_wall=True) == pytest.approx(max(worst, 0.0))
     assert law.softening == pytest.approx(max(-law.stiffness(fine).min(), 0.0), rel=1e-6)
-    largest = law.traction(fine)[np.abs(law.traction(fine)).argmax()]
-    assert law.strength == pytest.approx(largest, rel=1e-6)
+    most, least = law.traction(fine).max(), law.traction(fine).min()
+    assert law.strength == pytest.approx(most if most > 0.0 else least, rel=1e-6)
+
+
+@of_each_law
+def test_the_energy_is_the_work_of_the_traction_from_far_away(law):
+    for gap in (-0.05, 0.0, 0.11, 0.2, 0.31, 2.0):
+        kinks = (0.1, 0.18, 0.22)  # of a range of 0.2
+        work = sum(
+            integrate.quad(lambda apart: law.traction(np.array(apart)), first, last, epsabs=0, epsrel=1e-12)[0]
+            for first, last in pairwise(sorted({gap, *(each for each in kinks if each > gap), np.inf}))
+        )
+        assert law.energy(np.array(gap)) == pytest.approx(-work, rel=1e-9)
+
+
+def test_depths_and_strengths_of_laws_are_those_of_the_literature():
+    """Of Johnson and Greenwood (1997), Maugis (1992), and van der Waals forces A / (12 pi z^2) cut off at 0.2."""
+    assert LAWS["lennard-jones"].energy(np.array(0.2)) == pytest.approx(-0.3)
+    assert LAWS["lennard-jones"].strength == pytest.approx(16.0 / (9.0 * 3.0**0.5) * 0.3 / 0.2)
+    assert LAWS["maugis"].traction(np.array([0.0, 0.17])) == pytest.approx(0.3 / 0.2)
+    hamaker = 12.0 * np.pi * 0.2**2 * 0.3
+    assert LAWS["van der waals"].traction(np.array(0.5)) == pytest.approx(hamaker / (6.0 * np.pi * 0.7**3))
+
+
+@pytest.mark.parametrize("name", ["attraction", "repulsion", "squared", "maugis", "van der waals", "power repulsion"])
+def test_the_record_of_a_law_knows_what_it_pulls_at_no_gap(name):
+    law = LAWS[name]
+    work = abs(law.work if hasattr(law, "work") else law.works[0])
+    record = {
+        "squared": SquaredExponential(**ASKED),
+        "maugis": MaugisDugdale(**ASKED),
+        "van der waals": PowerLaw(**ASKED),
+        "power repulsion": PowerLaw(**ASKED, exponent=3.5),
+    }.get(name, Exponential(**ASKED))
+    assert record.pull * work / law.length == pytest.approx(abs(float(law.traction(np.zeros(1))[0])))
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("law", [LAWS[0], LAWS[2]], ids=["exponential", "squared"])
+@of_each_law
 def test_the_change_of_energy_is_that_of_the_energy_near_and_far(law):
-    gap = np.array([0.0, 0.5, 0.5, 0.5, 0.5, 400.0, 400.0, 1e3])
-    closing = np.array([-0.2, 0.0, 0.3, -0.3, 1e-14, 400.0, 399.5, -1e3])
+    gap = np.array([0.0, 0.5, 0.5, 0.5, 0.21, 400.0, 400.0, 1e3, 0.3, -0.1, -0.15, 0.05])
+    closing = np.array([-0.2, 0.0, 0.3, -0.3, 1e-14, 400.0, 399.5, -1e3, 0.4, -0.4, 0.05, -0.01])
     expected = law.energy(gap - closing) - law.energy(gap)
-    np.testing.assert_allclose(
-        law.energy_change(gap, closing)[closing != 1e-14], expected[closing != 1e-14], rtol=1e-12
-    )
-    assert law.energy_change(gap, closing)[4] == pytest.approx(-law.traction(0.5) * 1e-14, rel=1e-12)
+    found, whole = law.energy_change(gap, closing), closing != 1e-14
+    np.testing.assert_allclose(found[whole], expected[whole], rtol=1e-11)
+    assert found[4] == pytest.approx(-law.traction(gap[4]) * 1e-14, rel=1e-9)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
@@ -115,7 +169,7 @@ def test_a_short_repulsion_is_a_hard_wall():
 def test_jump_in_and_pull_off_follow_the_closed_form(tmp_path, step):
     """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
     work, length = 0.2, 0.05
-    body = stiffness.uniform(0.3, 0.1)
+    body = slab_stiffness.uniform(0.3, 0.1)
     assert work / length**2 > body
     gap = length * np.log(work / (length**2 * body))
     jump_in, pull_off = -(gap + length), -work / (length * body)
@@ -169,7 +223,7 @@ path: []
             "{hard_wall: {}}",
             "{exponential: {work_of_adhesion: 0.1, range: 1e-6}}",
             "5:14: scene.interface: you gave {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
-            "gfmd allows hard_wall, cohesive, or an exponential law that repels",
+            "gfmd allows hard_wall, cohesive, lennard_jones, or an exponential or power law that repels",
         ),
         (
             "{hard_wall: {}}",

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import TypeAdapter
 
+from gfmd_numba.campaign.axes import Values
 from gfmd_numba.campaign.file import load_campaign
-from gfmd_numba.campaign.grid import Values
 from gfmd_numba.scene import load_scene
 from gfmd_numba.scene.surface_file import load_surface
 from support.alterations import changed_text

@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 import gfmd_numba
 from gfmd_numba import analysis
-from gfmd_numba.campaign.cluster_file import Cluster
+from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.cli import main
 from gfmd_numba.cli.inspection import schemas

@@ -130,7 +130,7 @@ AXIS = Recipe(
     "campaign/axes.py",
     (
         (
-            '    Axis("breadth", Length, "roughness", "b", "$b$", "breadth of the model", "height"),\n',
+            '    Axis("breadth", "roughness", "b", "$b$", "breadth of the model", "height"),\n',
             '    Axis("eps_c",',
         ),
     ),

@@ -8,7 +8,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, plot_body
-from gfmd_numba.cli.solved_contact import largest_stress, place
+from gfmd_numba.cli.contacts import largest_stress, place
 from gfmd_numba.roughness.statistics import rms_gradient
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd

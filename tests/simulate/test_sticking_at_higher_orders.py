@@ -130,12 +130,12 @@ def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes
     file, document = load_scene(scene(dimension, 2, friction, law=LAWS.get(law), solver="verlet"))
     problem, _ = read_contact(file, document).reduced
     (found,) = solve_path(problem, 0)
-    dynamics = found.contact.equilibrium
+    dynamics = found.equilibrium
     assert dynamics.status[0] == 0
     newton = replace(problem.numerics, solver="frictional_newton", time_step=None, damping=None)
     carried = found.correction.shifted[np.newaxis]
     held = replace(found.correction, since=found.correction.shifted)
-    again = found.contact.before.remembering("slopes", held).begun_at(found.contact, repeats=True)
+    again = found.before.remembering("slopes", held).begun_at(found, repeats=True)
     same = solution.solve(replace(problem, numerics=newton), again).equilibrium
     assert same.status[0] == 0
     peak, most = dynamics.pressure.max(), abs(dynamics.tangential.displacement).max()

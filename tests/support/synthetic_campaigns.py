@@ -118,3 +118,8 @@ def assert_refused(fit, *fragments):
         assert np.isnan(fit[name]).all(), name
     for fragment in fragments:
         assert fragment in fit["message"].values[0]
+
+
+def of_limit(dataset, design, limit):
+    """Realisations of the cases of a limit, or of the cross levels, in a design."""
+    return design.realisations[dataset["limit"].values == limit]

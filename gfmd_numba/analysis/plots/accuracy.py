@@ -59,8 +59,9 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
         points = study.isel(point=study["curve"].values == curve)
         x, y = _over(name, points)
         axis.plot(x, y, marker=marker, color=colour, label=curve)
-        if name in _WRITTEN:
-            _write_settings(axis, x, y, points["setting"].values, name)
+        for at, height, setting in zip(x, y, points["setting"].values, strict=True) if name in _WRITTEN else ():
+            written = f"{setting:g}" if name in _AS_THEY_ARE else f"{1 / setting:g}"
+            axis.annotate(written, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=small())
     axis.set(xscale="log", yscale="log", title=TITLES[name])
     axis.set_xlabel("Damping over critical damping" if name == "damping of Verlet" else "Processor time (s)")
     axis.set_ylabel(_YLABELS.get(name, f"Relative error of {_symbol(study)}"))
@@ -97,9 +98,3 @@ def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
     setting, seconds = points["setting"].values, points["seconds"].values
     error = np.maximum(np.abs(points["error"].values), _EQUAL.get(name, 1e-5))
     return (setting, seconds) if name == "damping of Verlet" else (seconds, error)
-
-
-def _write_settings(axis: Axes, x: Reals, y: Reals, settings: Reals, name: str) -> None:
-    for at, height, setting in zip(x, y, settings, strict=True):
-        label = f"{setting:g}" if name in _AS_THEY_ARE else f"{1 / setting:g}"
-        axis.annotate(label, (at, height), textcoords="offset points", xytext=(4, 4), fontsize=small())

@@ -1,5 +1,6 @@
-"""Figure of a single contact, drawn without pyplot so that no state is shared."""
+"""Figures of single contacts and of their statistics, drawn without pyplot so that no state is shared."""
 
+from collections.abc import Sequence
 from typing import Annotated
 
 import matplotlib as mpl
@@ -11,11 +12,83 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.contact_statistics import contact_statistics
-from gfmd_numba.analysis.forms import DRAWN_CONTACT, UnusableDataError
+from gfmd_numba.analysis.forms import DRAWN_CONTACT, STATISTICS, UnusableDataError
+from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
-from gfmd_numba.analysis.plots.statistics import draw_statistics
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, named_last_step, prefix, scaled, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width
 from gfmd_numba.arrays import Flags, Reals
+
+
+@checked
+def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width | None = None) -> Figure:
+    """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
+    if not any({counted, size} <= statistics.variables.keys() for counted, size, _ in _CONTACTS.values()):
+        raise UnusableDataError("you gave no sizes of contacts; gfmd allows what `gfmd statistics` leaves")
+    with style.sheet(3, 3, (4.0, 3.6), width) as (figure, panels):
+        draw_statistics(panels, statistics)
+        handles = panels[0].get_legend_handles_labels()[0]
+        style.add_legend(figure, handles, len(handles))
+    return figure
+
+
+def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
+    """Draw pressures, gaps and sizes of contacts, a panel each; what a legend explains is in the first."""
+    pressure, gap, contacts = panels
+    others = set(map(str, statistics.dims)) & set(_DENSITY_DIMS)
+    drawn = [name for name, each in statistics.variables.items() if name not in others and set(each.dims) & others]
+    mean = statistics.reset_coords([name for name in drawn if name in statistics.coords])[drawn]
+    mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
+    steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
+    counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
+    colours = style.ordered_colours(len(steps))
+    loads = [
+        f"{float(step.reduced_pressure):.4g}"
+        for step in steps
+        if "reduced_pressure" in mean.coords and not step.reduced_pressure.ndim
+    ]
+    for i, step in enumerate(steps):
+        colour = colours[i]
+        marker = style.MARKERS[i % len(style.MARKERS)]
+        unloaded = f"step {i}" if "step" in mean.dims else "Simulation"
+        label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else unloaded
+        pressure.stairs(step["pressure_density"], style.edges(step["pressure"].values), color=colour, label=label)
+        if "pressure_density_persson" in step:
+            pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
+        gap.stairs(step["gap_density"], style.edges(step["gap"].values), color=colour)
+        contacts.plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
+    if "pressure_density_persson" in mean:
+        pressure.plot([], [], "--", color="0.4", label="Persson")
+    top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
+    pressure.set(
+        xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact",
+        ylabel="Density",
+        ylim=(0, top),
+        xlim=(0, _end(mean, "pressure")),
+    )
+    scale = "log" if (mean["gap_density"] > 0.0).any() else "linear"
+    gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
+    most = max(10.0, 1.5 * float(mean[counted].max()))
+    contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
+    for axis in (contacts.xaxis, contacts.yaxis):
+        style.log_ticks(axis)
+
+
+def _end(statistics: xr.Dataset, over: str) -> float:
+    """Return where no density has more than 2 per mille of its values left, so that an outlier stretches no axis."""
+    density = statistics[f"{over}_density"]
+    left = density.cumsum(over) < (1.0 - _BEYOND) * density.sum(over)
+    last = min(int(left.sum(over).max()) + 1, density.sizes[over] - 1)
+    return float(density[over][last])
+
+
+_BEYOND = 2e-3
+_DENSITY_DIMS = ("pressure", "gap", "length", "area")
+# how contacts were counted, over what, and how that is labelled
+_CONTACTS = {
+    "segments": ("segments", "length", r"Segment length over $L_x$"),
+    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
+}
+
 
 _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
@@ -31,27 +104,27 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | N
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
     without these fields.
     """
-    step = named_last_step(dataset)
+    step = style.named_last_step(dataset)
     dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, step, width)
 
 
 def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
     """Punch and body over x, with the pressure below, and other tractions where there are any."""
-    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    x, x_label = style.scaled(dataset["x"], "Position $x$", "L_x")
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
     punch = body + dataset["gap"]
     above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
-    factor, unit = prefix(body, "L_x")
+    factor, unit = style.prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
     others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
     every = [dataset[name] for name in ("pressure", *others)]
-    per_unit, unit_of_tractions = prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
+    per_unit, unit_of_tractions = style.prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
     pressure, *tractions = (per_unit * each.values for each in every)
     rubs = r"Tractions $p$, $\tau$" if others == ["tangential_traction"] else "Tractions"
     named = rubs if others else "Pressure $p$"
-    with sheet(3, 1, (9.0, 2.1), width, title=step, sharex=True, height_ratios=[3, 6, 4]) as (figure, axes):
+    with style.sheet(3, 1, (9.0, 2.1), width, title=step, sharex=True, height_ratios=[3, 6, 4]) as (figure, axes):
         whole, above, below = axes
         # valleys of the punch rise far above the contact: the close-up below follows the body
         span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
@@ -81,7 +154,7 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
         if min(each.min() for each in (pressure, *tractions)) >= 0:
             below.set_ylim(bottom=0)
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
-        add_legend(figure, handles, 4 + (len(others) == 1), "outside lower center")  # above stands the step
+        style.add_legend(figure, handles, 4 + (len(others) == 1), "outside lower center")  # above stands the step
     return figure
 
 
@@ -103,11 +176,11 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
     touching = dataset["gap"].values == 0.0
     drags = "tangential_traction_y" in dataset
     count = 3 * (1 + drags + (statistics is not None))
-    with sheet(count, 3, panel_of(dataset, 3.3), width, title=step, **OF_MAPS) as (figure, axes):
+    with style.sheet(count, 3, panel_of(dataset, 3.3), width, title=step, **OF_MAPS) as (figure, axes):
         heights, pressure, gap = axes[:3]
         punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
         of = "both surfaces together" if "body_height" in dataset else "the punch"
-        values, label = scaled(punch, f"Height of {of}", "L_x")
+        values, label = style.scaled(punch, f"Height of {of}", "L_x")
         flat = dataset["plastic_depth"].values > 0.0 if "plastic_depth" in dataset else np.zeros_like(touching)
         told = ", flattened within lines" if _is_in_patches(flat) else ""
         draw_image(heights, dataset, values, label + told, cmap="cividis")
@@ -120,7 +193,7 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
             draw(axes[3:6], dataset)
         if statistics is not None:
             draw_statistics(axes[-3:], statistics)
-            add_legend(figure, axes[-3].get_legend_handles_labels()[0], 2, "outside lower center")
+            style.add_legend(figure, axes[-3].get_legend_handles_labels()[0], 2, "outside lower center")
     return figure
 
 
@@ -133,12 +206,12 @@ def _is_in_patches(flags: Flags) -> bool:
 def _outline(axis: Axes, dataset: xr.Dataset, flags: Flags, colour: str = "0.1") -> None:
     """Surround clusters of flags where they are large enough for it."""
     if _is_in_patches(flags):
-        (x, _), (y, _) = (scaled(dataset[dim], "", "") for dim in ("x", "y"))
+        (x, _), (y, _) = (style.scaled(dataset[dim], "", "") for dim in ("x", "y"))
         axis.contour(x + 0.5 * x[1], y + 0.5 * y[1], flags, [0.5], colors=colour, linewidths=0.6)
 
 
 def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
-    values, label = scaled(dataset["gap"], "Gap", "L_x")
+    values, label = style.scaled(dataset["gap"], "Gap", "L_x")
     colours = mpl.colormaps["Blues"].with_extremes(bad=_CONTACT)
     draw_image(
         axis,
@@ -163,7 +236,7 @@ def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
     bar.set_ticks([0.0, 1.0, 2.0], labels=["open", "slipping", "sticking"])
     draw_traction(axes[1], dataset, touching)
-    values, label = scaled(dataset["slip"], "Slip in this step", "L_x")
+    values, label = style.scaled(dataset["slip"], "Slip in this step", "L_x")
     draw_image(
         axes[2], dataset, np.where(values > 0.0, values, np.nan), label, "both", cmap=_SLIP, norm=decades(values)
     )
@@ -175,7 +248,7 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     The longest arrow stands for the largest mean.
     """
     both = dataset["tangential_traction"], dataset["tangential_traction_y"]
-    factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
+    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
     traction = np.where(shown, [factor * component.values for component in both], 0.0)
     size = np.hypot(*traction)
     colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")
@@ -185,7 +258,9 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     )
     square = [-(-n // _ARROWS) for n in size.shape]
     along_x, along_y = (_mean_of_squares(component, square) for component in traction)
-    places = [_mean_of_squares(each, square) for each in np.meshgrid(*(scaled(dataset[i], "", "")[0] for i in "xy"))]
+    places = [
+        _mean_of_squares(each, square) for each in np.meshgrid(*(style.scaled(dataset[i], "", "")[0] for i in "xy"))
+    ]
     pulled = np.hypot(along_x, along_y) > 0.0
     if pulled.any():
         arrows = (each[pulled] for each in (*places, along_x, along_y))
@@ -203,7 +278,7 @@ def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw size and direction of the tangential traction, and the tangential displacement along x and along y."""
     draw_traction(axes[0], dataset, np.ones(dataset["gap"].shape, dtype=np.bool_))
     both = dataset["tangential_displacement"], dataset["tangential_displacement_y"]
-    factor, unit = prefix(max(both, key=lambda component: float(abs(component).max())), "L_x")
+    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "L_x")
     for axis, way, component in zip(axes[1:], "xy", both, strict=True):
         label = f"Tangential displacement along ${way}$ ({unit})"
         draw_image(axis, dataset, factor * component.values, label, cmap="cividis")

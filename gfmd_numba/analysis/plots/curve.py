@@ -19,6 +19,13 @@ _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whet
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
+_OF_FORM = (  # without a period
+    ("contact_radius", "Contact radius", "L_x", True),
+    ("approach", "Approach", "L_x", True),
+    ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d$approach", "E^*/L_x", True),
+    _PANELS[3],
+)
+_LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""), "line_load": ("Line load", "")}
 _OVER_SPEED = (
     ("hysteretic_friction", "Friction by hysteresis", "", False),
     _PANELS[0],
@@ -30,19 +37,16 @@ _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANEL
 
 @checked
 def plot_curve(dataset: Annotated[xr.Dataset, CURVE], width: Width | None = None) -> Figure:
-    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement that was prescribed.
+    """Draw a load curve of `gfmd curve` over the mean pressure, or the displacement or force that was prescribed.
 
     Loads that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no load curve, or has no load with a result.
     """
-    dataset = _with_results(dataset, "prescribed_load")
-    by_pressure = dataset.attrs.get("prescribed") != "displacement"
-    over, label, natural = (
-        (dataset["mean_pressure"], r"Mean pressure $\bar{p}$", "E^*")
-        if by_pressure
-        else (dataset["prescribed_load"], "Punch displacement", "L_x")
-    )
-    return _drawn(dataset, over, label, natural, _PANELS, width)
+    panels = _OF_FORM if {"contact_radius", "approach"} <= dataset.variables.keys() else _PANELS
+    label = _LOADS.get(dataset.attrs.get("prescribed", ""))
+    if label is not None:
+        return _drawn(dataset, "prescribed_load", "prescribed_load", label, panels, width)
+    return _drawn(dataset, "prescribed_load", "mean_pressure", (r"Mean pressure $\bar{p}$", "E^*"), panels, width)
 
 
 @checked
@@ -52,8 +56,7 @@ def plot_creep(dataset: Annotated[xr.Dataset, CREEP], width: Width | None = None
     Times that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no creep curve, or has no time with a result.
     """
-    dataset = _with_results(dataset, "time")
-    return _drawn(dataset, dataset["time"], "Time", "", _IN_TIME, width)
+    return _drawn(dataset, "time", "time", ("Time", ""), _IN_TIME, width)
 
 
 @checked
@@ -63,28 +66,24 @@ def plot_friction(dataset: Annotated[xr.Dataset, FRICTION], width: Width | None 
     Speeds that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no friction curve, or has no speed with a result.
     """
-    dataset = _with_results(dataset, "speed")
-    return _drawn(dataset, dataset["speed"], "Sliding speed", "L_x", _OVER_SPEED, width)
-
-
-def _with_results(dataset: xr.Dataset, over: str) -> xr.Dataset:
-    """Return a curve over a dim where it has results; raises UnusableDataError if it has none."""
-    found = dataset.isel({over: dataset["n_realisations"].values > 0})
-    if not found.sizes[over]:
-        what = over.removeprefix("prescribed_")
-        raise UnusableDataError(f"you gave no {what} with a result; gfmd allows a curve with runs that are ok")
-    return found
+    return _drawn(dataset, "speed", "speed", ("Sliding speed", "L_x"), _OVER_SPEED, width)
 
 
 def _drawn(
     dataset: xr.Dataset,
-    over: xr.DataArray,
-    label: str,
-    natural: str,
+    dim: str,
+    variable: str,
+    label: tuple[str, str],
     panels: tuple[tuple[str, str, str, bool], ...],
     width: Width | None,
 ) -> Figure:
-    factor, unit = prefix(over, natural, typical)
+    """Draw a curve along a dim where it has results, over a variable with a label and a unit for scenes without."""
+    dataset = dataset.isel({dim: dataset["n_realisations"].values > 0})
+    if not dataset.sizes[dim]:
+        what = dim.removeprefix("prescribed_")
+        raise UnusableDataError(f"you gave no {what} with a result; gfmd allows a curve with runs that are ok")
+    over = dataset[variable]
+    factor, unit = prefix(over, label[1], typical)
     counts = dataset["n_realisations"]
     least, most = int(counts.min()), int(counts.max())
     surfaces = f"{most}" if least == most else f"{least} to {most}"
@@ -99,7 +98,7 @@ def _drawn(
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)
         for axis in last_rows(axes):
-            axis.set_xlabel(f"{label} ({unit})")
+            axis.set_xlabel(f"{label[0]} ({unit})")
     return figure
 
 

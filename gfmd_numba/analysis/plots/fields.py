@@ -1,4 +1,4 @@
-"""Picture of the body under a contact: pressure, von Mises's stress, and a close-up of its largest value."""
+"""Figures of bodies: stress under a contact, what has flown there, and the surface of a body loaded without a punch."""
 
 from typing import Annotated, Any
 
@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import FIELDS, UnusableDataError
+from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
-from gfmd_numba.analysis.plots.style import COLOURS, Width, named_last_step, scaled, sheet, told
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, named_last_step, prefix, scaled, sheet, told
 from gfmd_numba.arrays import Reals
 
 _USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
@@ -112,4 +112,109 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
             axis.plot(x[column], y[row], "+", color=COLOURS[1], ms=8, mew=1.5)
             stress = label.partition("(")[2].rstrip(")")
             axis.set_title(f"$z$ = {told(z[i], unit, 3)}, at most {told(values.max(), stress)}")
+    return figure
+
+
+@checked
+def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
+    """Draw what has flown below a contact over x and depth, of a map on the row where most has; of a path at its end.
+
+    Above it are the pressure and the residual displacement. Raises UnusableDataError for a dataset without these
+    fields.
+    """
+    step = named_last_step(dataset)
+    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    if "y" in dataset.dims:
+        most = dataset["equivalent_plastic_strain"].max(["depth", "x"]).values
+        dataset = dataset.isel(y=int(most.argmax()))
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    depth, depth_label = scaled(dataset["depth"], "Depth", "L_x")
+    edges = np.append(0.0, np.cumsum(_thicknesses(depth)))
+    sides = np.append(x, 2.0 * x[-1] - x[-2]) - 0.5 * (x[1] - x[0])
+    panels = sheet(3, 1, (9.0, 2.5), width, title=step, sharex=True, height_ratios=[3, 4, 4])
+    with panels as (figure, (above, strain, stress)):
+        pressure, label = scaled(dataset["pressure"], "Pressure", "E^*")
+        above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
+        above.plot(x, pressure, color=COLOURS[1], lw=0.9)
+        above.set(ylabel=label, ylim=(0.0, None), xlim=(x[0], x[-1]))
+        moved, label = scaled(dataset["residual_displacement"], "Residual $u_z$", "L_x")
+        other = above.twinx()
+        other.plot(x, moved, color=COLOURS[0], lw=1.1, ls="--")
+        other.set_ylabel(label, color=COLOURS[0])
+        factor, unit = prefix(dataset["von_mises_stress"], "E^*")
+        plastic, von_mises = dataset["equivalent_plastic_strain"].values, factor * dataset["von_mises_stress"].values
+        for axes, values, name, colours in (
+            (strain, 100.0 * plastic, "Plastic strain (%)", "magma_r"),
+            (stress, von_mises, f"von Mises stress ({unit})", "viridis"),
+        ):
+            image = axes.pcolormesh(sides, edges, values, cmap=colours, vmin=0.0, rasterized=True)
+            axes.set(ylabel=depth_label, ylim=(edges[-1], 0.0))
+            figure.colorbar(image, ax=axes, label=name)
+        if plastic.any():
+            stress.contour(x, depth, plastic > 0.0, [0.5], colors="w", linewidths=0.8)
+        stress.set_xlabel(x_label)
+    return figure
+
+
+def _thicknesses(middles: Reals) -> Reals:
+    """Thicknesses of sublayers with these middles, the first of which begins at the surface."""
+    found, top = np.empty_like(middles), 0.0
+    for i, middle in enumerate(middles):
+        found[i] = 2.0 * (middle - top)
+        top = middle + 0.5 * found[i]
+    return found
+
+
+_COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
+_OF_MAPS = (("normal", "", "out of the body"), ("tangential", "", "along $x$"), ("tangential", "_y", "along $y$"))
+_QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
+
+_ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
+
+
+@checked
+def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY], width: Width | None = None) -> Figure:
+    """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
+    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, width)
+
+
+def _plot_profile(dataset: xr.Dataset, width: Width | None) -> Figure:
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    rough = "body_height" in dataset
+    with sheet(2 + rough, 1, (9.0, 2.4), width, sharex=True) as (figure, axes):
+        panels = axes[-2:]
+        if rough:
+            heights, unit = prefix(dataset["body_height"], "L_x")
+            axes[0].plot(x, heights * dataset["body_height"].values, color="0.35", lw=0.8)
+            axes[0].set(ylabel=f"Topography ({unit})")
+        for axis, (quantity, natural) in zip(panels, _QUANTITIES.items(), strict=True):
+            both = [dataset[f"{component}_{quantity}"] for component, _, _ in _COMPONENTS]
+            factor, unit = prefix(max(both, key=lambda each: float(abs(each).max())), natural)
+            for (component, dashes, colour), values in zip(_COMPONENTS, both, strict=True):
+                axis.plot(x, factor * values.values, dashes, color=colour, label=component)
+            axis.axhline(0.0, color="0.8", lw=0.8, zorder=0)
+            axis.set(ylabel=f"{quantity.capitalize()} ({unit})", xlim=(x[0], x[-1]))
+        panels[1].set_xlabel(x_label)
+        add_legend(figure, panels[0].get_legend_handles_labels()[0], 2)
+    return figure
+
+
+def _limits(every: list[xr.DataArray], values: xr.DataArray, factor: float) -> dict[str, Any]:
+    """Limits of the colours of a component that is 0 to within the residual, which is then of one colour."""
+    largest = max(float(abs(each).max()) for each in every)
+    zero = float(abs(values).max()) <= _ZERO * largest
+    return {"vmin": -factor * largest, "vmax": factor * largest} if zero and largest else {}
+
+
+def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
+    """Draw a column for each component; a row has one unit, so that components can be compared."""
+    with sheet(6, 3, panel_of(dataset, 3.8), width, **OF_MAPS) as (figure, axes):
+        for row, (quantity, natural) in zip((axes[:3], axes[3:]), _QUANTITIES.items(), strict=True):
+            every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _OF_MAPS]
+            factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
+            for axis, (_, _, way), values in zip(row, _OF_MAPS, every, strict=True):
+                label = f"{quantity.capitalize()} {way} ({unit})"
+                draw_image(
+                    axis, dataset, factor * values.values, label, cmap="cividis", **_limits(every, values, factor)
+                )
     return figure

@@ -1,32 +1,21 @@
 """The table of what can be drawn without a fit: what tells a kind of dataset, and its picture."""
 
-from typing import Protocol
+from collections.abc import Callable
 
 import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
-from gfmd_numba.analysis.plots.contact import plot_contact
+from gfmd_numba.analysis.plots.campaign import plot_fit
+from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics
 from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
-from gfmd_numba.analysis.plots.fields import plot_body
-from gfmd_numba.analysis.plots.flow import plot_flow
-from gfmd_numba.analysis.plots.loaded_body import plot_loaded_body
-from gfmd_numba.analysis.plots.parameter import plot_fit
+from gfmd_numba.analysis.plots.fields import plot_body, plot_flow, plot_loaded_body
+from gfmd_numba.analysis.plots.map_image import plot_conductance, plot_leakage
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
-from gfmd_numba.analysis.plots.statistics import plot_statistics
-from gfmd_numba.analysis.plots.style import Width
 from gfmd_numba.analysis.plots.surface import plot_surface
-from gfmd_numba.analysis.plots.transport import plot_conductance, plot_leakage
 
-
-class Draw(Protocol):
-    """A function that draws a dataset, as it suits a screen or in the width of a journal's column."""
-
-    def __call__(self, dataset: xr.Dataset, /, width: Width | None = None) -> Figure:
-        """Return the figure."""
-
-
+Draw = Callable[..., Figure]  # draws a dataset, as it suits a screen or in the `width` of a journal's column
 KINDS: dict[str, tuple[str, Draw]] = {  # a variable that no later kind has
     "fields inside a body": ("von_mises", plot_body),
     "body that flows": ("equivalent_plastic_strain", plot_flow),

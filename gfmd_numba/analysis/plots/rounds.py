@@ -14,31 +14,15 @@ from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend,
 
 _TARGET = COLOURS[2]
 _BARS = "rounds, bars to 90 % confidence"
-_TIMES = {  # ticks of an axis of time, in s
-    "1 ms": 1e-3,
-    "10 ms": 1e-2,
-    "0.1 s": 0.1,
-    "0.2 s": 0.2,
-    "0.5 s": 0.5,
-    "1 s": 1.0,
-    "2 s": 2.0,
-    "5 s": 5.0,
-    "10 s": 10.0,
-    "20 s": 20.0,
-    "1 min": 60.0,
-    "2 min": 120.0,
-    "5 min": 300.0,
-    "10 min": 600.0,
-    "30 min": 1800.0,
-    "1 h": 3600.0,
-    "2 h": 7200.0,
-    "5 h": 18e3,
-    "10 h": 36e3,
-    "1 day": 86400.0,
-    "4 days": 4 * 86400.0,
-    "40 days": 40 * 86400.0,
-    "1 year": 365 * 86400.0,
-}
+_UNITS = (  # of the ticks of an axis of time, their seconds, and how many of them have a tick
+    ("ms", 1e-3, (1, 10)),
+    ("s", 1.0, (0.1, 0.2, 0.5, 1, 2, 5, 10, 20)),
+    ("min", 60.0, (1, 2, 5, 10, 30)),
+    ("h", 3600.0, (1, 2, 5, 10)),
+    ("day", 86400.0, (1,)),
+    ("days", 86400.0, (4, 40)),
+    ("year", 365 * 86400.0, (1,)),
+)
 
 
 @checked
@@ -82,18 +66,16 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     bars = [0.0 * sure, sure]
     axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}")
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
-        _write(axis, str(which) if which else "pilot", (x, y), (-5, -7), "right")
-
-
-def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], side: str) -> None:
-    axis.annotate(text, at, textcoords="offset points", xytext=shift, ha=side, va="top")
+        text = str(which) if which else "pilot"
+        axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
 
 
 def _tick(axis: Axes) -> None:
     """Ticks of times as people say them, and of errors in per cent."""
     axis.margins(y=0.16)
     low, high = axis.get_xlim()
-    shown = {text: time for text, time in _TIMES.items() if low <= time <= high}
+    times = {f"{count:g} {unit}": count * seconds for unit, seconds, counts in _UNITS for count in counts}
+    shown = {text: time for text, time in times.items() if low <= time <= high}
     axis.set_xticks(list(shown.values()), list(shown))
     axis.xaxis.set_minor_locator(NullLocator())
     axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))

@@ -7,8 +7,9 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier.grid import resample
-from gfmd_numba.interface.interactions import NormalLaw
+from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.vector_slip import length
+from gfmd_numba.kernels import Conditions
 from gfmd_numba.solvers.iteration import Batch, Start
 
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
@@ -68,7 +69,7 @@ class FrictionGuess:
         n = contact.size
         return cls(contact, np.zeros((len(tractions) - 1, n)), np.zeros(n), tractions, normal, np.zeros(n, np.bool_))
 
-    def revision(self, found: Found, friction: float, rounding: float, unsure: float) -> Revision:
+    def revision(self, found: Found, conditions: Conditions, rounding: float, unsure: float) -> Revision:
         """Return what a solution speaks for.
 
         Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
@@ -76,7 +77,7 @@ class FrictionGuess:
         as across. A node that sticks gives way where its traction is above friction by more than it is `unsure`.
         """
         pressure, shear = np.where(self.contact, found.tractions[-1], 0.0), found.tractions[:-1]
-        slid, overlap, held = found.u[:-1] - found.anchor, found.u[-1] - found.wall, bound(friction, pressure)
+        slid, overlap, held = found.u[:-1] - found.anchor, found.u[-1] - found.wall, conditions.held(pressure)
         size, strength = length(slid), length(shear)
         slips = self.contact & self.direction.any(axis=0)
         leaves = self.contact & ~(pressure > 0.0)
@@ -84,21 +85,24 @@ class FrictionGuess:
         gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
-        starts = joins & (size > bound(friction, overlap))
+        starts = joins & (size > conditions._replace(limit=np.inf).held(overlap))
         direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
         for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
             direction[:, where] = way[:, where] / of[where]
         slip_compliance[goes_on] = size[goes_on] / held[goes_on]
-        wrong = np.flatnonzero(leaves | joins | gives_way | turns_back)
-        return Revision(leaves, joins, direction, slip_compliance, wrong)
+        wrong = leaves | joins | gives_way | turns_back
+        if np.isfinite(conditions.limit):
+            before, now = conditions.friction * np.array([self.tractions[-1], pressure]) - conditions.limit
+            wrong |= goes_on & ((before > 0.0) != (now > 0.0)) & (abs(now) > unsure)
+        return Revision(leaves, joins, direction, slip_compliance, np.flatnonzero(wrong))
 
-    def revise(self, revision: Revision, found: Found, friction: float, law: NormalLaw | None) -> Reals | float:
+    def revise(self, revision: Revision, found: Found, conditions: Conditions, law: NormalLaw | None) -> Reals | float:
         """Follow a revision; return the traction `[n]` of the law on touching nodes."""
         before, wall = self.contact, found.wall
         self.contact = (before | revision.joins) & ~revision.leaves
         self.direction, self.slip_compliance = revision.direction, revision.slip_compliance
         pressure = np.where(before, np.maximum(found.tractions[-1], 0.0), 0.0)
-        held, strength = bound(friction, pressure), length(found.tractions[:-1])
+        held, strength = conditions.held(pressure), length(found.tractions[:-1])
         part = np.divide(held, strength, out=np.ones_like(held), where=strength > held)
         self.tractions = np.array([*(part * found.tractions[:-1]), pressure])
         if law is None:
@@ -110,7 +114,7 @@ class FrictionGuess:
         self.tractions[-1] = np.where(self.contact, pressure, -pull)
         return np.where(self.contact, pull, 0.0)
 
-    def on_finer_grid(self, wall: Reals, friction: float) -> Self:
+    def on_finer_grid(self, wall: Reals, conditions: Conditions) -> Self:
         """The same of a profile under a wall `[x]` on a finer grid."""
         n, m = wall.size, self.contact.size
         x = np.arange(n) * (m / n)
@@ -118,23 +122,18 @@ class FrictionGuess:
         tractions = np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in self.tractions])
         contact = self.contact[nearest] & (tractions[-1] > 0.0)
         tractions *= contact
-        most = bound(friction, tractions[-1])
+        most = conditions.held(tractions[-1])
         tractions[:-1] = np.clip(tractions[:-1], -most, most)
         guess = self.sticking(contact, tractions, wall)
         guess.direction = self.direction[:, nearest] * contact
         return guess
 
 
-def bound(friction: float, pressure: Reals) -> Reals:
-    """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
-    return np.multiply(friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
-
-
-def middle_slip(slid: Reals, pressure: Reals, contact: Flags) -> int:
+def middle_slip(slid: Reals, held: Reals, contact: Flags) -> int:
     """Node whose slip has as much friction on either side: if it sticks, that of all nodes adds up to zero."""
     nodes = np.flatnonzero(contact)
     order = nodes[np.argsort(slid[nodes], kind="stable")]
-    borne = np.cumsum(np.maximum(pressure[order], 0.0))
+    borne = np.cumsum(held[order])
     return int(order[min(np.searchsorted(borne, 0.5 * borne[-1]), order.size - 1)])
 
 

@@ -12,7 +12,6 @@ from gfmd_numba.solvers.friction.guess import (
     Found,
     FrictionGuess,
     Tangent,
-    bound,
     middle_slip,
     on_coarser_grid,
 )
@@ -97,7 +96,7 @@ class FrictionalNewton:
         rows, shape = len(punch), punch.shape[1:]
         if laws.friction is None or not laws.hard_wall:
             raise ValueError("this solver knows friction on a hard wall only")
-        self._friction, self._law, self._batch = laws.friction, laws.normal_law, batch
+        self._conditions, self._law, self._batch = laws.conditions, laws.normal_law, batch
         held = response.with_mean(0.0) if response.is_rigid else response
         self._products = products = Products(held, rows, shape, sources=2)
         self._near = NearTractions(response, shape)
@@ -173,7 +172,7 @@ class FrictionalNewton:
                 if coarse._progress[i].changed <= _SHARE * coarse._guesses[i].contact.sum():
                     break
         self._spent += np.ceil(coarse.n_transforms * grid.relative_cost(coarse.field.n, n)).astype(np.int64)
-        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._friction) for i in every]
+        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._conditions) for i in every]
 
     def _first_guess(self, i: int) -> FrictionGuess:
         """Guess of the normal contact under the tangential tractions with which the row begins, all nodes sticking."""
@@ -219,7 +218,7 @@ class FrictionalNewton:
     def _step(self, i: int) -> None:
         guess, progress, n = self._guesses[i], self._progress[i], self.field.n
         total = None if self._batch.load is None else self.state.load[i] * n
-        body = Body(lambda f: self._products.deflect(i, f), self._near, self._friction, total, self._drifts)
+        body = Body(lambda f: self._products.deflect(i, f), self._near, self._conditions, total, self._drifts)
         wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)
@@ -260,20 +259,22 @@ class FrictionalNewton:
         pressure = np.where(contact, tractions[-1], 0.0)
         if self._components == 1 and self._drifts and contact.any() and guess.direction[0, contact].all():
             slid = u[0] - anchor[0]
-            u[0] = anchor[0] + (slid - slid[middle_slip(slid, pressure, contact)])  # nothing else tells where it is
+            u[0] = anchor[0] + (
+                slid - slid[middle_slip(slid, self._conditions.held(pressure), contact)]
+            )  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())
-        revision = guess.revision(found, self._friction, self._rounding[i], unsure)
+        revision = guess.revision(found, self._conditions, self._rounding[i], unsure)
         nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
         if progress.changes_one_node:
             revision.keep(guess, revision.wrong[:-1])
-        if np.isinf(self._friction):
+        if np.isinf(self._conditions.friction):
             guess.released |= revision.leaves
             anchor[:, guess.released] = u[:-1, guess.released]
         state.u[i, -1, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
         state.u[i, :-1, :n] = self._slid_against(guess, found)
-        pull = guess.revise(revision, found, self._friction, self._law)
+        pull = guess.revise(revision, found, self._conditions, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             state.load[i] = (guess.tractions[-1] - pull).mean()
         if self._law is None:
@@ -296,7 +297,7 @@ class FrictionalNewton:
         if self._components == 1:
             return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
         against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
-        far = (forth > 0.0) & (length(slid) * self._near.tangential_of_a_node > bound(self._friction, pressure))
+        far = (forth > 0.0) & (length(slid) * self._near.tangential_of_a_node > self._conditions.held(pressure))
         return np.where(bears & ~far, found.anchor - against * shear, found.u[:-1])
 
     def _begin_anew(self, i: int) -> None:

@@ -148,7 +148,7 @@ class Body(NamedTuple):
 
     deflect: Callable[[Reals], Reals]
     near: NearTractions
-    friction: float
+    conditions: kernels.Conditions
     total: float | None
     drifts: bool
 
@@ -204,7 +204,10 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        self._drag = -body.friction * along  # tangential traction over pressure
+        friction, limit = body.conditions.friction, body.conditions.limit
+        limited = friction * guess.tractions[-1, self.slipping] > limit
+        self._drag = np.where(limited, 0.0, -friction) * along  # tangential traction over pressure
+        self._limit = np.where(limited, -limit, 0.0) * along if limited.any() else None
         self._turning = self.slipping if components == 2 else self.slipping[:0]
         self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
         self._slip_compliance = guess.slip_compliance[self._turning]
@@ -231,7 +234,7 @@ class StickSlip:
             dragged[self._of_slipping] = self._drag[component]
             sums.append(self._join(dragged, unit, self._across[component]))
             takers.append(self._join(np.zeros(self._parts[0]), unit, self._across[component]))
-            prescribed.append(0.0)
+            prescribed.append(0.0 if self._limit is None else -float(self._limit[component].sum()))
         shape = len(sums), self._parts[1] + self._turning.size
         self._sums = np.array(sums).reshape(shape)
         self._uniform = np.array([self._inverse(each) for each in takers]).reshape(shape)
@@ -245,7 +248,14 @@ class StickSlip:
         return np.asarray(x + (self._taken @ (self._prescribed - self._sums @ x)) @ self._uniform)
 
     def tractions(self, x: Reals) -> Reals:
-        """Tangential tractions and pressures `[component, n]` of the unknowns."""
+        """Tangential tractions and pressures `[component, n]` of the unknowns, with those at their limit."""
+        found = self._caused(x)
+        if self._limit is not None:
+            found[:-1, self.slipping] += self._limit
+        return found
+
+    def _caused(self, x: Reals) -> Reals:
+        """Tractions `[component, n]` that are in proportion to the unknowns."""
         pressure, sticking, across = self._split(x)
         found = np.zeros(self._shape)
         found[-1, self._rows.nodes] = pressure
@@ -256,8 +266,8 @@ class StickSlip:
         return found
 
     def deflected(self, x: Reals, known: bool = False) -> Reals:
-        """Displacements `[component, n]` that the unknowns cause, on request with the known tractions of the law."""
-        tractions = self.tractions(x)
+        """Displacements `[component, n]` that the unknowns cause, on request with the tractions that are known."""
+        tractions = self.tractions(x) if known else self._caused(x)
         if known:
             tractions[-1] -= self._rows.known
         return self._body.deflect(tractions)

@@ -1,0 +1,93 @@
+"""Pull-off of a ball under a Maugis-Dugdale law, beside Maugis's closed form (1992; Johnson and Greenwood, 1997).
+
+The ball is drawn off in steps about where the closed form has its least force; a parabola through the least of these
+forces and its neighbours is the pull-off. `python benchmarks/maugis_pull_off.py [lambda taper nodes]` prints a
+line for each of Maugis's parameters lambda, tapers and grids.
+"""
+
+import sys
+import time
+import warnings
+
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+import gfmd_numba
+
+REACH = 0.36  # radius of the zone that attracts at pull-off, in L_x
+
+
+def closed_form(contact, parameter):
+    """Force over pi w R, displacement, and outer radius of a contact radius, both over (pi w R^2 / K)^(1/3)."""
+
+    def imbalance(m):
+        root, angle = np.sqrt(m * m - 1.0), np.arccos(1.0 / m)
+        gap = 0.5 * parameter * contact**2 * (root + (m * m - 2.0) * angle)
+        return gap + 4.0 / 3.0 * parameter**2 * contact * (root * angle - m + 1.0) - 1.0
+
+    m = brentq(imbalance, 1.0 + 1e-12, 1e6, xtol=1e-15, rtol=1e-14)
+    root = np.sqrt(m * m - 1.0)
+    force = contact**3 - parameter * contact**2 * (root + m * m * np.arccos(1.0 / m))
+    return force, contact**2 - 4.0 / 3.0 * parameter * contact * root, m * contact
+
+
+def pull_off_of_closed_form(parameter):
+    """Least force over pi w R, with the displacement and the outer radius there."""
+    found = minimize_scalar(
+        lambda a: closed_form(a, parameter)[0], bounds=(1e-3, 3.0), method="bounded", options={"xatol": 1e-10}
+    )
+    return closed_form(found.x, parameter)
+
+
+def pull_off(nodes, parameter, taper, solve=gfmd_numba.solve):
+    """Least force over pi w R on a grid, the resolution of the law, and transforms a step."""
+    _, displacement, outer = pull_off_of_closed_form(parameter)
+    unit = REACH / outer  # (pi w R^2 / K)^(1/3), with R = 1, E* = 1, K = 4/3
+    work = 4.0 * unit**3 / (3.0 * np.pi)
+    length = 2.0 * work / parameter * (9.0 / (16.0 * np.pi * work)) ** (1.0 / 3.0)  # lambda = 2 s0 (R / (pi w K^2))^1/3
+    law = {"work_of_adhesion": work, "range": length, "taper": taper}
+    least, step = displacement * unit**2, 0.02 * max(unit**2, length)
+    steps = [0.0, *(least + step * k for k in range(4, -5, -1))]
+    found = solve(
+        {
+            "scene": {
+                "dimension": 2,
+                "periodic": False,
+                "body": {"poissons_ratio": 0.3},
+                "form": {"radius": 1.0, "points": nodes},
+                "interface": {"hard_wall": {}, "maugis_dugdale": law},
+                "loading": {"displacement": 0.01 * unit**2},
+            },
+            "path": [{"displacement": each} for each in steps if each > -0.4],
+            "numerics": {"residual": 1e-6},
+        }
+    )
+    assert (found["status"] == 0).all()
+    forces = found["mean_pressure"].values[2:] / (np.pi * work)
+    i = min(max(int(np.argmin(forces)), 1), forces.size - 2)
+    below, here, above = forces[i - 1 : i + 2]
+    curved = below - 2.0 * here + above
+    refined = here - (above - below) ** 2 / (8.0 * curved) if curved > 0.0 else forces.min()
+    return refined, float(found["law_resolution"].max()), int(found["n_transforms"].sum())
+
+
+ROWS = (  # lambda, taper, nodes
+    *((parameter, taper, 64) for parameter in (0.05, 0.1, 0.2, 0.5, 1.0) for taper in (0.5, 0.2, 0.1)),
+    (1.0, 0.2, 128),
+    (2.0, 0.5, 96),
+    (2.0, 0.2, 224),
+    (3.0, 0.5, 200),
+)
+if __name__ == "__main__":
+    warnings.filterwarnings("ignore", ".*of the energy that the path seems to lose")
+    given = [float(each) for each in sys.argv[1:]]
+    print("lambda taper  nodes      x   closed    found  error %  transforms      s")
+    for parameter, taper, nodes in (given,) if given else ROWS:
+        begun = time.perf_counter()
+        force, x, transforms = pull_off(int(nodes), parameter, taper)
+        expected = -pull_off_of_closed_form(parameter)[0]
+        print(
+            f"{parameter:6} {taper:5} {int(nodes):6} {x:6.3f} {expected:8.4f} {-force:8.4f} "
+            f"{100.0 * (-force / expected - 1.0):8.2f} {transforms:11} {time.perf_counter() - begun:6.1f}",
+            flush=True,
+        )

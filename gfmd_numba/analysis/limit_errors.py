@@ -1,0 +1,402 @@
+"""The error of a TFC limit: what may be wrong with a fit of (4.3), the fits that rival it, and what its error is of.
+
+Data may not tell a parameter, or press an exponent against an end of its range. Where fits of fewer levels, or of
+exponents that nobody asserts, disagree with a fit, its laws do not hold.
+
+A law that fits the levels need not hold beyond them, so the error of a limit counts a part of the distance that the
+law bridges. A power is off in proportion to this distance: exponents drift, because a correction is a sum of several
+powers. The law of the unseen slope has no exponent that could drift. It errs by less where the distance is short, and
+never by more than a small part of the limit.
+"""
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
+from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
+from gfmd_numba.analysis.posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions
+from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import exponent_ranges
+
+_PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
+_AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
+_WORTH_A_CROSS_LEVEL = 0.2  # of the error: less hardly adds to it
+_COUNTS = 0.05  # share of the weight below which a choice of laws is not spoken of
+# ends of the 90 % interval of a free exponent before there are data: beyond them, the data press it against a bound
+_LOWEST, _HIGHEST = (float(BOUNDS[0] ** (1 - share) * BOUNDS[1] ** share) for share in (0.05, 0.95))
+WIDEST = 8.0  # ratio of the ends of an exponent's 90 % interval beyond which it is not identified
+
+
+def inseparable(group: Group) -> str:
+    """Return why the group's cases cannot determine its coefficients at any exponent, or nothing."""
+    if np.isnan(list(group.reference.values())).all():
+        return "surfaces have grids and lengths of their own: no discretisation is varied, so there is no limit to fit"
+    if not group.levels:
+        return "no discretisation is varied over two or more good levels: add levels to the campaign"
+    if not group.complete.any():
+        return f"no realisation is good in all {group.n_cases} cases: run more, or repeat the failed ones"
+    if (np.nan_to_num(group.values[group.complete]) == 0.0).all(axis=0).any():
+        return "it is 0 in all realisations of a case: there is nothing to extrapolate"
+    columns = [np.exp(0.7 * group.log_ratio(name)) for name in group.levels]
+    if np.linalg.matrix_rank(np.column_stack([np.ones(group.n_cases), *columns])) <= len(columns):
+        varied = ", ".join(group.levels)
+        return f"{group.n_cases} cases cannot tell {varied} apart: add cases in which only one of them differs"
+    return ""
+
+
+def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
+    """Return which free exponent has fewer than three levels in every group, or nothing."""
+    for name in LIMITS:
+        levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
+        if levels is not None and len(levels) < 3 and _free(choices, name):
+            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)})"
+            return f"{lack}\n{advice([name], groups[0].variable, groups[0].dimension)}"
+    return ""
+
+
+def _free(choices: Sequence[Laws], limit: str) -> bool:
+    """Whether nothing is known of the exponent of a limit."""
+    return any(
+        parameter.limit == limit and parameter.is_free for laws in choices for parameter in laws[limit].parameters
+    )
+
+
+def doubtful(groups: Sequence[Group], choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+    """Return the free exponents that the data do not identify, and why."""
+    doubt = {}
+    for limit in LIMITS:
+        for choice, share in zip(choices, shares, strict=True):
+            for index, parameter in enumerate(choice.parameters):
+                if parameter.limit != limit or not parameter.is_free or share.sum() < _COUNTS:
+                    continue
+                low, high = _ends(choice.nodes[:, index], share)
+                found = f"with 90 % interval {low:.3g} to {high:.3g}"
+                if low < 1.1 * _LOWEST and high > 0.9 * _HIGHEST:
+                    doubt[limit] = "has no influence on the fit"
+                elif low < _LOWEST or high > _HIGHEST:
+                    doubt[limit] = f"{found} touches the bounds {BOUNDS[0]:g} and {BOUNDS[1]:g}"
+                elif high > WIDEST * low:
+                    doubt[limit] = f"{found} is uncertain by more than a factor {WIDEST:g}"
+    return doubt
+
+
+def _ends(values: Reals, share: Reals) -> tuple[float, float]:
+    """Return the ends of the 90 % interval of weighed values."""
+    order = np.argsort(values)
+    below = np.cumsum(share[order]) / share.sum()
+    # in the middle of each value's share, so that few values do not end at the outermost
+    low, high = np.interp([0.05, 0.95], below - share[order] / share.sum() / 2.0, values[order])
+    return float(low), float(high)
+
+
+def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+    """Return the limits whose exponent the data press against the low end of its range, and a line for each.
+
+    Where another law is at least as likely, the error has the scatter between the two.
+    """
+    lines = {}
+    for choice, share in zip(choices, shares, strict=True):
+        for index, parameter in enumerate(choice.parameters):
+            if parameter.logarithmic or parameter.low == parameter.high or share.sum() <= 0.5:
+                continue
+            low, high = parameter.low, parameter.high
+            values = choice.nodes[:, index]
+            mean, least = share @ values / share.sum(), _ends(values, share)[0]
+            # a small exponent that the data know well is not pressed
+            if mean < low + _PRESSED * (high - low) and least < low + _AT_THE_END * (high - low):
+                lines[parameter.limit] = (
+                    f"exponent of {parameter.limit} lies at the low end of its range, {low:g}, and the true limit may "
+                    "be further away: the error has the whole distance from the finest level; allow smaller exponents"
+                )
+    return lines
+
+
+def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
+    """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
+    steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
+    if not steep or any(choice.laws["eps_f"].whole for choice in choices):
+        return []
+    return [
+        f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f), as kappa does: a power of eps_f may fit, but its "
+        f"limit is then not that of {group.variable}"
+    ]
+
+
+def additivity(group: Group, error: Reals) -> list[str]:
+    """Return a line where no cross level tells by how much corrections together differ from their sum, if it counts."""
+    found = named(error)
+    unknown = found["interaction"]
+    off = {name: abs(group.log_ratio(name)) > 1e-9 for name in group.levels}
+    pairs = [(number, pair) for number, pair in enumerate(PAIRS) if set(pair) <= set(off)]
+    open_ones = [number for number, (first, second) in pairs if not (off[first] & off[second]).any()]
+    open_part = float(np.hypot.reduce(unknown[open_ones])) if open_ones else 0.0
+    if open_part <= _WORTH_A_CROSS_LEVEL * found["{variable}_tfc"]:
+        return []
+    which = "; ".join(" and ".join(PAIRS[number]) for number in open_ones)
+    difference = group.shown(open_part)
+    return [
+        f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
+        f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"
+    ]
+
+
+def realisations(group: Group) -> str:
+    """Return how many realisations a group has, in words."""
+    return f"{group.n_realisations} realisation{'s' if group.n_realisations != 1 else ''}"
+
+
+def evidence(group: Group, name: str) -> str:
+    """Return what a group knows of a limit: its levels and realisations."""
+    if name not in group.levels:
+        return f"shared with other groups; {name} is not varied in this one"
+    return f"levels {fractions(group.levels[name])}, {realisations(group)}"
+
+
+def advice(names: Collection[str], variable: str, dimension: int) -> str:
+    """Return how to fix exponents where the user stands: at the command line, in the campaign file, in Python."""
+    ranges = {name: exponent_ranges(variable, dimension)[name] for name in names}
+    options = " ".join(f"--fixed {name}={low:g}:{high:g}" for name, (low, high) in ranges.items())
+    block = ", ".join(f"{name}: [{low:g}, {high:g}]" for name, (low, high) in ranges.items())
+    return (
+        f"give the ranges that exponents of {variable} lie in: `gfmd fit {options}`; `fit: {{fixed: {{{block}}}}}` in "
+        f"the campaign file; fixed={ranges} in Python; or add levels or realisations"
+    )
+
+
+_FEWEST = 4  # levels of a limit, of which one may be left out
+_SIGNIFICANT = 2.0  # standard deviations by which a rival may differ by chance
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another fit of the same groups, and what it does differently, in words.
+
+    `asserted` is the limit whose exponent the fit asserts and the rival does not, "" where the rival has fewer levels.
+    A rival `from_theory` is better founded than the fit, whose error is then not below that of the rival.
+    """
+
+    what: str
+    groups: list[Group]
+    given: Given
+    asserted: str = ""
+    from_theory: bool = False
+
+    def doubt(self, value: float, variance: float, rival: float, rival_variance: float) -> float:
+        """Return the error of a fitted value that is due to this rival."""
+        if not self.from_theory:
+            return abs(disagreement(value, variance, rival, rival_variance))
+        return float(np.sqrt((rival - value) ** 2 + max(0.0, rival_variance - variance)))
+
+
+def rivals(groups: Sequence[Group], given: Given) -> Iterator[Rival]:
+    """Yield the fits without the coarsest or finest level of a limit, by theory, and without asserted exponents."""
+    hursts = [group.parameters.get("hurst", np.nan) for group in groups]
+    expected = exponent_ranges(groups[0].variable, groups[0].dimension, max(hursts))
+    for limit in LIMITS:
+        levels = _levels(groups, limit)
+        if len(levels) >= _FEWEST:
+            for name, level in (("coarsest", levels[-1]), ("finest", levels[0])):
+                if (fewer := _without(groups, limit, level)) is not None:
+                    yield Rival(f"without the {name} level of {limit}, {fractions(np.array([level]))}", fewer, given)
+        low, high = given.get(limit, (0.0, 1.0))
+        asserted = limit if low == high else ""
+        others = {name: each for name, each in given.items() if name != limit}
+        by_theory = {law.name for laws in choices([limit], groups, others) for law in laws.values()}
+        by_fit = {law.name for laws in choices([limit], groups, given) for law in laws.values()}
+        if by_theory != by_fit:
+            yield Rival("by the law of the unseen slope alone", list(groups), others, asserted, from_theory=True)
+        elif asserted and len(levels) > 2:
+            what = "with an exponent of {} between {:g} and {:g}, as the levels tell it,".format(
+                limit, *expected[limit]
+            )
+            yield Rival(what, list(groups), {**given, limit: expected[limit]}, asserted)
+
+
+def without_coarsest(groups: Sequence[Group]) -> tuple[str, list[Group]] | None:
+    """Return the groups without the coarsest level of a limit, and what it was; None where none can be spared."""
+    for limit in ("eps_f", "eps_t", "eps_c"):
+        levels = _levels(groups, limit)
+        if len(levels) >= _FEWEST and (fewer := _without(groups, limit, levels[-1])) is not None:
+            return f"{limit} = {fractions(levels[-1:])}", fewer
+    return None
+
+
+def disagreement(value: float, variance: float, rival: float, rival_variance: float) -> float:
+    """Return by how much more a rival differs than its own scatter explains."""
+    by_chance = _SIGNIFICANT**2 * max(rival_variance - variance, 1e-3 * variance)
+    return float(np.copysign(np.sqrt(max(0.0, (rival - value) ** 2 - by_chance)), rival - value))
+
+
+def _levels(groups: Sequence[Group], limit: str) -> Reals:
+    """Return the levels of a limit that all groups have, from fine to coarse."""
+    levels = [set(group.levels[limit].tolist()) for group in groups if limit in group.levels]
+    return np.sort(list(set.intersection(*levels))) if levels else np.empty(0)
+
+
+def _without(groups: Sequence[Group], limit: str, level: float) -> list[Group] | None:
+    """Return the groups without a level of a limit; None if the rest cannot tell the correction of each limit."""
+    fewer = [group.without(limit, level) if limit in group.levels else group for group in groups]
+    same = all(each.levels.keys() == group.levels.keys() for each, group in zip(fewer, groups, strict=True))
+    return fewer if same and not any(inseparable(each) for each in fewer) else None
+
+
+# Standard error over the distance that a law bridges, and for the law of the unseen slope the most over the limit.
+# Measured on lines (H = 0.5, 0.8, 1; p* = 0.007, 0.05, 0.3; half-space and a = 0.1) by fits whose levels end at 1/eps_f
+# = 128 to 4096, against their limits: fits that bridge less than 4 % are off by a tenth of the distance
+_OF_THE_DISTANCE = 0.3
+_OF_THE_LIMIT = 0.02
+_OF_MEASURED = 0.2  # of this where k_c and m were measured on contacts of the same kind
+# Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
+# long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
+# as the difference of slabs from half-spaces (a = 0.02 to 0.3, 1/eps_t = 2 to 8, 1/eps_f = 1024)
+_OF_A_LAYER, _MOST_OF_A_LAYER = 0.01, 0.3
+
+
+def distances(index: int, means: Means, choice: Choice) -> Reals:
+    """Return how far the fit at each limit's finest level is from its limit (node, limit), nan for limits not varied.
+
+    The other discretisations are at the reference or in their limits, whichever is further.
+    """
+    found = np.full((len(choice.nodes), len(LIMITS)), np.nan)
+    coefficients = choice.fits[index].coefficients
+    for row, limit in enumerate(means.levels, start=1):
+        finest = min(means.levels[limit].min(), means.reference[limit])
+        at = excess(choice.laws, limit, np.array([finest, means.reference[limit]]), choice.nodes)
+        ratio = at[:, :1] / at[:, 1:]
+        alone = coefficients[:, row] * ratio[:, 0]
+        together = alone + means.of_pairs(limit, ratio, coefficients)[:, 0]
+        found[:, LIMITS.index(limit)] = np.where(abs(together) > abs(alone), together, alone)
+    return found
+
+
+def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
+    """Return the standard error (...) of limits by the distances (...) that laws, powers or whole ones, bridge."""
+    found: Reals = _OF_THE_DISTANCE * abs(distance)
+    if not is_whole:
+        return found
+    most = _OF_THE_LIMIT * abs(limit)
+    found = found * abs(distance) / (abs(distance) + most)
+    return found * most / (most + found)
+
+
+def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
+    """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
+
+    It is the whole distance if data press an exponent against an end of its range. Layers add to that in eps_t.
+    """
+    found = abs(np.nan_to_num(distances(index, means, choice)))
+    limit = choice.fits[index].coefficients[:, 0]
+    for column, name in enumerate(LIMITS):
+        if name in choice.laws and name not in at_an_end:
+            is_whole = choice.laws[name].whole
+            share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
+            found[:, column] = share * doubt(found[:, column], limit, is_whole)
+    column = LIMITS.index("eps_t")
+    found[:, column] = np.hypot(found[:, column], doubt_of_layers(group, means) * limit)
+    return found
+
+
+def doubt_of_layers(group: Group, means: Means) -> float:
+    """Return the relative standard error of the limit in eps_t by layers that become thick in it; 0 without any."""
+    if "eps_t" not in means.levels:
+        return 0.0
+    finest = min(float(means.levels["eps_t"].min()), means.reference["eps_t"])
+    return min(_OF_A_LAYER * finest / group.thinnest_layer, _MOST_OF_A_LAYER)
+
+
+def of_thin_layers(group: Group, means: Means) -> list[str]:
+    """Return a note if the thinnest layer is lower than the longest waves at the finest eps_t."""
+    share = doubt_of_layers(group, means)
+    if share <= _OF_A_LAYER:
+        return []
+    return [
+        f"the thinnest layer is lower than the longest waves at the finest eps_t, but thick in the limit: the error "
+        f"counts {share:.2g} of {group.variable}_tfc for that; take a finer eps_t, or leave eps_t out of the limits "
+        "if the layer is to stay thin"
+    ]
+
+
+def expected_doubts(fitted: xr.Dataset, limit: str, finer: float) -> Reals:
+    """Return the standard errors (group) of a fit by one distance where the finest level is a factor finer."""
+    at, value = fitted.sel(limit=limit), in_the_limit(fitted)[0].values
+    is_whole, distance = (at["law"] == UNSEEN_SLOPE).values, at["extrapolated"].values
+    now, then = (
+        np.where(is_whole, doubt(each, value, True), doubt(each, value, False))
+        for each in (distance, distance * finer ** -at["alpha"].values)
+    )
+    less: Reals = np.divide(then, now, where=now > 0, out=np.zeros(len(now)))
+    return np.asarray(less * np.nan_to_num(at["extrapolation_error"].values))
+
+
+def mean_distances(index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
+    """Return the distances (limit), weighed by how well the laws fit."""
+    return np.asarray(
+        sum(share @ distances(index, means, choice) for choice, share in zip(choices, shares, strict=True))
+    )
+
+
+def error_budget(
+    index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals], residuals: Reals
+) -> Reals:
+    """Return what each of `SOURCES` adds to the error of a group's TFC limit (source), nan for limits not varied.
+
+    A limit: its law and the parameters of it, which are not known. The interaction: that what is known before of
+    corrections taken together is not exact. Sampling: the surfaces. In quadrature these make the whole error of the
+    fit. What is added to it, for the distance of extrapolation and for rivals that disagree, is left at 0. The
+    residual: the most that errors of the cases' means `residuals` (case), also by divisions of time, can add up to.
+    """
+    weight = np.concatenate(shares)
+    kappa = [choice.fits[index].coefficients[:, 0] for choice in choices]
+    spread = _variance(weight, np.concatenate(kappa))
+    sampling = variance = 0.0
+    effects = dict.fromkeys(means.levels, 0.0)
+    for choice, share, value in zip(choices, shares, kappa, strict=True):
+        exact = linear(means, choice.laws, choice.nodes, as_if_exact(known_before(means, choice.laws)))
+        variance += float(share @ choice.fits[index].covariance[:, 0, 0])
+        sampling += float(share @ exact.covariance[:, 0, 0])
+        for limit in effects:
+            effects[limit] += _main_effect(limit, choice, share, value)
+    if len(choices) > 1:  # which differ in the law of eps_f
+        each = np.array([share.sum() for share in shares])
+        inside = [share @ value for share, value in zip(shares, kappa, strict=True)]
+        effects["eps_f"] += _variance(each, np.divide(inside, each, out=np.zeros(len(each)), where=each > 0))
+    scale = spread / sum(effects.values()) if spread > 0 and sum(effects.values()) > 0 else 0.0
+    budget = np.full(len(SOURCES), np.nan)
+    for limit, effect in effects.items():
+        budget[SOURCES.index(limit)] = np.sqrt(scale * effect)
+    sampling = min(sampling, variance)
+    budget[SOURCES.index("interaction")] = np.sqrt(variance - sampling)
+    budget[SOURCES.index("sampling")] = np.sqrt(sampling)
+    budget[[SOURCES.index("extrapolation"), SOURCES.index("rivals")]] = 0.0
+    if not np.isnan(residuals).any():
+        budget[SOURCES.index("residual")] = abs(_influence(index, choices, shares)) @ abs(residuals)
+    return budget
+
+
+def _variance(weight: Reals, value: Reals) -> float:
+    return float(weight @ (value - weight @ value) ** 2)
+
+
+def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> float:
+    """Return the variance of the mean of the TFC limit at given parameters of a limit's law."""
+    mine = [index for index, parameter in enumerate(choice.parameters) if parameter.limit == limit]
+    _, same = np.unique(choice.nodes[:, mine], axis=0, return_inverse=True)
+    weight = np.bincount(same.ravel(), share)
+    mean = np.divide(np.bincount(same.ravel(), share * value), weight, out=np.zeros(len(weight)), where=weight > 0)
+    total = weight.sum()
+    return float(weight @ (mean - (weight @ mean) / total) ** 2) if total > 0 else 0.0
+
+
+def _influence(index: int, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
+    """Return the derivative of the TFC limit to each mean (case): of the fits, and of the weights of the nodes."""
+    weight = np.concatenate(shares)
+    value, influence, pull = (
+        np.concatenate([getattr(choice.fits[index], name) for choice in choices])
+        for name in ("coefficients", "influence", "pull")
+    )
+    kappa = value[:, 0]
+    return np.asarray(weight @ influence - 0.5 * (weight * (kappa - weight @ kappa)) @ pull)

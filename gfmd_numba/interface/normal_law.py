@@ -1,0 +1,40 @@
+"""What a law of the gap alone has to say of itself."""
+
+from typing import Protocol
+
+from gfmd_numba.arrays import Indices, Reals
+
+
+class NormalLaw(Protocol):
+    """A law of the gap alone; lengths in g L_x, stresses in g E*, work in g^2 E* L_x, whatever displacements are in."""
+
+    @property
+    def strength(self) -> float:
+        """Largest attraction where no gap is negative, or minus the largest repulsion where nothing attracts."""
+
+    @property
+    def reach(self) -> float:
+        """Gap over which its attraction falls off; 0 for repulsion."""
+
+    @property
+    def softening(self) -> float:
+        """Largest -d2(energy)/d(gap)2 where no gap is negative; 0 for repulsion."""
+
+    def energy(self, gap: Reals) -> Reals:
+        """Energy per area of the surfaces at a gap."""
+
+    def traction(self, gap: Reals) -> Reals:
+        """Traction that pulls the body towards the punch."""
+
+    def stiffness(self, gap: Reals) -> Reals:
+        """Restoring stiffness -d traction / du at a gap; an attractive law softens."""
+
+    def energy_change(self, gap: Reals, closing: Reals) -> Reals:
+        """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
+
+    def stiffest(self, pressure: float, hard_wall: bool) -> float:
+        """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
+
+    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
+        """Take the traction of the law off the restoring traction `ku` in the active rows."""
+        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])

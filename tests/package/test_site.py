@@ -1,0 +1,65 @@
+"""The site in a browser, on a phone and on a desk: no page is too wide, no code is cut off, no picture is missing."""
+
+import html
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+OPTIONS = ["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files"]
+OFFLINE = "--host-resolver-rules=MAP * ~NOTFOUND"
+WIDTHS = (390, 1280)
+# looks at each page in its frame, and writes down what a reader could not see
+LOOK = """\
+onload = () => {
+    const faults = [];
+    for (const frame of document.querySelectorAll("iframe")) {
+        const inside = frame.contentDocument, width = frame.width, wide = inside.documentElement.scrollWidth;
+        const fault = (what) => faults.push(`${frame.title} at ${width} px: ${what}`);
+        if (wide > width) fault(`is ${wide} px wide`);
+        for (const box of inside.querySelectorAll("article pre, article .table-wrapper"))
+            if (box.scrollWidth > box.clientWidth + 1) fault(`cuts off ${box.innerText.slice(0, 60)}`);
+        for (const picture of inside.querySelectorAll("article img")) {
+            if (!picture.naturalWidth) fault(`lacks ${picture.src}`);
+            if (picture.getBoundingClientRect().right > width) fault(`cuts off ${picture.src}`);
+        }
+        const blocks = [...inside.querySelectorAll("article div.highlight pre")];
+        const copied = blocks.filter((block) => !block.closest(".highlight-text, .output"));
+        if (inside.querySelectorAll("button.copy").length !== copied.length) fault("lacks a copy button");
+    }
+    document.title = JSON.stringify(faults);
+};
+"""
+
+
+def opened(address, *options):
+    """Return what Chromium has made of a page."""
+    command = ["chromium", *OPTIONS, OFFLINE, *options, "--dump-dom", address]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300).stdout
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("site")
+    subprocess.run([sys.executable, str(ROOT / "docs/site/build.py"), str(folder)], check=True, timeout=300)
+    return folder
+
+
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
+def test_a_reader_sees_all_of_every_page_and_finds_it(site):
+    pages = sorted(str(path.relative_to(site)) for path in site.rglob("*.html") if "_modules" not in path.parts)
+    frame = '<iframe src="{0}" title="{0}" width="{1}" height="900"></iframe>'
+    frames = "".join(frame.format(page, width) for page in pages for width in WIDTHS)
+    (site / "look.html").write_text(f"<!doctype html><title></title><script>{LOOK}</script>{frames}")
+    faults = re.search(r"<title>(.*?)</title>", opened((site / "look.html").as_uri()), re.DOTALL)[1]
+    assert json.loads(html.unescape(faults)) == []
+    for word, page in {"hardness": "docs/hardness.html", "spikes": "docs/surfaces.html"}.items():
+        said = opened(f"{(site / 'search.html').as_uri()}?q={word}", "--virtual-time-budget=5000")
+        results = re.findall(r'<li class="kind-.*?<a href="([^"#]*)', said, re.DOTALL)
+        assert page in results[:3]

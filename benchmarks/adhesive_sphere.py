@@ -9,8 +9,8 @@ import sys
 import time
 
 import numpy as np
+import slab_stiffness
 
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -31,7 +31,7 @@ def pull_off(nodes, tabor, contact=RADIUS_AT_PULL_OFF, solver="truncated_newton"
     length = work ** (2.0 / 3.0) / tabor
     law, x = Interactions(True, ExponentialLaw(work, length)), np.arange(nodes) / nodes - 0.5
     punch = 0.5 * (x**2 + x[:, np.newaxis] ** 2)[np.newaxis]
-    body, spent = stiffness.slab(grid.magnitudes((nodes, nodes)), 0.3, 1.0), []
+    body, spent = slab_stiffness.slab(grid.magnitudes((nodes, nodes)), 0.3, 1.0), []
 
     def drawn(before, height):
         start = None if before is None else following(before, punch + height, 0.0)

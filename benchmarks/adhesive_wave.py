@@ -7,6 +7,7 @@ pull-off is compared with that of a fine grid. `--quick` leaves out the finest g
 import sys
 
 import numpy as np
+import slab_stiffness
 from scipy.special import ive
 
 from gfmd_numba.elasticity import stiffness
@@ -25,7 +26,7 @@ COARSEST = 0.2  # x, the largest softening of the law over the stiffness of the 
 def pull_off(solver, nodes, work, length, step):
     """Largest tension on a branch drawn back from first touch, and the transforms of each step up to the jump."""
     law, x = Interactions(True, ExponentialLaw(work, length)), np.arange(nodes) / nodes
-    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    body = slab_stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
     punch, before, most, spent = AMPLITUDE * (1 - np.cos(2 * np.pi * x))[np.newaxis], None, 0.0, []
     while before is None or before.touching.any():
         start = None if before is None else following(before, punch, 0.0)

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import slab_stiffness
 from finite_elements import Body, graded
 from inner_fields import inside
 
@@ -12,7 +13,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.contact.slopes import Slopes
 from gfmd_numba.contact.state import State
-from gfmd_numba.elasticity import fields, stiffness, topography
+from gfmd_numba.elasticity import fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
@@ -173,7 +174,7 @@ def flat_punch(displacement):
     nu, body = 0.33, ElasticBody(0.33, 1.0)
     under = abs(X - 0.5) < 0.05 + 1e-9
     wall = np.where(under, -displacement, 1e3)
-    k = stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
+    k = slab_stiffness.slab(grid.wavenumbers(NX), nu, 1.0)
     found = equilibrate(wall[np.newaxis], SpectralResponse.of_normal(k), None, NUMERICS)
     flat = fields.surface_under_tractions(np.stack((np.zeros(NX), -found.pressure[0])), body)
     meshes = []

@@ -13,10 +13,9 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+import slab_stiffness
 from equilibrium_time import fastest_damping_ratio, steps_to_equilibrium
 from regimes import update_matrix
-
-from gfmd_numba.elasticity import stiffness
 
 BASE = {"nx": 2048, "E": 0.7, "dt": 0.25, "nu": 0.2, "a": 1.0}
 RANGES = {
@@ -45,8 +44,8 @@ def slab(nx, E, dt, nu, a):
     """The same for both components (6.57), (6.64); -i u_3 in place of u_3 makes the matrices real."""
     k, modulus = waves(nx), E / (1 - nu**2)
     q = 2 * np.pi * k / nx
-    a11, a13, a33 = (modulus * q * m for m in stiffness.slab_elements(q * a * nx, nu))
-    uniform = modulus / nx * np.diag([float(m) for m in stiffness.uniform_stiffness(nu, a)])
+    a11, a13, a33 = (modulus * q * m for m in slab_stiffness.slab_elements(q * a * nx, nu))
+    uniform = modulus / nx * np.diag([float(m) for m in slab_stiffness.uniform_stiffness(nu, a)])
     of_modes = np.concatenate([uniform[None], np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)])
     return of_modes, STEP / (1 + np.append(0, k))[:, None] * np.array([1, -1j]), dt
 

@@ -3,8 +3,9 @@
 `python benchmarks/law_hunt.py exponential 0 600` solves 600 paths: kind, first seed, and the one after the last. Kinds
 are exponential, cohesive, rigid (slabs of Poisson's ratio 1/2 under displacement), friction, friction_and_law (of
 attraction), friction_and_repulsion, rigid_friction_and_law, three in which touching nodes stick: sticking,
-sticking_and_law and rigid_sticking, and hardness (with an exponential law). A further argument names a solver in
-place of the automatic one.
+sticking_and_law and rigid_sticking, hardness (with an exponential law), limited_friction (of a shear strength), and
+three of other laws: other_law, friction_and_other_law and limited_friction_and_other_law. A further argument names a
+solver in place of the automatic one.
 """
 
 import sys
@@ -17,6 +18,7 @@ import numpy as np
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.fourier import grid
+from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import following
 from gfmd_numba.solvers.status import Status
@@ -24,8 +26,19 @@ from gfmd_numba.solvers.status import Status
 KINDS = (
     *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
     *("rigid_friction_and_law", "sticking", "sticking_and_law", "rigid_sticking", "hardness"),
+    *("limited_friction", "other_law", "friction_and_other_law", "limited_friction_and_other_law"),
 )
+OTHERS = ("squared_exponential", "maugis_dugdale", "power_law")
 NEWTON = 100  # steps after which damped dynamics takes over
+
+
+def other_law(rng, rubs, work, length):
+    """A law of the gap other than the exponential one, which softens as fast as that, or less."""
+    name = str(rng.choice(OTHERS if rubs else (*OTHERS, "lennard_jones")))
+    work /= {"maugis_dugdale": 5.0, "power_law": 6.0}.get(name, 1.26)
+    if name == "power_law" and rng.random() < 0.4:
+        work = -work
+    return {name: {"work_of_adhesion": float(work), "range": float(length)}}
 
 
 def random_scene(kind, seed):
@@ -53,14 +66,22 @@ def random_scene(kind, seed):
             "normal_length": float(range_ * g),
             "tangential_length": float(range_ * g * ratio),
         }
-    elif law not in ("friction", "sticking"):
+    elif "other_law" in law:
+        interface |= other_law(rng, rubs, work * g * g, range_ * g)
+    elif law not in ("friction", "limited_friction", "sticking"):
         if "repulsion" in law or (law in ("exponential", "hardness") and rng.random() < 0.4):
             work = -(10 ** rng.uniform(-5, 1)) * max(range_, 1e-3)
         interface["exponential"] = {"work_of_adhesion": float(work * g * g), "range": float(range_ * g)}
     if rubs:
         coefficient = float(10 ** rng.uniform(-2, 0.3))
-        interface["friction"] = {"coefficient": np.inf if "sticking" in law else coefficient}
-    if kind == "hardness" or rubs or ("cohesive" not in interface and work > 0) or rng.random() < 0.5:
+        limit = {"limit": float(coefficient * g * 10 ** rng.uniform(-2.0, 0.0))} if "limited" in law else {}
+        interface["friction"] = {"coefficient": np.inf if "sticking" in law else coefficient} | limit
+    if (
+        kind == "hardness"
+        or rubs
+        or (not interface.keys() & {"cohesive", "lennard_jones"} and work > 0)
+        or rng.random() < 0.5
+    ):
         interface["hard_wall"] = {}
     deepest, least, most = 0.2 if nu < 0.5 else 0.05, np.log(1e-3), 1.0
     if kind == "hardness":  # above what the law pulls, so that there is a load that it bears
@@ -70,10 +91,9 @@ def random_scene(kind, seed):
         least, most = np.log(1e-2), 0.9 * (hardness - pull)
     if loaded:
         path = [{"reduced_pressure": float(most * each)} for each in np.exp(rng.uniform(least, 0, 4))]
-    elif interface.keys() & {"exponential", "cohesive"}:
-        path = [{"displacement": float(each)} for each in rng.uniform(-0.5 * deepest, deepest, 4) * g]
     else:
-        path = [{"displacement": float(each)} for each in rng.uniform(0.0, deepest, 4) * g]
+        highest = -0.5 * deepest if interface.keys() - {"friction", "hard_wall"} else 0.0
+        path = [{"displacement": float(each)} for each in rng.uniform(highest, deepest, 4) * g]
     slides = aspect_ratio is not None and bool(interface.keys() & {"friction", "cohesive"})
     if slides:
         stride = 0.05 if "cohesive" not in interface else 2.0 * interface["cohesive"]["tangential_length"] / g
@@ -100,9 +120,10 @@ def unbalanced(bears, gap, touching, hardness):
     return np.maximum(least - bears, bears - most).max()
 
 
-def unrubbed(bears, touching, shear, slid, friction):
+def unrubbed(bears, touching, shear, slid, laws):
     """Largest tangential traction that friction does not balance; `slid` is 0 where that is not known."""
-    bound = np.multiply(friction, bears, out=np.zeros_like(bears), where=touching & (bears > 0.0))
+    bound = np.multiply(laws.friction, bears, out=np.zeros_like(bears), where=touching & (bears > 0.0))
+    bound = np.minimum(bound, np.inf if laws.shear_limit is None else laws.shear_limit)
     slips = (bound > 0.0) & (bound < np.inf) & (slid != 0.0)
     against = np.abs(shear[slips] + np.sign(slid[slips]) * bound[slips])
     return max((np.abs(shear) - bound).max(), against.max(initial=0.0))
@@ -128,7 +149,9 @@ def violation(problem, contact, sliding, before):
     hardness = np.inf if laws.hardness is None else laws.hardness
     if laws.normal_law is not None:
         gap = punch - u if laws.hardness is None else np.maximum(punch - u, 0.0)
-        pull = laws.normal_law.work / laws.normal_law.length * np.exp(-gap / laws.normal_law.length)
+        law = laws.normal_law
+        is_known = not isinstance(law, ExponentialLaw)
+        pull = law.traction(gap) if is_known else law.work / law.length * np.exp(-gap / law.length)
     if laws.cohesive is not None:
         g, s = (punch - u) / laws.cohesive.normal, (sliding - u1) / laws.cohesive.tangential
         decay = laws.cohesive.work * np.exp(-np.maximum(g, 0.0) - s * s)
@@ -143,7 +166,7 @@ def violation(problem, contact, sliding, before):
 
     def wrong(load):
         bears = load - elastic + pull
-        rubbed = 0.0 if laws.friction is None else unrubbed(bears, touching, shear, slid, laws.friction)
+        rubbed = 0.0 if laws.friction is None else unrubbed(bears, touching, shear, slid, laws)
         return max(unbalanced(bears, punch - u, touching, hardness), rubbed)
 
     if rigid:  # the mean pressure is a multiplier, which the mean of all pressures tells to the residual alone
@@ -160,8 +183,10 @@ def violation(problem, contact, sliding, before):
     worst = max(worst, 0.1 * np.abs(found.pressure[0] - pressure).max(), np.inf if overlap else 0.0)
     if problem.mean_pressure is not None:
         worst = max(worst, largest * abs(pressure.mean() / problem.mean_pressure - 1.0))
-    rounding = max(k33.max(), k11.max()) * np.spacing(max(np.abs(u).max(), np.abs(u1).max())) / largest
-    return (worst / largest if worst > 1e-140 or problem.mean_pressure else 0.0), rounding  # or nothing is left
+    rounding = max(k33.max(), k11.max()) * np.spacing(max(np.abs(u).max(), np.abs(u1).max()))
+    if not (worst > 1e-140 or problem.mean_pressure):  # nothing is left
+        return 0.0, 0.0
+    return worst / largest, rounding / largest
 
 
 def follow(kind, seed, solver="auto"):

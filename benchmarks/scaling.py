@@ -9,6 +9,7 @@ import sys
 import time
 
 import numpy as np
+import slab_stiffness
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -23,7 +24,7 @@ GRIDS = (2**13, 2**15, 2**17, 2**20)
 LARGEST = {"active_set_newton": 2**20, "conjugate_gradients": 2**15, "verlet": 2**13}
 BODIES = {
     "half-space": stiffness.half_space,
-    "slab, a = 0.1": lambda q: stiffness.slab(q, 0.33, 0.1),
+    "slab, a = 0.1": lambda q: slab_stiffness.slab(q, 0.33, 0.1),
 }
 
 

@@ -9,10 +9,11 @@ or nu < -0.184 (coupled) the softest wave is where q z_m is 0 to 3, whatever its
 from typing import Literal, NamedTuple
 
 import numpy as np
+import slab_stiffness
 import textbook
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 
 Direction = Literal["tangential", "normal", "mixed"]
 
@@ -27,7 +28,7 @@ class SlowestMode(NamedTuple):
 
 def uniform_slab(poissons_ratio: float, aspect_ratio: float) -> SlowestMode:
     """Uniform displacement of a slab, both directions free: always the tangential one, C44/z_m (6.66)."""
-    return SlowestMode(float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), 0, "tangential")
+    return SlowestMode(float(slab_stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), 0, "tangential")
 
 
 def half_space_normal() -> SlowestMode:
@@ -46,15 +47,15 @@ def one_direction(
     """Slab loaded in one direction, free of traction in the other (6.76)-(6.82); the uniform mode wins a tie."""
     component = 0 if direction == "tangential" else 1
     index = _indices(poissons_ratio, aspect_ratio)
-    over_q = stiffness.condensed_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[component]
+    over_q = slab_stiffness.condensed_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[component]
     waves = 2.0 * np.pi * index * over_q
-    uniform = float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[component])
+    uniform = float(slab_stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[component])
     return _softer(uniform, direction, waves, direction)
 
 
 def half_space_coupled(poissons_ratio: float) -> SlowestMode:
     """Both components of the half-space: kappa_3' of (6.84) with k = 1."""
-    a11, a13, _ = stiffness.half_space_elements(poissons_ratio)
+    a11, a13, _ = slab_stiffness.half_space_elements(poissons_ratio)
     return SlowestMode(float(2.0 * np.pi * (a11 - abs(a13))), 1, "mixed")
 
 
@@ -62,7 +63,9 @@ def slab_coupled(poissons_ratio: float, aspect_ratio: float) -> SlowestMode:
     """Both components of the slab (6.90): C44/z_m for -0.184 < nu <= 1/2, a wave in a thin slab with lower nu."""
     index = _indices(poissons_ratio, aspect_ratio)
     waves = 2.0 * np.pi * index * textbook.principal_elements(2.0 * np.pi * index * aspect_ratio, poissons_ratio)[0]
-    return _softer(float(stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), "tangential", waves, "mixed")
+    return _softer(
+        float(slab_stiffness.uniform_stiffness(poissons_ratio, aspect_ratio)[0]), "tangential", waves, "mixed"
+    )
 
 
 def switch(
@@ -75,10 +78,10 @@ def switch(
     """
     nu = 1.0 - 0.5 / (1.0 - np.asarray(s, dtype=np.float64))  # (6.51)
     q = 2.0 * np.pi * wave_index
-    pair = stiffness.condensed_elements if case in ("f1", "f3") else textbook.principal_elements
+    pair = slab_stiffness.condensed_elements if case in ("f1", "f3") else textbook.principal_elements
     component = {"f1": 0, "f3": 1, "f1'": 1, "f3'": 0, "f3''": 0}[case]
     wave = q * pair(np.asarray(q * aspect_ratio), nu)[component]
-    tangential, normal = stiffness.uniform_stiffness(nu, aspect_ratio)
+    tangential, normal = slab_stiffness.uniform_stiffness(nu, aspect_ratio)
     return (wave - (tangential if case in ("f1", "f3''") else normal)) / moduli.c44(nu)
 
 

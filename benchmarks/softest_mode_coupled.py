@@ -7,10 +7,11 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+import slab_stiffness
 import slowest_mode
 import textbook
 
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 
 Q1 = 2 * np.pi  # k = 1
 HEIGHTS = np.geomspace(0.01, 10, 121)
@@ -38,11 +39,11 @@ def contours(axis, s, heights, values, title):
 
 def half_space(ratio_axis, axis):
     nu = poissons_ratio(S)
-    a11, a13, _ = stiffness.half_space_elements(nu)
+    a11, a13, _ = slab_stiffness.half_space_elements(nu)
     ratio_axis.semilogy(S, (a11 - a13) / (a11 + a13))
     label_plot(ratio_axis, "6.14 coupled half-space", xlabel="$s$", ylabel=r"$\kappa_{3'}/\kappa_{1'}$")
     nu = np.linspace(-0.9, 0.5, 200)
-    a11, a13, _ = stiffness.half_space_elements(nu)
+    a11, a13, _ = slab_stiffness.half_space_elements(nu)
     for value, name in ((a11 + a13, r"$\kappa_{1'}$"), (a11 - a13, r"$\kappa_{3'}$")):
         axis.plot(nu, Q1 * value / (1 - nu**2), label=name)
     label_plot(axis, "6.15 coupled half-space, $k = 1$", xlabel=r"$\nu$", ylabel=r"$\kappa L_x/E$", ylim=(0, 20))
@@ -52,7 +53,7 @@ def half_space(ratio_axis, axis):
         values = [
             Q1 * float(a + sign * b) / (1 - x**2)
             for x in (-0.5, 0.0, 0.2, 0.3, 0.4, 0.49, 0.5)
-            for a, b, _ in [stiffness.half_space_elements(x)]
+            for a, b, _ in [slab_stiffness.half_space_elements(x)]
         ]
         print(f"      {name} L_x/E", "".join(f"{value:9.4f}" for value in values))
 
@@ -75,7 +76,7 @@ def first_over_uniform(axis):
                 style = ("-", "--")[mode] if part == 0 else (":", "-.")[mode]
                 label = rf"$\kappa_{{{name}}}/\kappa_{2 * mode + 1}(0)$, $s = {s:g}$"
                 ratio = [
-                    Q1 * textbook.principal_elements(Q1 * a, nu)[part] / stiffness.uniform_stiffness(nu, a)[mode]
+                    Q1 * textbook.principal_elements(Q1 * a, nu)[part] / slab_stiffness.uniform_stiffness(nu, a)[mode]
                     for a in (heights, printed)
                 ]
                 axis.loglog(heights, ratio[0], style, color=colour, label=label)

@@ -7,9 +7,10 @@ import matplotlib as mpl
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
+import slab_stiffness
 import slowest_mode
 
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.theory import damping
 
 Q1 = 2 * np.pi  # k = 1
@@ -42,9 +43,9 @@ def uniform_modes(axes):
     c44 = moduli.c44(poissons_ratio(S))
     nu = np.linspace(-0.9, 0.49, 121)
     for i, symbol in enumerate(SYMBOLS):
-        values = stiffness.uniform_stiffness(poissons_ratio(S), COLUMN)[i] / c44
+        values = slab_stiffness.uniform_stiffness(poissons_ratio(S), COLUMN)[i] / c44
         picture = contours(axes[i], S, HEIGHTS, values, rf"6.7 uniform: $\log_{{10}} {symbol} L_x/C_{{44}}$")
-        values = stiffness.uniform_stiffness(nu, COLUMN)[i] / (1 - nu**2)  # over E, in E*
+        values = slab_stiffness.uniform_stiffness(nu, COLUMN)[i] / (1 - nu**2)  # over E, in E*
         contours(axes[2 + i], nu, HEIGHTS, values, rf"6.7 uniform: $\log_{{10}} {symbol} L_x/E$", r"$\nu$")
     return picture
 
@@ -60,7 +61,7 @@ def half_space(axis):
 
 def incompressible(axis):
     heights = np.geomspace(0.03, 4, 400)
-    first = Q1 * stiffness.condensed_elements(Q1 * heights, 0.5)[1]
+    first = Q1 * slab_stiffness.condensed_elements(Q1 * heights, 0.5)[1]
     softest = np.array([slowest_mode.incompressible_slab(a).stiffness for a in heights])
     axis.loglog(heights, first, label="$k = 1$ (6.74)")
     axis.loglog(heights, softest, "k--", label="softest of all $k$")
@@ -69,7 +70,7 @@ def incompressible(axis):
     axis.legend(fontsize=7)
     print("6.9   a                 ", "".join(f"{a:10}" for a in (0.05, 0.1, 0.25, 0.5, 1.0, 2.0)))
     rows = [
-        (Q1 * stiffness.condensed_elements(np.array(Q1 * a), 0.5)[1], slowest_mode.incompressible_slab(a))
+        (Q1 * slab_stiffness.condensed_elements(np.array(Q1 * a), 0.5)[1], slowest_mode.incompressible_slab(a))
         for a in (0.05, 0.1, 0.25, 0.5, 1.0, 2.0)
     ]
     print("      kappa(1) L_x/E*   ", "".join(f"{first:10.4f}" for first, _ in rows))
@@ -81,7 +82,7 @@ def incompressible(axis):
 def first_waves(axes):
     nu = poissons_ratio(S)
     for i, symbol in enumerate(SYMBOLS):
-        values = Q1 * stiffness.condensed_elements(Q1 * COLUMN, nu)[i] / moduli.c44(nu)
+        values = Q1 * slab_stiffness.condensed_elements(Q1 * COLUMN, nu)[i] / moduli.c44(nu)
         title = rf"6.10 {DIRECTIONS[i]} load, $k = 1$: $\log_{{10}} {symbol} L_x/C_{{44}}$"
         picture = contours(axes[i], S, HEIGHTS, values, title)
     return picture
@@ -93,7 +94,9 @@ def first_over_uniform(axis):
     for s, direction in ((0.5, 0), (0.5, 1), (0.0, 0)):  # the fourth, s = 0 and normal, is zero: the slab is rigid
         nu = poissons_ratio(s)
         curves = [
-            Q1 * stiffness.condensed_elements(Q1 * a, nu)[direction] / stiffness.uniform_stiffness(nu, a)[direction]
+            Q1
+            * slab_stiffness.condensed_elements(Q1 * a, nu)[direction]
+            / slab_stiffness.uniform_stiffness(nu, a)[direction]
             for a in (heights, printed)
         ]
         axis.loglog(heights, curves[0], label=f"{DIRECTIONS[direction]}, $s = {s:g}$")

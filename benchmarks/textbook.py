@@ -1,8 +1,8 @@
 """Closed forms that tests and benchmarks alone need; lengths in L_x, stresses in E*, x measured from the summit."""
 
 import numpy as np
+import slab_stiffness
 
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.theory.damping import critical_damping
 
 
@@ -45,10 +45,10 @@ def hertz_ball_radius(mean_pressure, radius):
 
 def principal_elements(k, poissons_ratio):
     """Smaller and larger eigenvalue of C11 M of a slab, in E*: kappa_3'/q and kappa_1'/q (6.84), section 6.3.6."""
-    a11, a13, a33 = stiffness.slab_elements(k, poissons_ratio)
+    a11, a13, a33 = slab_stiffness.slab_elements(k, poissons_ratio)
     larger = 0.5 * (a11 + a33) + np.hypot(0.5 * (a11 - a33), a13)
     # the determinant over the larger eigenvalue: subtracting the root would cancel where the slab is thin
-    return stiffness.condensed_elements(k, poissons_ratio)[0] * a33 / larger, larger
+    return slab_stiffness.condensed_elements(k, poissons_ratio)[0] * a33 / larger, larger
 
 
 def scalar_damping(stiffnesses, time_step):

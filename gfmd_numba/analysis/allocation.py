@@ -186,10 +186,8 @@ def cheapest_design(
     if least >= target:
         raise UnusableDataError(
             f"you gave a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave "
-            f"{100 * least:.3g}%; "
-            "gfmd allows a larger one, finer levels, cross levels for every pair of limits (`cross`), or narrower "
-            "ranges "
-            "under `fit: {fixed: ...}`"
+            f"{100 * least:.3g}%; gfmd allows a larger one, finer levels, cross levels for every pair of limits "
+            "(`cross`), or narrower ranges under `fit: {fixed: ...}`"
         )
     shares = choice.price**-0.5
     for _ in range(2):  # the best shares depend on the budget, hardly

@@ -23,14 +23,14 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 
     The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2
     for a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the
-    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9),
-    and `contact_area_fraction_persson` is (4.16); a form without roughness has neither. On profiles, `segments` counts
-    the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
-    `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
-    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
-    on average over all. `mean_gap` is in rms heights. Dimensions other than `y` and `x`, like `step` or one along which
-    results were concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is
-    not ok.
+    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
+    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16); a form without roughness has
+    neither. On profiles, `segments` counts the stretches of contact whose number of nodes lies between two powers of 2,
+    at their geometric mean. On maps, `clusters` counts groups of nodes that share sides in the same way, over their
+    `area`. `perimeter` is the length of the edges of all clusters, by Crofton's formula in four directions: within 5 %
+    for edges of one direction, and exact on average over all. `mean_gap` is in rms heights. Dimensions other than `y`
+    and `x`, like `step` or one along which results were concatenated, stay. Raises UnusableDataError for a dataset
+    without these fields, or of a run that is not ok.
     """
     nodes = check_fields(dataset, _NEEDED)
     touching = dataset["gap"] == 0.0
@@ -44,11 +44,11 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
     result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)
-    counted, size, function = _CONTACTS[len(nodes)]
+    counted, size = _CONTACTS[len(nodes)]
     total = np.prod([dataset.sizes[dim] for dim in nodes])
     octaves = 2.0 ** np.arange(np.log2(total) + 1)
     around = goes_around(dataset)
-    result[counted] = _histogram(touching, nodes, size, octaves, function, around=around)
+    result[counted] = _histogram(touching, nodes, size, octaves, _clusters, around=around)
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
@@ -59,6 +59,8 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
             persson.pressure_density, result["pressure"], reduced, 1.0
         ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
         result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
+    if "contact_area_fraction" in dataset:
+        result["contact_area_fraction"] = dataset["contact_area_fraction"]
     result["mean_gap"] = gap.mean(nodes)
     if len(nodes) == 2:
         result["perimeter"] = xr.apply_ufunc(
@@ -110,20 +112,13 @@ def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
     return np.asarray(np.histogram(values, edges)[0] / (values.size * np.diff(edges)))
 
 
-def _segments(row: npt.NDArray[np.generic], edges: Reals, around: tuple[bool, ...]) -> Reals:
-    """Number of stretches by their number of nodes, also `around` the end of a period; full contact is one of them."""
-    if row.all():
-        return np.asarray(np.histogram([row.size], edges)[0])
-    begins_free = np.roll(row, -int(np.argmin(row)))  # so that no stretch is cut by the end of the period
-    if not around[0]:
-        begins_free = np.concatenate(([False], row))
-    changes = np.flatnonzero(np.diff(begins_free.astype(np.int8), append=0))
-    return np.asarray(np.histogram(changes[1::2] - changes[::2], edges)[0])
-
-
 def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
-    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them."""
-    return np.asarray(np.histogram(sizes(regions(touching, *around)), edges)[0])
+    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them.
+
+    A profile is a map of one row, and its clusters are stretches.
+    """
+    rows = np.atleast_2d(touching)
+    return np.asarray(np.histogram(sizes(regions(rows, around[0] and touching.ndim == 2, around[-1])), edges)[0])
 
 
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
@@ -139,8 +134,5 @@ def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / nx)
 
 
-# of profiles and of maps: how contacts are counted, over what, and by which function
-_CONTACTS: dict[int, tuple[str, str, Callable[..., Reals]]] = {
-    1: ("segments", "length", _segments),
-    2: ("clusters", "area", _clusters),
-}
+# of profiles and of maps: how contacts are counted, and over what
+_CONTACTS = {1: ("segments", "length"), 2: ("clusters", "area")}

@@ -34,13 +34,14 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
         raise UnusableDataError("you gave no results of several loads; gfmd allows a campaign's, or those of a path")
     if along == "case":
         dataset = CAMPAIGN.checked(dataset, "dataset")
-    pairs = list(_cases(dataset) if along == "case" else _steps(dataset))
+    pairs = list(_cases(dataset) if along == "case" else pairwise(range(dataset.sizes["step"])))
     if not pairs:
         raise UnusableDataError("you gave one load of each surface; gfmd allows several reduced_pressure, or a path")
     ends = (xr.DataArray(list(positions), dims="interval") for positions in zip(*pairs, strict=True))
     lower, upper = (dataset.isel({along: positions}) for positions in ends)
     others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]
-    usable = _usable(lower) & _usable(upper)
+    usable = (lower["status"] == 0) & (upper["status"] == 0)
+    usable = usable & np.isfinite(lower["mean_gap"]) & np.isfinite(upper["mean_gap"])
     rise = (upper["mean_pressure"] - lower["mean_pressure"]).where(usable)
     if "approach" in dataset:
         approach = (upper["approach"] - lower["approach"]).where(usable)
@@ -74,15 +75,6 @@ def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
             members.setdefault(rows[index, :-1].tobytes(), []).append(int(index))
     for loads in members.values():
         yield from pairwise(loads)
-
-
-def _steps(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
-    yield from pairwise(range(dataset.sizes["step"]))
-
-
-def _usable(loads: xr.Dataset) -> xr.DataArray:
-    found: xr.DataArray = (loads["status"] == 0) & np.isfinite(loads["mean_gap"])
-    return found
 
 
 def _rms_height(loads: xr.Dataset) -> xr.DataArray | None:

@@ -104,10 +104,24 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
         "step": np.arange(STEPS),
     }
     own_unit = dataset[variable].attrs.get("units", "1")
+    whole: list[GroupFit] = [
+        fit
+        | {
+            "finest_eps": [float(group.levels[name].min()) if name in group.levels else np.nan for name in LIMITS],
+            "reference": group.reference_mean,
+            "reference_error": group.reference_error,
+            "reference_eps": list(group.reference.values()),
+            "n_cases": group.n_cases,
+            "n_realisations": group.n_realisations,
+            "n_excluded": group.n_excluded,
+            "seconds": group.seconds,
+        }
+        for group, fit in zip(groups, fits, strict=True)
+    ]
     variables: dict[str, Any] = {}
     for name, (dims, unit, long_name) in _VARIABLES.items():
         unknown = np.full([len(levels[dim]) for dim in dims[1:]], np.nan)
-        values = [(fit | _of_group(group)).get(name, unknown) for group, fit in zip(groups, fits, strict=True)]
+        values = [each.get(name, unknown) for each in whole]
         attributes = {
             "long_name": long_name.format(variable=variable),
             "units": own_unit if unit == _OF_THE_VARIABLE else unit,
@@ -118,21 +132,6 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
     }
     described = {dim: (dim, levels[dim], {"long_name": text, "units": "1"}) for dim, text in _DIMS.items()}
     return xr.Dataset(variables, parameters | described)
-
-
-def _of_group(group: Group) -> GroupFit:
-    """Return what stands in the dataset of a fit of a group's cases, whatever the fit finds."""
-    finest = [float(group.levels[name].min()) if name in group.levels else np.nan for name in LIMITS]
-    return {
-        "finest_eps": finest,
-        "reference": group.reference_mean,
-        "reference_error": group.reference_error,
-        "reference_eps": list(group.reference.values()),
-        "n_cases": group.n_cases,
-        "n_realisations": group.n_realisations,
-        "n_excluded": group.n_excluded,
-        "seconds": group.seconds,
-    }
 
 
 def in_the_limit(fit: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:

@@ -311,8 +311,7 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     if maps_only and "y" not in dataset.dims:
         raise UnusableDataError(
             "you gave the contact of a profile, in which no channel leads around the contacts; gfmd allows that of a "
-            "map "
-            "(solve a scene with `dimension: 2`, whose surface is random or a measured map)"
+            "map (solve a scene with `dimension: 2`, whose surface is random or a measured map)"
         )
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     fields = [dataset[name] for name in _FIELDS if name in needed]

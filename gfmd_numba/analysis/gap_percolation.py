@@ -84,7 +84,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
         vectorize=True,
     )
     result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "percolation of the gap of a contact"})
-    result = result.assign(zip(_LONG_NAMES, found, strict=True))
+    result = result.assign(dict(zip(_LONG_NAMES, found, strict=True)))
     for name, long_name in _LONG_NAMES.items():
         unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}
@@ -136,10 +136,17 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
+    around = goes_around(dataset)
+
+    def both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
+        found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
+        gaps, residuals, flows = zip(*found, strict=True)
+        turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
+        return np.array(gaps), np.array(residuals), np.array(turned)
+
     hydraulic, residual, flow = xr.apply_ufunc(
-        _both_directions,
+        both_directions,
         dataset["gap"],
-        kwargs={"around": goes_around(dataset)},
         input_core_dims=[nodes],
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
@@ -187,14 +194,6 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
         )
 
 
-def _both_directions(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals]:
-    """Hydraulic gaps along x and y, their residuals, and the flow through nodes `[direction, y, x]`."""
-    found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
-    gaps, residuals, flows = zip(*found, strict=True)
-    turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
-    return np.array(gaps), np.array(residuals), np.array(turned)
-
-
 def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     """Hydraulic gap from the first row to the last, the residual, and the flow through nodes over its mean.
 
@@ -207,7 +206,10 @@ def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     if largest <= 0.0:
         return 0.0, 0.0, flow
     conductivity = (gap / largest) ** 3
-    reached = _channels(conductivity > 0.0, around)
+    # open nodes of the regions that connect the first row with the last
+    labels = regions(conductivity > 0.0, around_y=False, around_x=around)
+    shared = np.intersect1d(labels[0], labels[-1])
+    reached = np.isin(labels, shared[shared > 0])
     if not reached.any():
         return 0.0, 0.0, flow
     conductivity = np.where(reached, conductivity, 0.0)
@@ -232,13 +234,6 @@ def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
     parts = (_through_nodes(*faces, pressure, rim) for faces, rim in ((along, ends), (across, 0.0)))
     flow[reached] = np.hypot(*parts) * nx / out if residual <= _LARGEST_RESIDUAL else np.nan
     return float(largest * np.cbrt(cube)), residual, flow
-
-
-def _channels(open_nodes: Flags, around: bool) -> Flags:
-    """Open nodes of the regions that connect the first row with the last, also `around` the ends of rows."""
-    labels = regions(open_nodes, around_y=False, around_x=around)
-    shared = np.intersect1d(labels[0], labels[-1])
-    return np.isin(labels, shared[shared > 0])
 
 
 def _faces(here: Reals, there: Reals, number: Indices, other: Indices) -> tuple[Indices, Indices, Reals]:

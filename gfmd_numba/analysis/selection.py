@@ -24,12 +24,12 @@ def has_names(parameter: xr.DataArray) -> bool:
     return "names" in parameter.attrs
 
 
-def plain(name: str) -> str:
+def without_formula(name: str) -> str:
     """Return a name that no text of a figure takes for a formula."""
     return name.replace("$", r"\$")
 
 
-def shown(parameter: xr.DataArray, values: Iterable[float]) -> list[str]:
+def values_as_text(parameter: xr.DataArray, values: Iterable[float]) -> list[str]:
     """Return each value of a parameter as text: the name that it stands for, or the number with six digits."""
     names = json.loads(parameter.attrs["names"]) if has_names(parameter) else None
     return [f"{value:g}" if names is None else printable(names[int(value)]) for value in values]
@@ -76,17 +76,6 @@ def load_of(cases: xr.Dataset) -> float:
             loads = cases[name].values.astype(float)
             return float(loads[0]) if np.allclose(loads, loads[0], rtol=1e-9, atol=0.0) else nan
     return nan
-
-
-def nodes_per_segment(cases: xr.Dataset, dimension: int) -> float:
-    """Return the mean number of nodes in a stretch or patch of contact, of the case that has most; inf if unknown."""
-    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
-        return np.inf
-    nodes = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
-    segments = cases["n_segments"].sum("realisation").values
-    # full contact has neither, and no edges to resolve
-    found = np.divide(nodes, segments, out=np.where(nodes > 0, np.inf, 0.0), where=segments > 0)
-    return float(found.max(initial=0.0)) or np.inf
 
 
 LIMITS = ("eps_c", "eps_f", "eps_t")
@@ -143,11 +132,11 @@ class Group:
         """Number of cases."""
         return int(self.values.shape[1])
 
-    def shown(self, value: float, error: float = nan) -> str:
-        """Return a number in the unit of the variable for a sentence, with its standard error where it has one."""
-        factor, unit = si_prefix(max(abs(value), 0.0 if isnan(error) else error), self.unit)
-        number = with_error(factor * value, factor * error, digits=2)
-        return number if unit == "1" else f"({number}) {unit}" if "±" in number else f"{number} {unit}"
+    def shown(self, value: float) -> str:
+        """Return a number in the unit of the variable for a sentence."""
+        factor, unit = si_prefix(abs(value), self.unit)
+        number = with_error(factor * value, nan, digits=2)
+        return number if unit == "1" else f"{number} {unit}"
 
     def log_ratio(self, limit: str) -> Reals:
         """Return the logarithm of a limit's levels over its reference level."""
@@ -185,20 +174,15 @@ def discretisations(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
     """Return the mask (case, realisation) of finite, ok results; UnusableDataError without such a variable."""
-    lacking = {"case_id", "is_reference"} - set(map(str, dataset.variables))
-    if not {"case", "realisation"} <= set(dataset.dims) or lacking or 0 < len(discretisations(dataset)) < len(LIMITS):
+    if not {"case", "realisation"} <= set(dataset.dims) or 0 < len(discretisations(dataset)) < len(LIMITS):
         raise UnusableDataError("you gave no results of a campaign; gfmd allows what a finished `gfmd run` leaves")
     if not axes(dataset):
         raise UnusableDataError(
             "you gave results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
             "gfmd allows what a finished `gfmd run` of this version leaves"
         )
-    if (
-        not isinstance(variable, str)
-        or variable not in dataset
-        or set(dataset[variable].dims) != {"case", "realisation"}
-    ):
-        if isinstance(variable, str) and variable in dataset and "step" in dataset[variable].dims:
+    if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
+        if variable in dataset and "step" in dataset[variable].dims:
             raise UnusableDataError(
                 f"you gave {variable} at every step of a path; gfmd allows one step, like `dataset.isel(step=-1)`"
             )
@@ -266,8 +250,7 @@ def _check_groups(dataset: xr.Dataset) -> None:
     if any(len(identities) > 1 for identities in problems.values()):
         raise UnusableDataError(
             "you gave different problems at the same discretisation, which no coordinate with the attribute `axis` "
-            "tells "
-            "apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
+            "tells apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
         )
 
 
@@ -328,9 +311,15 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
 
 
 def _unresolved(cases: xr.Dataset) -> list[str]:
-    """Return a note if the grid does not resolve the stretches or patches of contact."""
+    """Return a note if the grid does not resolve the stretches or patches of contact where they have most."""
+    if not {"contact_area_fraction_counted", "n_segments", "nx"} <= set(map(str, cases.variables)):
+        return []
     dimension = dimension_of(cases)
-    nodes, fewest = nodes_per_segment(cases, dimension), FEWEST_NODES**dimension
+    counted = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation").values
+    segments = cases["n_segments"].sum("realisation").values
+    # full contact has neither, and no edges to resolve
+    found = np.divide(counted, segments, out=np.where(counted > 0, np.inf, 0.0), where=segments > 0)
+    nodes, fewest = float(found.max(initial=0.0)) or np.inf, FEWEST_NODES**dimension
     if nodes >= fewest:
         return []
     stretches = {1: "stretches", 2: "patches"}[dimension]

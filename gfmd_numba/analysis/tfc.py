@@ -168,10 +168,8 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     group, means, found, share = whole.groups[index], whole.means[index], whole.choices, whole.share
     fits = [choice.fits[index] for choice in found]
     weight = np.concatenate(share)
-    value = np.concatenate([_parameters(group, fit, fit.coefficients, fit.exponents, 1) for fit in fits])
-    variances = [np.diagonal(fit.covariance, axis1=1, axis2=2) for fit in fits]
-    known = [np.zeros_like(fit.exponents) for fit in fits]  # the parameters of the laws
-    variance = np.concatenate([_parameters(group, *each, 2) for each in zip(fits, variances, known, strict=True)])
+    value = np.concatenate([_parameters(group, fit) for fit in fits])
+    variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
     at_an_end = limit_errors.pressed(found, share)
     by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
@@ -207,7 +205,6 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
     rms_residual, chi2 = _misfit(group, means, found, share, index)
-    curve_eps, curve = _curve(index, group, means, found, share)
     return {
         "fit_status": "ok",
         "message": "\n".join(notes),
@@ -221,8 +218,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
         "law": _laws(group, found),
-        "curve_eps": curve_eps,
-        "curve": curve,
+        **_curve(index, group, means, found, share),
         "extrapolated": limit_errors.mean_distances(index, means, found, share),
         "extrapolation_error": extrapolation_error,
         "contradiction": _contradiction(group, differing),
@@ -294,9 +290,7 @@ def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
     ]
 
 
-def _curve(
-    index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]
-) -> tuple[Reals, Reals]:
+def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
     """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
@@ -305,18 +299,23 @@ def _curve(
         value[row] = sum(
             each @ along(choice, index, means, name, eps[row]) for choice, each in zip(found, share, strict=True)
         )
-    return eps, value
+    return {"curve_eps": eps, "curve": value}
 
 
-def _parameters(group: Group, fit: Linear, coefficients: Reals, exponents: Reals, power: int) -> Reals:
-    """Return coefficients, or variances of a `power` of 2, as a table, nan for limits not varied."""
+def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
+    """Return the parameters of fits as a table, or their variances at known parameters of the laws.
+
+    Those of limits that are not varied are nan.
+    """
+    coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
+    power = 2 if variances else 1
     table = unknown_parameters(len(fit.misfit))
     found = named(table)
     found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):
         limit = LIMITS.index(name)
         found["correction"][:, limit] = coefficients[:, 1 + row]
-        found["alpha"][:, limit] = exponents[:, row]
+        found["alpha"][:, limit] = 0.0 if variances else fit.exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
         found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
     for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):

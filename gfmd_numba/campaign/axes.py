@@ -96,7 +96,7 @@ class Axis:
     @property
     def has_names(self) -> bool:
         """Whether its values are names, which the dataset numbers as well."""
-        return self.type == FileName
+        return bool(self.type == FileName)
 
     @property
     def of_surface(self) -> bool:

@@ -165,12 +165,6 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
             )
         yield client
         return
-    with _client_of(address, insecure) as own:
-        yield own
-
-
-def _client_of(address: str, insecure: bool) -> Any:
-    """Return a new client of the scheduler at an address; raises InputError."""
     from distributed import Client
     from distributed.comm.addressing import get_address_host, parse_address, resolve_address
 
@@ -185,9 +179,11 @@ def _client_of(address: str, insecure: bool) -> Any:
             "gfmd allows a tls:// address, one of this machine, or --insecure with it"
         )
     try:
-        return Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
+        own = Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
     except (OSError, ValueError, KeyError) as error:
         raise _unreachable(address, error) from None
+    with own:
+        yield own
 
 
 def _unreachable(address: str, error: Exception) -> InputError:

@@ -19,8 +19,8 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.dataset import (
+from gfmd_numba.contact import law_resolution, observables
+from gfmd_numba.contact.contact_dataset import (
     Units,
     campaign_dataset,
     cf_attributes,
@@ -29,13 +29,7 @@ from gfmd_numba.contact.dataset import (
     scaled,
 )
 from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
-from gfmd_numba.contact.observables import (
-    OBSERVABLES,
-    PATH_OBSERVABLES,
-    ROUGH_BODY_OBSERVABLES,
-    Observable,
-    recorded_along,
-)
+from gfmd_numba.contact.observables import Observable
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.solvers.status import flag_attributes
 from gfmd_numba.storage import json_file
@@ -149,7 +143,7 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
     rows = recorded_of_problem(cases[0].problem)
     for case in cases if cases[0].problem.path else ():
         rough = case.problem.rough
-        rows |= recorded_along(case.scene, 0 if rough is None else rough.order)
+        rows |= observables.recorded_along(case.scene, 0 if rough is None else rough.order)
     return rows
 
 
@@ -165,7 +159,7 @@ def _measured(
     """Return the dimensionless measures `[longest]` of a problem from its blocks, and their seconds."""
     parts = []
     problem = blocks[0].problem
-    names = (*recorded_of_problem(problem), *(PATH_OBSERVABLES if problem.path else ()), SECONDS)
+    names = (*recorded_of_problem(problem), *(observables.PATH_OBSERVABLES if problem.path else ()), SECONDS)
     for block in blocks:
         part = stored.read(block.name)
         if part is None:
@@ -182,7 +176,9 @@ def _measured(
 def _nothing(problem: Problem, count: int, status: Ending) -> Measures:
     nothing: Measures = {
         name: np.full((count, problem.n_loads) if problem.path and row.of == "contact" else count, np.nan)
-        for name, row in (OBSERVABLES | ROUGH_BODY_OBSERVABLES | PATH_OBSERVABLES).items()
+        for name, row in (
+            observables.OBSERVABLES | observables.ROUGH_BODY_OBSERVABLES | observables.PATH_OBSERVABLES
+        ).items()
     }
     nothing["status"] = np.full(count, status, dtype=np.int8)
     nothing[SECONDS] = np.zeros(1)

@@ -9,7 +9,8 @@ from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.axes import AXES, Grid, present
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.contact.dataset import PRESCRIBED, Units, cf_attributes, load_attributes
+from gfmd_numba.contact.contact_dataset import Units, cf_attributes, load_attributes
+from gfmd_numba.contact.observables import PRESCRIBED
 from gfmd_numba.contact.scales import SLIDING, scales_of, steps_of, times_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar

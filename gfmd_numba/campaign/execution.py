@@ -321,7 +321,11 @@ class Submission:
             with closing(self._outcomes(iter(tasks), alone)) as outcomes:
                 for task, outcome in outcomes:
                     left = [] if outcome is not None else unfinished(task, self.directory)
-                    late = self._late(left)
+                    names = [block.name for block in left]
+                    late: set[str] = set()  # those that took longer than the timeout
+                    if names and self.timeout is not None:
+                        told = self.client.run(expired_here, self.run, names, on_error="ignore")
+                        late = {name for found in (expired_here(self.run, names), *told.values()) for name in found}
                     failures = outcome or {}
                     for block in left:
                         if block.name in late:
@@ -332,21 +336,6 @@ class Submission:
                     yield len(task) - len(again), failures
                     suspects += [(block,) for block in again]
             tasks = suspects
-
-    def _late(self, blocks: list[Block]) -> set[str]:
-        """Return the names of those blocks that took longer than the timeout."""
-        names = [block.name for block in blocks]
-        if not names or self.timeout is None:
-            return set()
-        told = self.client.run(expired_here, self.run, names, on_error="ignore")
-        return {name for found in (expired_here(self.run, names), *told.values()) for name in found}
-
-    def _stored(self, measured: Measured, failures: Failures) -> Failures:
-        """Store what a task handed back, and return what failed of it."""
-        names = list(measured)
-        for first in range(0, len(names), self.together):
-            shards.store(self.directory, {name: measured[name] for name in names[first : first + self.together]})
-        return failures
 
     def _outcomes(self, tasks: Iterator[Task], alone: bool) -> Generator[tuple[Task, Failures | None]]:
         """Yield each task with its failures as it ends, None if it lost its worker; one at a time if `alone`."""
@@ -374,7 +363,11 @@ class Submission:
         for future in futures:
             failures: Failures | None
             try:
-                failures = self._stored(*future.result())
+                finished, failures = future.result()
+                names = list(finished)
+                for first in range(0, len(names), self.together):
+                    some = names[first : first + self.together]
+                    shards.store(self.directory, {name: finished[name] for name in some})
             except KilledWorker:
                 failures = None
             except FutureCancelledError:

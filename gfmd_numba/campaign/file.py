@@ -25,15 +25,7 @@ from gfmd_numba.campaign.limits import (
 )
 from gfmd_numba.campaign.output_directory import home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
-from gfmd_numba.scene.checks import (
-    arrays_of_memory,
-    arrays_of_topography,
-    arrays_per_realisation,
-    check_anisotropy_fits,
-    check_discretisation,
-    check_nodes,
-    check_surfaces,
-)
+from gfmd_numba.scene import checks
 from gfmd_numba.scene.document import (
     Document,
     Location,
@@ -280,18 +272,22 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     dimension = campaign.scene.dimension
     boundary = () if campaign.scene.boundary is None else ("boundary",)
     laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = arrays_per_realisation(dimension, laws, campaign.scene.ends) + arrays_of_memory(campaign.scene)
+    arrays = checks.arrays_per_realisation(dimension, laws, campaign.scene.ends) + checks.arrays_of_memory(
+        campaign.scene
+    )
     if campaign.scene.follows_topography:
-        arrays = max(arrays, arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
-    check_surfaces(document, campaign.scene, arrays)
+        arrays = max(arrays, checks.arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
+    checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):
-        check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
+        checks.check_nodes(document, ("grid", "points", i), float(value) ** campaign.scene.dimension, arrays)
     for discretisation, locations, differing, _ in campaign.discretisations():
         if discretisation is not None:
             for anisotropy, location in anisotropies:
-                check_anisotropy_fits(document, anisotropy, location, discretisation)
-            check_discretisation(document, discretisation, locations, differing, campaign.scene.dimension, arrays)
+                checks.check_anisotropy_fits(document, anisotropy, location, discretisation)
+            checks.check_discretisation(
+                document, discretisation, locations, differing, campaign.scene.dimension, arrays
+            )
     return campaign, document
 
 

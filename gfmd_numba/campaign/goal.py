@@ -9,22 +9,15 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.campaign.limits import FixedExponents
-from gfmd_numba.contact.observables import (
-    LIMITED,
-    PATH_OBSERVABLES,
-    needed_for,
-    recorded_along,
-    unheld,
-    why_no_limit,
-)
+from gfmd_numba.contact import observables
 from gfmd_numba.scene import Document, Scene
 from gfmd_numba.scene.document import Location, nearest
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
 
-A_VARIABLE = f"one of {', '.join(LIMITED)}"
-A_TARGET = f"any of {', '.join(LIMITED)} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
+A_VARIABLE = f"one of {', '.join(observables.LIMITED)}"
+A_TARGET = f"any of {', '.join(observables.LIMITED)} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 
@@ -41,23 +34,23 @@ def share_of(given: object) -> float:
 
 
 def _variable(given: str) -> str:
-    if why := why_no_limit(given):
+    if why := observables.why_no_limit(given):
         raise broken_rule((), f"{A_VARIABLE}; {why}")
-    if given not in LIMITED:
+    if given not in observables.LIMITED:
         raise ValueError(A_VARIABLE)
     return given
 
 
 def _target(given: object) -> dict[str, float]:
     names = list(given) if isinstance(given, Mapping) else []
-    if why := "; ".join(filter(None, map(why_no_limit, filter(lambda name: isinstance(name, str), names)))):
+    if why := "; ".join(filter(None, map(observables.why_no_limit, filter(lambda name: isinstance(name, str), names)))):
         raise broken_rule((), f"{A_TARGET}; {why}")
-    if not isinstance(given, Mapping) or not given or not set(given) <= LIMITED.keys():
+    if not isinstance(given, Mapping) or not given or not set(given) <= observables.LIMITED.keys():
         raise ValueError(A_TARGET)
     return {name: share_of(value) for name, value in given.items()}
 
 
-Variable = Annotated[str, AfterValidator(_variable), WithJsonSchema({"enum": list(LIMITED)})]
+Variable = Annotated[str, AfterValidator(_variable), WithJsonSchema({"enum": list(observables.LIMITED)})]
 Target = Annotated[dict[str, float], BeforeValidator(_target), WithJsonSchema({"allowed": A_TARGET})]
 
 
@@ -72,21 +65,19 @@ class Goal(BaseModel):
 def goal_of(until: object, budget: object = None) -> Goal:
     """Return the goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
     targets = until if isinstance(until, Mapping) else {}
-    if unknown := [name for name in targets if name not in LIMITED]:
-        hint = nearest(unknown[0], LIMITED)
-        why = why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
+    if unknown := [name for name in targets if name not in observables.LIMITED]:
+        hint = nearest(unknown[0], observables.LIMITED)
+        why = observables.why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
         clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
         raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {A_VARIABLE}{clauses}")
-    if not targets or not all(map(_is_relative_error, targets.values())):
+    shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real)}
+    if not targets or shares.keys() != targets.keys() or not all(0.0 < share < 1.0 for share in shares.values()):
         raise InputError(
             f"until: you gave {brief(until)}; gfmd allows {A_VARIABLE}, or several, each with a relative error above 0 "
             'and below 1, like {"kappa": 0.01}'
         )
-    shares = {name: float(share) for name, share in targets.items()}
-    if budget is None:
-        return Goal(targets=shares)
-    seconds = seconds_of(budget)
-    if seconds is None:
+    seconds = None if budget is None else seconds_of(budget)
+    if budget is not None and seconds is None:
         raise InputError(f"budget: you gave {brief(budget)}; gfmd allows {A_TIME}")
     return Goal(targets=shares, budget=seconds)
 
@@ -101,10 +92,6 @@ def seconds_of(given: object) -> float | None:
         except PydanticCustomError:
             seconds = None
     return seconds if seconds is not None and 0.0 < seconds < inf else None
-
-
-def _is_relative_error(given: object) -> bool:
-    return isinstance(given, Real) and not isinstance(given, bool) and 0.0 < float(given) < 1.0
 
 
 class Fit(BaseModel):
@@ -123,7 +110,7 @@ class Fit(BaseModel):
     @property
     def is_of_path(self) -> bool:
         """Whether a path has the variable as a whole, not at each step."""
-        row = PATH_OBSERVABLES.get(self.variable)
+        row = observables.PATH_OBSERVABLES.get(self.variable)
         return row is not None and row.of == "path"
 
     @property
@@ -142,7 +129,7 @@ class Fit(BaseModel):
 
         `place` is where the variable stands in the file.
         """
-        if self.variable in PATH_OBSERVABLES and n_steps == 0:
+        if self.variable in observables.PATH_OBSERVABLES and n_steps == 0:
             raise broken_rule(place, "what a single contact has, as this campaign has no path")
         if self.step is None:
             return
@@ -156,7 +143,7 @@ class Fit(BaseModel):
 
 def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: Fit, place: Location) -> None:
     """Raise InputError for a target, at a place in the file, without a limit in the discretisations that vary."""
-    if why := unheld(LIMITED[fit.variable], scene, varied):
+    if why := observables.unheld(observables.LIMITED[fit.variable], scene, varied):
         raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
 
 
@@ -173,9 +160,9 @@ def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterab
 
     `place` is where the variable stands in the file.
     """
-    scenes, along = list(scenes), fit.variable in PATH_OBSERVABLES
-    has, what = _NEEDS.get(LIMITED[fit.variable].needs, (bool, ""))
+    scenes, along = list(scenes), fit.variable in observables.PATH_OBSERVABLES
+    has, what = _NEEDS.get(observables.LIMITED[fit.variable].needs, (bool, ""))
     if not any(has(scene) for scene, _ in scenes):
         raise document.error(place, fit.variable, f"what these contacts have; this needs {what}")
-    if along and not any(fit.variable in recorded_along(scene, order) for scene, order in scenes):
-        raise document.error(place, fit.variable, f"what this path has; {needed_for(fit.variable)}")
+    if along and not any(fit.variable in observables.recorded_along(scene, order) for scene, order in scenes):
+        raise document.error(place, fit.variable, f"what this path has; {observables.needed_for(fit.variable)}")

@@ -98,7 +98,10 @@ def decide(
     try:
         wanted, asked = _wanted(results, held, price, goal, fit), goal
     except UnusableDataError:
-        wanted, asked = _looser(results, held, price, goal, fit), _LOOSER * goal
+        # it seems out of reach, but a few results tell only roughly how large the corrections are
+        wanted, asked = _wanted(results, held, price, _LOOSER * goal, fit), _LOOSER * goal
+        if whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
+            _wanted(results, held, price, goal, fit)  # which says why
     while whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
         goal = asked = 0.9 * asked
         wanted = _wanted(results, held, price, asked, fit)
@@ -173,17 +176,6 @@ def _within(
         else:
             tight = middle
     return loose, found, total
-
-
-def _looser(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
-    """Return realisations for an error not far above a target that seems out of reach.
-
-    A few results tell only roughly how large the corrections are. Raises UnusableDataError if more would not help.
-    """
-    counts = _wanted(results, held, price, _LOOSER * target, fit)
-    if whole_price(results, price, counts) < _LEAST_GROWTH * whole_price(results, price, held):
-        _wanted(results, held, price, target, fit)  # which says why
-    return counts
 
 
 def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:

@@ -49,7 +49,12 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
                         "gfmd allows one run at a time (wait for it, or choose another with --output)"
                     ) from None
                 time.sleep(0.05)
-        _check_owner(directory, name)
+        owner = json_file.read(directory / MARK).get("campaign", name)
+        if owner != name:
+            raise InputError(
+                f"{directory}: you gave the output directory of campaign {brief(owner)}; gfmd allows a new directory "
+                f"or one of campaign '{name}' (choose with --output)"
+            )
         _label(directory, name, text, folder)
         for left_in in (directory, directory / shards.FOLDER):
             if atomic_file.is_folder(left_in):
@@ -152,15 +157,6 @@ def _make(directory: Path) -> None:
     if reason:
         raise InputError(
             f"--output: you gave {directory} ({reason}); gfmd allows a directory that may be made and written"
-        )
-
-
-def _check_owner(directory: Path, name: str) -> None:
-    owner = json_file.read(directory / MARK).get("campaign", name)
-    if owner != name:
-        raise InputError(
-            f"{directory}: you gave the output directory of campaign {brief(owner)}; gfmd allows a new directory "
-            f"or one of campaign '{name}' (choose with --output)"
         )
 
 

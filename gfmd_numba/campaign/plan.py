@@ -34,7 +34,7 @@ from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.doubts import too_thin
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
-from gfmd_numba.contact.problem import DeformableBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.scene import Document, InputError
@@ -65,16 +65,12 @@ def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
     """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
     films = []
     for surface, rough in bodies:
-        if rough.order == 0 and any(_is_film(body) for body in rough.bodies):
+        thicknesses = (body.elastic.top.aspect_ratio for body in rough.bodies)
+        # thin compared with the longest waves
+        if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
             drawn = surface.drawn(0)
             films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
     return too_thin(films)
-
-
-def _is_film(body: DeformableBody) -> bool:
-    """Return whether the body is thin compared with the longest waves."""
-    thickness = body.elastic.top.aspect_ratio
-    return thickness is not None and 2.0 * pi * thickness <= 1.0
 
 
 def unresolved(cases: Sequence[Case]) -> str:

@@ -31,7 +31,7 @@ from gfmd_numba.campaign.limits import (
 )
 from gfmd_numba.campaign.output_directory import LABEL
 from gfmd_numba.campaign.plan import Plan, is_resolved, plan
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
 from gfmd_numba.text.input_error import ABSENT
@@ -224,22 +224,19 @@ def as_decided(directory: Path) -> Plan:
 
 def in_round(piloted: Plan, now: Round) -> Plan:
     """Return the plan of a round from that of the pilot: its levels and its numbers of realisations."""
-    return with_realisations(_at_levels(piloted, now.levels) if now.levels else piloted, now.realisations)
-
-
-def _at_levels(planned: Plan, levels: Sequence[Sequence[Level]]) -> Plan:
-    """Return the plan with other levels of each of its groups."""
-    everywhere = list(dict.fromkeys(level for of_group in levels for level in of_group))
-    found = planned.changed(
+    if not now.levels:
+        return with_realisations(piloted, now.realisations)
+    everywhere = list(dict.fromkeys(level for of_group in now.levels for level in of_group))
+    found = piloted.changed(
         reference=discretisation_of(everywhere[0]),
         limits=limits_around(everywhere[0], everywhere[1:]),
         realisations=Realisations(reference=FEWEST),
     )
     cases: list[Case] = []
-    for members, wanted in zip(groups(found.cases), levels, strict=True):
+    for members, wanted in zip(groups(found.cases), now.levels, strict=True):
         of_level = {level_of(case): case for case in members}
         cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
-    return replace(found, cases=cases)
+    return with_realisations(replace(found, cases=cases), now.realisations)
 
 
 def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:

@@ -215,11 +215,13 @@ def first_decision(
 ) -> FirstDecision:
     """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
 
-    Raises as `run_until` does.
+    Raises as `run_until` does, but OSError if the disk or the cluster gives up, as nothing is kept.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
         run = _prepared(source, goal, folder, workers, watch=watch, told=told)
-        with _at_work(run.planned, run.directory), closing(run.states()) as states:
+        document = run.planned.document
+        owned = claimed(run.directory, run.planned.campaign.name, document.text, document.folder)
+        with owned, closing(run.states()) as states:
             next(states)
             state = next(states)
         return FirstDecision(state, in_round(run.planned, state.now), run.failed(run.planned))
@@ -263,7 +265,7 @@ class _Run:
             earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
             fewest = [earlier.get(case, 0) for case in state.now.cases]
             counts = finished(now, self.directory, fewest)
-            partial = with_realisations(now, counts)
+            partial: Plan | None = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None
             interrupted = state.ending(f"not {REACHED}: the run was interrupted")
@@ -290,8 +292,14 @@ class _Run:
                 planned = in_round(self.planned, state.now)
                 blocks = planned.blocks_in(self.directory)
                 todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
-                state = _within_memory(state, todo, self.workers)
-                if state.ended:
+                try:
+                    if todo:
+                        check_room(todo, self.workers)
+                except InputError as error:
+                    if len(state.rounds) == 1:
+                        raise
+                    told = f"not {REACHED}: finer levels do not fit the memory ({error})"
+                    state = state.without_last().ending(told)
                     break
                 yield state
                 rounds.write(self.directory, state)  # what is decided stands before it is done
@@ -358,16 +366,3 @@ def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:
     counts = tuple(case.realisations for case in planned.cases)
     first = Round(realisations=counts, levels=levels_of(planned), is_last=False)
     return Rounds(goal=goal, campaign_sha256=campaign, rounds=(first,))
-
-
-def _within_memory(state: Rounds, todo: list[Block], workers: Workers) -> Rounds:
-    """Return the rounds, ended before the last one if the levels that gfmd chose for it do not fit the memory."""
-    try:
-        if todo:
-            check_room(todo, workers)
-    except InputError as error:
-        if len(state.rounds) == 1:
-            raise
-        affordable = state.without_last()
-        return affordable.ending(f"not {REACHED}: finer levels do not fit the memory ({error})")
-    return state

@@ -101,22 +101,14 @@ def verify(directory: Path) -> Verdict:
             (damaged if name in expected else foreign).append(name)
     damaged += sorted(file.name for file in stored.unreadable)
     altered = {file: f"{_OTHERS}: move it away, and `gfmd run` computes its blocks again" for file in stored.foreign}
-    return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered | _altered(planned, directory))
-
-
-def _altered(planned: Plan, directory: Path) -> dict[Path, str]:
-    """Return the notes and results that are not as a run left them, with what they are and what to do."""
-    found = {}
     notes = (directory / NOTES, directory / rounds.FILE, *(failures.path_of(directory, b.name) for b in planned.blocks))
-    for note in notes:
-        if foreign_file(note, is_note):
-            found[note] = f"{_OTHERS}: it is not used, move it away"
+    altered |= {note: f"{_OTHERS}: it is not used, move it away" for note in notes if foreign_file(note, is_note)}
     results = results_path(planned, directory)
     if foreign_file(results):
-        found[results] = f"{_OTHERS}: move it away, and `gfmd collect {word(directory)}` writes it again"
+        altered[results] = f"{_OTHERS}: move it away, and `gfmd collect {word(directory)}` writes it again"
     elif results.exists() and is_altered(results, planned):
-        found[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
-    return found
+        altered[results] = f"differs from its digest: `gfmd collect {word(directory)}` writes it again"
+    return Verdict(sound, damaged, len(expected.difference(stored)), foreign, altered)
 
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:

@@ -17,7 +17,7 @@ from gfmd_numba.campaign.cases import Case, blocks
 from gfmd_numba.campaign.limits import Limits
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.contact import load_path
-from gfmd_numba.contact.dataset import cf_attributes
+from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.contact.observables import recorded_along
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals

@@ -8,16 +8,17 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 import click
 
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, output_option, threads_option
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
-from gfmd_numba.cli.outputs import check_output, companion, picture_path, pictures, say_written, write, write_picture
+from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
 from gfmd_numba.cli.tables import (
     endings,
     named,
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from gfmd_numba.scene import BoundaryFile, Document, SceneFile
-    from gfmd_numba.scene.units import Quantity
     from gfmd_numba.simulate.curve import Over
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
@@ -115,7 +115,7 @@ def surface(file: Path, output: Path) -> None:
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
 
-    picture = picture_path(output)
+    picture = companion(output, "picture", ".png")
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
@@ -138,7 +138,8 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     if option is None:
         return None
     name = str(param.name)
-    ends, read = option.split(":"), {"loads": _load, "times": _time, "speeds": _speed}[name]
+    ends = option.split(":")
+    read = _load if name == "loads" else partial(_above_0, name=name)
     if len(ends) == 1:
         loads = [read(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
@@ -173,24 +174,15 @@ def _load(text: str) -> tuple[float, str]:
     return float(number), si  # type: ignore[arg-type]
 
 
-def _time(text: str) -> tuple[float, str]:
-    """Return one time in s and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.units import TIME
-
-    return _above_0(text, TIME, "a number of s above 0 or a time, like 10 or 5 min")
-
-
-def _speed(text: str) -> tuple[float, str]:
-    """Return one speed and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.units import SPEED
-
-    return _above_0(text, SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s")
-
-
-def _above_0(text: str, quantity: Quantity, allowed: str) -> tuple[float, str]:
-    """Return a number above 0 and the SI unit of its quantity; nothing without a unit."""
+def _above_0(text: str, name: str) -> tuple[float, str]:
+    """Return one time or speed above 0 and its SI unit; nothing without a unit."""
     from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.scene.units import SPEED, TIME
 
+    quantity, allowed = {
+        "times": (TIME, "a number of s above 0 or a time, like 10 or 5 min"),
+        "speeds": (SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s"),
+    }[name]
     number = plain_scalar(text.strip())
     if type(number) in (int, float) and 0.0 < float(number) < inf:  # type: ignore[arg-type]
         return float(number), ""  # type: ignore[arg-type]
@@ -256,7 +248,7 @@ def curve(
         given = " and ".join(f"--{name}" for name in asked_for) or "none"
         raise click.UsageError(f"you gave {given} of --loads, --times and --speeds; gfmd allows one of them")
     ((what, values),) = asked_for.items()
-    picture, table = picture_path(output), companion(output, "table", ".csv")
+    picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = load_scene(file)
     described, document = _with_threads(described, document, threads)
     check_output(output, file, *input_files(described))
@@ -350,7 +342,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     from gfmd_numba.analysis import plot_body
     from gfmd_numba.campaign.results import read_results
 
-    picture = picture_path(output)
+    picture = companion(output, "picture", ".png")
     check_output(output, file)
     contact = read_results(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
@@ -419,9 +411,11 @@ def _measure(
     file: Path, output: Path | None, compute: Callable[[xr.Dataset], xr.Dataset], doing: str, as_json: bool = False
 ) -> None:
     """Compute something of the contact in a file, write and draw it if an output is given, and print its numbers."""
+    from pydantic_core import to_jsonable_python
+
     from gfmd_numba.campaign.results import read_results
 
-    picture = None if output is None else picture_path(output)
+    picture = None if output is None else companion(output, "picture", ".png")
     if output is not None:
         check_output(output, file)
     contact = read_results(file)
@@ -433,19 +427,11 @@ def _measure(
             write_picture(path, drawing, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
-        click.echo(json.dumps(_for_programs(dataset.drop_dims(fields).to_dict()), default=str))
+        found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)
+        click.echo(json.dumps(found))  # null stands for numbers that are not finite
     else:
         tell(of_measures(dataset))
     warn_of_doubts(dataset)
-
-
-def _for_programs(value: Any) -> Any:
-    """Return a value of a dictionary as JSON takes it; numbers that are not finite become null."""
-    if isinstance(value, dict):
-        return {str(key): _for_programs(inner) for key, inner in value.items()}
-    if isinstance(value, list | tuple):
-        return [_for_programs(inner) for inner in value]
-    return None if isinstance(value, float) and not isfinite(value) else value
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:

@@ -17,7 +17,7 @@ from gfmd_numba.cli.arguments import (
     variable_option,
 )
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import check_output, picture_path, picture_suffixes, pictures, write, write_picture
+from gfmd_numba.cli.outputs import check_output, companion, picture_suffixes, pictures, write, write_picture
 from gfmd_numba.cli.tables import fit_options, of_fit, of_goal
 from gfmd_numba.cli.terminal import say, tell, waiting
 from gfmd_numba.text.input_error import InputError
@@ -123,7 +123,7 @@ def plot(results: Path, output: Path | None, width: Width | None, **asked: Any) 
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    picture = output or picture_path(file)
+    picture = output or companion(file, "picture", ".png")
     check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
     dataset = read_results(file)
     for path in pictures(dataset, None, picture):

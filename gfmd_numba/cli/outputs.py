@@ -46,11 +46,6 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
         )
 
 
-def picture_path(output: Path) -> Path:
-    """Return the name of the picture that goes with a netCDF file; raises InputError if somebody else's file has it."""
-    return companion(output, "picture", ".png")
-
-
 def companion(output: Path, kind: str, suffix: str) -> Path:
     """Return the name of a file that goes with a netCDF file; raises InputError if somebody else's file has it."""
     from gfmd_numba.storage.atomic_file import foreign

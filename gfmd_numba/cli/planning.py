@@ -21,7 +21,7 @@ from gfmd_numba.cli.arguments import (
 )
 from gfmd_numba.cli.campaigns import goal_in, levels_of, options_named, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
-from gfmd_numba.cli.outputs import check_output, picture_path, write, write_picture
+from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, dimensions, duration, said_of_error
 from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 
@@ -252,7 +252,7 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
 
     planned = plan(file)
     results = output if output is not None else Path(f"{planned.campaign.name}-accuracy.nc")
-    picture = picture_path(results)
+    picture = companion(results, "picture", ".png")
     check_output(results, file)
     points: list[work_precision.Point] = []
     for point in work_precision.studies(planned, realisations):

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import sleep, strftime
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -165,15 +165,9 @@ def _asked(dataset: xr.Dataset) -> str:
 
     if "campaign" in dataset.attrs:
         return str(dataset.attrs["campaign"])
-    scene = _without_nulls(json.loads(dataset.attrs.get("scene", "{}")))
+    given = dataset.attrs.get("scene", "{}")
+    scene = json.loads(given, object_hook=lambda found: {key: each for key, each in found.items() if each is not None})
     return yaml.safe_dump(scene, sort_keys=False, default_flow_style=False) if scene else "The file does not say."
-
-
-def _without_nulls(given: Any) -> Any:
-    """Return nested mappings without what is null in them."""
-    if isinstance(given, dict):
-        return {key: _without_nulls(each) for key, each in given.items() if each is not None}
-    return [_without_nulls(each) for each in given] if isinstance(given, list) else given
 
 
 def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -315,11 +315,11 @@ def _cells(dataset: xr.Dataset, names: dict[str, str]) -> dict[str, list[str]]:
 
 def _values(parameter: xr.DataArray) -> list[str]:
     """Return the values of a parameter as cells; of long names only the ends, if these differ."""
-    from gfmd_numba.analysis.selection import has_names, shown
+    from gfmd_numba.analysis.selection import has_names, values_as_text
 
     if not has_names(parameter):
         return list(map(_number, parameter.values))
-    names = shown(parameter, parameter.values)
+    names = values_as_text(parameter, parameter.values)
     short = [name if len(name) <= _LONGEST_NAME else f"...{name[3 - _LONGEST_NAME :]}" for name in names]
     return short if len(set(short)) == len(set(names)) else names
 
@@ -420,7 +420,8 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
 )
 _AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
-    "contact_area_fraction_persson": ("Persson's contact area", ""),
+    "contact_area_fraction": ("contact area fraction", ""),
+    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
     "mean_gap": ("mean gap over rms height", ""),
     "perimeter": ("perimeter", "L_x"),
     "gap_connects": ("channel", ""),
@@ -551,7 +552,7 @@ def of_curve(dataset: xr.Dataset) -> Told:
 
 def prescribed(dataset: xr.Dataset) -> str:
     """Return the name of the variable that the loading of a curve prescribes."""
-    from gfmd_numba.contact.dataset import PRESCRIBED
+    from gfmd_numba.contact.observables import PRESCRIBED
 
     given = str(dataset.attrs["prescribed"])
     return PRESCRIBED.get(given, given)

@@ -5,11 +5,11 @@ How near a fold of its branch an equilibrium is, the smallest curvature of its e
 
 import warnings
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse.linalg import LinearOperator, lobpcg
+from scipy.sparse.linalg import lobpcg
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import free_window, solution
@@ -44,24 +44,23 @@ def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals
         filtered = grid.signal(symbol * grid.coefficients(whole, len(shape)), *shape)
         return filtered.reshape(len(whole), -1)[:, free].T
 
-    def operator(product: object) -> LinearOperator:
-        return LinearOperator((len(free), len(free)), matvec=product, matmat=product, dtype=np.float64)
+    def body(x: Reals) -> Reals:
+        return filtered(positive, x)
 
-    def columns(x: Reals) -> Reals:
-        return x.reshape(len(free), -1)
+    def energy(x: Reals) -> Reals:
+        return filtered(stiffness, x) + curvature[:, np.newaxis] * x
 
-    body = operator(lambda x: filtered(positive, columns(x)))
-    energy = operator(lambda x: filtered(stiffness, columns(x)) + curvature[:, np.newaxis] * columns(x))
-    compliance = operator(lambda x: filtered(1.0 / positive, columns(x)))
     if len(free) < 5 * _VECTORS:  # too few for iterations
         every = np.eye(len(free))
-        lower = np.linalg.inv(np.linalg.cholesky(body.matmat(every)))
-        return float(np.linalg.eigvalsh(lower @ energy.matmat(every) @ lower.T)[0])
+        lower = np.linalg.inv(np.linalg.cholesky(body(every)))
+        return float(np.linalg.eigvalsh(lower @ energy(every) @ lower.T)[0])
     guess = np.random.default_rng(0).normal(size=(len(free), _VECTORS))
     if curvature.any():  # about where the law softens most; a mode exactly would end the search for a lower one
         guess[:, 0] = np.abs(curvature) / np.abs(curvature).max() + 0.1 * guess[:, 0]
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of the larger ones, which nobody needs
-        values, _ = lobpcg(energy, guess, body, compliance, tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False)
+        values, _ = lobpcg(
+            energy, guess, body, partial(filtered, 1.0 / positive), tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False
+        )
     return float(values.min())
 
 

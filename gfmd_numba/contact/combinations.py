@@ -108,9 +108,7 @@ def _in_time() -> Iterator[Refusal]:
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
     of_sliding = {"wear": "no wear"} | of_punches
-    told = (
-        "true with a sliding speed, whose wake may be longer than any window: give the steps of a path a sliding and a "
-    )
+    told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
     yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
     for feature, allowed in of_sliding.items():
         told = f"{allowed} with a sliding speed: this is not built yet"
@@ -118,10 +116,8 @@ def _in_time() -> Iterator[Refusal]:
     told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
     yield Refusal("normal law", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
-    told = (
-        "nothing along an axis without a period under a rough punch: nobody knows what would slide in at its end, as "
-    )
-    yield Refusal("no period", "roughness over an end", f"{told}a form alone tells", "physics")
+    told = "nothing where the surface ends, but under a form alone: nobody knows what of a roughness would slide in"
+    yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
     for feature in ("duration", "speed", "time_tolerance"):

@@ -1,45 +1,207 @@
-"""What `gfmd solve` writes of a contact: a dataset of one loading, or of all steps of a path, in SI units."""
+"""Datasets of contacts and loaded bodies: variables in the units of the file, each with its unit and long_name."""
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import branch, flow_measures, law_resolution
-from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.dataset import (
-    CONVENTIONS,
-    PRESCRIBED,
-    Described,
-    Units,
-    cf_attributes,
-    dropped_effects,
-    indexed,
-    load_attributes,
-    modulus_attributes,
-    refuse_nonfinite,
-)
-from gfmd_numba.contact.doubts import doubts
-from gfmd_numba.contact.evaluation import gap, measure
+from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
+from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
+from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.observables import ROUGH_BODY_OBSERVABLES, recorded_along
+from gfmd_numba.contact.loaded_body import BoundaryValueProblem, Loaded
+from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED, ROUGH_BODY_OBSERVABLES, Observable, recorded_along
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, times_of
+from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS
+from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.quantities import RMS_GRADIENT_TARGET
+from gfmd_numba.scene.quantities import (
+    FORCE_ON_A_MAP,
+    LINE_LOAD,
+    MEAN_PRESSURE,
+    PUNCH_DISPLACEMENT,
+    REDUCED_PRESSURE,
+    RMS_GRADIENT_TARGET,
+)
+from gfmd_numba.solvers import status
 from gfmd_numba.solvers.status import Status
+
+CONVENTIONS = "CF-1.11"
+# attributes of x, which tell a whole period from a part of one, and a window that has no period
+POINTS, POINTS_OF_WINDOW = "points_per_period", "points_per_window"
+INDICES = {
+    "case": "case, in the order of the campaign",
+    "realisation": "realisation: the same random surface in every case",
+    "step": "step of the path, from the first loading",
+}
+
+
+Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
+
+
+@dataclass(frozen=True)
+class Units:
+    """What each unit of a dimensionless problem is worth in a file, and what it is called there."""
+
+    worth: Mapping[str, float]
+    names: Mapping[str, str]
+
+    @classmethod
+    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+        """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
+        scales = scales_of(scene)
+        height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
+        metre, pascal = "m" if scene.length else "1", "Pa" if scene.has_moduli else "1"
+        both = [unit for unit in (pascal, metre) if unit != "1"]
+        each = {
+            "1": (1.0, "1"),
+            "E*/stiffness": (1.0 / scales.stiffness, "1"),
+            "gradient": (rms_gradient, "1"),
+            "length": (scales.length, metre),
+            "height": (height, metre),
+            "E*": (scales.modulus, pascal),
+            "pressure": (pressure, pascal),
+            "energy": (pressure * height, "J m-2" if len(both) == 2 else "".join(both) or "1"),
+            "s": (1.0, "s"),
+        }
+        named_alone = {"force per length": "N m-1", "force": "N", "speed": "m s-1" if scene.length else "s-1"}
+        return cls(
+            {kind: worth for kind, (worth, _) in each.items()},
+            {kind: name for kind, (_, name) in each.items()} | named_alone,
+        )
+
+    def variable(
+        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
+    ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
+        """Variable of a dataset, in the unit of its file."""
+        return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+
+    def variables(self, dims: Sequence[Hashable], described: Iterable[Described]) -> dict[str, Any]:
+        """Variables of the same dims by name."""
+        return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
+
+    def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
+        """Variable without dims of an observable."""
+        attributes = measure_attributes(name, self.names[row.unit], row.long_name)
+        return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
+
+    def positions(
+        self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
+    ) -> dict[str, Any]:
+        """Coordinates of the nodes of a whole period, or window; `profile` says along what those of a profile lie."""
+        points = [POINTS_OF_WINDOW if end else POINTS for end in ends or (False,) * len(shape)]
+        ways = {1: (profile,), 2: AXES}[len(shape)]
+        return {
+            dim: (
+                dim,
+                np.arange(nodes) / nodes * (length or 1.0),
+                cf_attributes(f"position along {way}", self.names["height"]) | {name: nodes},
+            )
+            for dim, way, nodes, name in zip(AXES[-len(shape) :], ways, shape, points, strict=True)
+        }
+
+
+def units_of(given: ContactInput) -> Units:
+    """What each unit of the dimensionless problem of a contact is worth, and what it is called in results."""
+    return Units.of(given.file.scene, given.surfaces.rms_gradient)
+
+
+def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+    """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
+    if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
+        return {}
+    scales = scales_of(scene)
+    whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
+    return {"effective_modulus": f"{scales.modulus / scales.stiffness:.17g} Pa: E* is that of {whose}"}
+
+
+def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
+    """CF attributes of what a loading prescribes, by the name of its coordinate."""
+    height = Units.of(scene).names["height"]
+    return {
+        "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
+        "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
+        "line_load": cf_attributes(LINE_LOAD, "N m-1"),
+        "force": cf_attributes(FORCE_ON_A_MAP, "N"),
+        "punch_displacement": cf_attributes(PUNCH_DISPLACEMENT, height),
+        "time": cf_attributes("time since the first load began to act", "s"),
+        "speed": cf_attributes("sliding speed of the punch along x", "m s-1" if scene.length else "s-1"),
+        "sliding": cf_attributes("tangential displacement of the punch since first touch", height),
+        "sliding_y": cf_attributes("tangential displacement of the punch along y since first touch", height),
+    }
+
+
+def dropped_effects(effects: Iterable[Effect]) -> str:
+    """One line for each effect of the scene that was left out of the computation."""
+    return "\n".join(f"{effect.name}: {effect.reason}" for effect in effects if effect.state == "dropped")
+
+
+def cf_attributes(long_name: str, units: str = "1") -> dict[str, Any]:
+    """What every variable and coordinate that is written says of itself."""
+    return {"long_name": long_name, "units": units}
+
+
+def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
+    """CF attributes of a measure."""
+    attributes = cf_attributes(long_name, unit)
+    if name == "status":
+        attributes |= status.flag_attributes(status.SENTENCES)
+    if name.startswith("kappa"):
+        attributes["comment"] = (
+            "not-a-number where the mean pressure is not above 0: under tension area has no such law"
+        )
+    return attributes
+
+
+def refuse_nonfinite(dataset: xr.Dataset) -> None:
+    """Change a status that is ok where a result of one run, in its units, is not finite."""
+    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
+    dataset["status"].values = finite_status(results)
+
+
+def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
+    """Values in file units; counts and flags keep their integer type."""
+    return values if factor == 1.0 else values * factor
+
+
+def campaign_dataset(
+    coordinates: Mapping[str, tuple[str | tuple[str, ...], list[Any], dict[str, Any]]],
+    rows: Mapping[str, Observable],
+    values: list[dict[str, npt.NDArray[Any]]],
+    unit: Mapping[str, str],
+) -> xr.Dataset:
+    """Dataset `(case, realisation)` of the measures of every case, already in file units, with `step` along a path."""
+    variables = {}
+    values = [case | {"status": finite_status(case)} for case in values]
+    for name, row in rows.items():
+        stacked = np.stack([case[name] for case in values])
+        variables[name] = (
+            ("case", "realisation", "step")[: stacked.ndim],
+            stacked,
+            measure_attributes(name, unit[row.unit], row.long_name),
+        )
+    return indexed(xr.Dataset(variables, attrs={"Conventions": CONVENTIONS})).assign_coords(coordinates)
+
+
+def indexed(dataset: xr.Dataset) -> xr.Dataset:
+    """Dataset with a number for each case, realisation and step."""
+    counted = [str(dim) for dim in dataset.dims if dim in INDICES]
+    return dataset.assign_coords(
+        {name: (name, np.arange(dataset.sizes[name]), cf_attributes(INDICES[name])) for name in counted}
+    )
 
 
 def path_dataset(
@@ -94,7 +256,7 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     Displacements count from the unloaded body on a slab or without a period, and from their own mean on a periodic
     half-space, whose mean displacement has no reference.
     """
-    scene, unit, dims = given.file.scene, given.units, AXES[-given.file.scene.dimension :]
+    scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
@@ -168,7 +330,7 @@ def _add_bodies(
     found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
     dims, pairing = found["height"].dims, pressed.correction.pairing
     assert problem.rough is not None  # as its bodies are
-    whole, rms_gradient = given.units, given.surfaces.rms_gradient
+    whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
@@ -257,7 +419,7 @@ def _add_followed(
     curvature = branch.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
-    step.update({key: given.units.variable((), *variable) for key, variable in found.items()})
+    step.update({key: units_of(given).variable((), *variable) for key, variable in found.items()})
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
@@ -266,7 +428,7 @@ def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
     found = {}
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
-        found[name] = given.units.variable(dims, row.unit, row.long_name, values[name])
+        found[name] = units_of(given).variable(dims, row.unit, row.long_name, values[name])
     return found
 
 
@@ -287,3 +449,48 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     n = dataset.sizes["step"]
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+
+
+_TOLD = {
+    "residual": "largest unbalanced traction over the largest traction",
+    "n_transforms": "fast Fourier transforms of the surface",
+}
+
+
+def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+    """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
+
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
+    """
+    file, deformed, scene = given.file, loaded.deformed, given.file.scene
+    unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
+    found: dict[str, Any] = {}
+    for kind, quantity, values in (
+        ("height", "displacement", deformed.displacement),
+        ("pressure", "traction", deformed.traction),
+    ):
+        for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
+            long_name = f"{component.name} {quantity} of the body, {component.way}"
+            found[component.key(quantity)] = unit.variable(dims, kind, long_name, of_nodes)
+    if given.rough is not None:
+        outwards = "topography of the body, peaks outwards"
+        found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
+        found |= unit.variables(dims, forming_tractions(given.rough, "body", problem.order))
+        row = ROUGH_BODY_OBSERVABLES["next_order"]
+        found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
+    for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
+        row, value = OBSERVABLES[name], getattr(deformed, name)
+        told = replace(row, long_name=_TOLD.get(name, row.long_name))
+        found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
+    attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
+    attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
+    positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
+    dataset = xr.Dataset(found, positions, attributes)
+    refuse_nonfinite(dataset)
+    sentences = implausible(scene)
+    if given.rough is not None:
+        sentences += [sentence for surface in given.measured for sentence in surface.doubts]
+        sentences.append(doubt_of_bodies((given.rough,), problem.order, dataset, "normal_displacement"))
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+    dataset.attrs["validity"] = "\n".join(filter(None, sentences))
+    return dataset

@@ -3,30 +3,48 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces, measured_surfaces, pressed_surfaces
+from gfmd_numba.contact.rough_surfaces import (
+    MeasuredSurfaces,
+    PressedSurfaces,
+    RoughBody,
+    measured_surfaces,
+    pressed_surfaces,
+)
 from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
+from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.scene import BoundaryFile, Document, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.units import in_unit_of
 
-if TYPE_CHECKING:
-    from gfmd_numba.contact.dataset import Units
-
 Described = TypeVar("Described", Scene, LoadedBody, Scene | LoadedBody)
 Given = TypeVar("Given", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
+
+
+Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa and m, or E* and L_x
+
+
+@dataclass(frozen=True)
+class LoadedBodyInput:
+    """A file, what it prescribes, and its body if that is rough; `measured` are the surfaces read from files."""
+
+    file: BoundaryFile
+    prescribed: Prescribed
+    rough: RoughBody | None = None
+    measured: tuple[MeasuredSurface, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -52,13 +70,6 @@ class ContactInput:
         return scales_of(self.file.scene)
 
     @cached_property
-    def units(self) -> "Units":
-        """What each unit of the dimensionless problem is worth, and what it is called in results."""
-        from gfmd_numba.contact.dataset import Units  # which needs xarray, and a worker does not
-
-        return Units.of(self.file.scene, self.surfaces.rms_gradient)
-
-    @cached_property
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
@@ -67,20 +78,62 @@ class ContactInput:
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
 
+def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
+    """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
+    file, surfaces, measured = _with_surfaces(file, document)
+    rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
+    body, dimension = file.scene.body, file.scene.dimension
+    needed = arrays_of_a_loaded_body(dimension, file.slope_order)
+    shape = None if file.points is None else (file.points,) * dimension
+    if rough is not None:
+        shape = rough.heights.shape
+        check_nodes(document, ("scene", "body", "roughness"), rough.heights.size, needed)
+    elif file.points is not None:
+        check_nodes(document, ("points",), float(file.points) ** dimension, needed)
+    arrays = read_boundary(document, file.scene.boundary, dimension, shape)
+    name, given = next(iter(arrays.items()))
+    check_nodes(document, ("scene", "boundary", name), given.size, needed)
+    if body.is_half_space:
+        for component in COMPONENTS[dimension][::-1]:
+            held = component.key("displacement")
+            if held not in arrays:
+                remedy = f"or {body.holder} or a {held}, as nothing holds a half-space"
+                arrays = balanced(document, arrays, component.key("traction"), remedy)
+    elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
+        raise document.refused(
+            ("scene", "boundary", "normal_displacement"),
+            "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
+        )
+    return LoadedBodyInput(file, dict(arrays), rough, measured)
+
+
 def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
-    file, measured = with_measured_surfaces(file, document)
-    check_combination(document, file.scene, file.numerics, file.path)
-    given = ContactInput(file, pressed_surfaces(file, measured, document), None, tuple(measured.values()))
+    file, surfaces, measured = _with_surfaces(file, document)
+    assert surfaces is not None  # of a punch
+    given = ContactInput(file, surfaces, None, measured)
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
-    given = replace(given, tractions=_tractions(file, given.surfaces, document))
+    if file.scene.boundary is not None:
+        shape, gradient = surfaces.surface.shape, surfaces.rms_gradient
+        arrays = read_boundary(document, file.scene.boundary, file.scene.dimension, shape)
+        given = replace(given, tractions=tractions_on_the_body(document, file.scene, arrays, shape, gradient))
     if file.scene.interface.reaches_across:
         check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
     check_room(file, given.surfaces, document, dict(zip(places, displacements, strict=True)))
     return given
+
+
+def _with_surfaces(
+    file: Given, document: Document
+) -> tuple[Given, PressedSurfaces | None, tuple[MeasuredSurface, ...]]:
+    """A file with what its measured surfaces tell, the surfaces that it describes, None if flat, and measured ones."""
+    file, measured = with_measured_surfaces(file, document)
+    check_combination(document, file.scene, file.numerics, file.path if isinstance(file, SceneFile) else ())
+    is_flat = isinstance(file, BoundaryFile) and not file.scene.follows_topography
+    return file, None if is_flat else pressed_surfaces(file, measured, document), tuple(measured.values())
 
 
 def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, MeasuredSurfaces]:
@@ -116,14 +169,6 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
             reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
             raise document.refused(place, str(error)) from None
-
-
-def _tractions(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Tractions | None:
-    scene, shape = file.scene, surfaces.surface.shape
-    if scene.boundary is None:
-        return None
-    arrays = read_boundary(document, scene.boundary, scene.dimension, shape)
-    return tractions_on_the_body(document, scene, arrays, shape, surfaces.rms_gradient)
 
 
 def check_room(

@@ -16,7 +16,7 @@ from gfmd_numba.contact.scales import relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import TIME_TOLERANCE
-from gfmd_numba.text.numbers import si_prefix
+from gfmd_numba.text.numbers import with_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
@@ -128,7 +128,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
     series = relaxation(scene)
-    stiffest = given.units.worth["E*"] * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
+    stiffest = given.scales.modulus * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
     ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
@@ -220,17 +220,12 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
     if not slid > FARTHEST * distance:
         return ""
     unit = "m" if given.file.scene.length else "L_x"
-    way, peaks = (_with_prefix(value, unit) for value in (slid, distance))
+    way, peaks = (with_prefix(value, unit, 3) for value in (slid, distance))
     return (
         f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
         f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
         "real surfaces meet at other places"
     )
-
-
-def _with_prefix(value: float, unit: str) -> str:
-    factor, name = si_prefix(value, unit)
-    return f"{factor * value:.3g} {name}"
 
 
 def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:

@@ -62,16 +62,13 @@ class Balance:
         if laws.cohesive is not None:
             potential += float(laws.cohesive.energy(apart, slip).mean())
         lossless = pressure if repels else wall_pressure(problem, contact, slip)
-        load, mean = problem.load, float(u.mean())
+        load, mean, force = problem.load, float(u.mean()), float(pressure.mean())
         if contact.approach is not None:  # the elastic energy is all there is, and the load works on the approach
-            sunk, force = float(np.ravel(contact.approach)[0]), float(pressure.mean())
-            if problem.mean_pressure is not None:
-                return cls(load, sunk, sliding, traction, potential - load * sunk, lossless, apart, rubbing)
-            return cls(load, force, sliding, traction, potential, lossless, apart, rubbing)
-        if problem.mean_pressure is not None:
-            return cls(load, -mean, sliding, traction, potential - load * mean, lossless, apart, rubbing)
-        force = float(pressure.mean())
-        return cls(load, force, sliding, traction, potential - 0.5 * force * mean, lossless, apart, rubbing)
+            sunk = float(np.ravel(contact.approach)[0])
+            work, conjugate = (0.0, force) if problem.mean_pressure is None else (load * sunk, sunk)
+        else:
+            work, conjugate = (0.5 * force * mean, force) if problem.mean_pressure is None else (load * mean, -mean)
+        return cls(load, conjugate, sliding, traction, potential - work, lossless, apart, rubbing)
 
     def lost(self, before: "Balance") -> float:
         """Work since an earlier contact, forces linear between the two, less what the potential has gained.

@@ -275,6 +275,8 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
 ROUGH_BODY_OBSERVABLES = {
     "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
 }
+# coordinates of what a loading prescribes; the fields of a contact have the short names
+PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 

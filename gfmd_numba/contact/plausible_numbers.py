@@ -8,7 +8,7 @@ from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, numbers_in
-from gfmd_numba.text.numbers import si_prefix
+from gfmd_numba.text.numbers import with_prefix
 
 
 class Common(NamedTuple):
@@ -136,7 +136,7 @@ def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Locati
 
 def _against_modulus(scales: Compared, given: Iterable[Given], of_its_own: bool) -> Iterator[tuple[str, str]]:
     """Names of loads, tractions and hardnesses far from what the contact modulus bears, and a sentence about each."""
-    whole = f" (E* = {_readable(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
+    whole = f" (E* = {with_prefix(scales.modulus, 'Pa')})" if scales.youngs_modulus else ""
     for place, value, quantity in given:
         name, one = str(place[-1]), quantity.scale(scales.length or 1.0, scales.modulus)
         if name not in _UP_TO_MODULUS or (
@@ -164,21 +164,12 @@ def _told(place: Location, value: float, quantity: Quantity, scales: Compared) -
     """Say what a number is: in SI units, if it has any."""
     if not scales.in_si(quantity):
         return f"{dotted(place)} is {value:.6g}"
-    write = _readable if isinstance(value, WithUnit) else _plain
-    return f"{dotted(place)} is {write(value, quantity.si)}"
-
-
-def _plain(value: float, unit: str) -> str:
-    return f"{value:.4g} {unit}"
-
-
-def _readable(value: float, unit: str) -> str:
-    factor, name = si_prefix(abs(value), unit)
-    return _plain(factor * value, name)
+    said = with_prefix(value, quantity.si) if isinstance(value, WithUnit) else f"{value:.4g} {quantity.si}"
+    return f"{dotted(place)} is {said}"
 
 
 def _meant(value: float, quantity: Quantity, units: Iterable[str], low: float, high: float) -> str:
     """Return the question which unit is meant: one or two with which the number lies between two others."""
     sizes = {unit: abs(value) * (quantity.si_value(f"1 {unit}") or 0.0) for unit in units}
-    likely = [_plain(value, unit) for unit, size in sizes.items() if low <= size <= high]
+    likely = [f"{value:.4g} {unit}" for unit, size in sizes.items() if low <= size <= high]
     return f" ({' or '.join(likely[:2])}?)" if likely else ""

@@ -23,7 +23,7 @@ from gfmd_numba.contact.scales import (
 )
 from gfmd_numba.contact.surfaces import Surface
 from gfmd_numba.contact.tractions import Tractions
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
@@ -160,11 +160,11 @@ def _below_the_top(body: ElasticBody) -> tuple[str, str, float, str]:
     if body.stack is not None:
         n = len(body.stack.heights)
         name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
-        effect = stiffness.deviation(body.condensed_stiffness, body.stack.heights[0])
+        effect = body.deviation()
         bound = "what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most"
         return name, "both displacements feel them", effect, f"{bound} {effect:.1e}"
     assert body.aspect_ratio is not None  # of what is no half-space
-    effect = stiffness.stiffening(body.nu, body.aspect_ratio)
+    effect = body.deviation()
     name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
     bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
     return name, "its mean displacement counts", effect, bound

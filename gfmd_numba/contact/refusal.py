@@ -36,7 +36,7 @@ def check_combination(
     if numerics.solver not in (known := ("auto", *SOLVERS)):
         raise document.unknown(("numerics", "solver"), known)
     _raise(document, refusals(scene, numerics, path, grid))
-    if isinstance(scene, Scene) and _has_hardness(scene, grid or {}):
+    if isinstance(scene, Scene) and (_has_hardness(scene, grid or {}) or scene.body.plasticity is not None):
         from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without
 
         check_bearable(document, scene, path, grid or {})
@@ -79,7 +79,7 @@ def _features(
     if isinstance(scene, LoadedBody):
         parts.append(iter([("prescribed", ("scene", "boundary"))]))
     else:
-        parts += [_of_contact(scene, path, grid or {}), _on_inclined_surfaces(scene, grid or {})]
+        parts.append(_of_contact(scene, path, grid or {}))
     if grid is not None:
         parts.append(iter([("campaign", ("grid",))]))
     for feature, location in chain(*parts):
@@ -130,9 +130,7 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     for name, law in scene.interface.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
             yield feature, ("scene", "interface", name)
-    if _has_hardness(scene, grid):
-        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
-    yield from (("sticking", location) for location in _infinite_friction(scene, grid))
+    yield from _of_touching_nodes(scene, grid)
     if not scene.interface.couples and scene.interface.wear is None:
         yield "contact without drag", ("scene", "interface")
     if not scene.interface.reaches_across:
@@ -188,19 +186,18 @@ def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
         yield "radius_y", ("grid", "radius_y")
 
 
-def _on_inclined_surfaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """What acts between inclined deformable surfaces and is known at order 0 in their slope alone."""
-    if scene.touches_inclined and _has_hardness(scene, grid):
-        yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
-
-
-def _infinite_friction(scene: Scene, grid: Grid) -> Iterator[Location]:
-    """Where the file says that touching nodes stick."""
-    if "friction_coefficient" in grid:
-        values = enumerate(grid["friction_coefficient"])
-        yield from (("grid", "friction_coefficient", i) for i, value in values if isinf(value))
-    elif scene.interface.friction is not None and isinf(scene.interface.friction.coefficient):
-        yield "scene", "interface", "friction", "coefficient"
+def _of_touching_nodes(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+    """What bounds the tractions of touching nodes, or does not."""
+    if _has_hardness(scene, grid):
+        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
+        if scene.touches_inclined:
+            yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
+    friction = scene.interface.friction
+    for i, coefficient in enumerate(grid.get("friction_coefficient", ())):
+        if isinf(coefficient):
+            yield "sticking", ("grid", "friction_coefficient", i)
+    if "friction_coefficient" not in grid and friction is not None and isinf(friction.coefficient):
+        yield "sticking", ("scene", "interface", "friction", "coefficient")
 
 
 def _has_hardness(scene: Scene, grid: Grid) -> bool:

@@ -1,6 +1,7 @@
 """The rough surfaces of a scene as heights, and what they are when pressed together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from math import hypot, prod
 
@@ -89,10 +90,13 @@ def measured_surfaces(
     return surfaces, length
 
 
-def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_surfaces(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
-    if file.scene.follows_topography:
-        return pressed_bodies(file, measured, document)
+    if isinstance(file, BoundaryFile) or file.scene.follows_topography:
+        order = file.numerics.slope_order(file.scene)
+        summed, bodies = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
+        drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
+        return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
 
@@ -150,19 +154,9 @@ def _of_the_punch(
 ) -> tuple[RandomSurface | GivenSurface, float]:
     scene = file.scene
     if isinstance(scene.roughness, Measured):
-        try:
+        with usable(document, ("scene", "roughness"), scene.roughness):
             return given_surface(measured["roughness",].in_periods, periodic=scene.periodic)
-        except ValueError as error:
-            raise _unusable_file(scene.roughness, document, ("scene", "roughness"), error) from None
     return _random(("roughness",), scene, file.discretisation, file.seed, document)
-
-
-def pressed_bodies(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
-    """Surfaces of a scene whose topographies are followed, with its bodies; raises InputError for unusable ones."""
-    order = file.numerics.slope_order(file.scene)
-    summed, rough = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
-    bodies = check_drawn(file.scene, summed, rough, file.realisation, document)
-    return PressedSurfaces(summed, summed.rms_gradient, bodies, rough)
 
 
 def ensemble_of_rough_bodies(
@@ -218,10 +212,8 @@ def check_drawn(
     places = list(scene.surfaces)
     drawn = []
     for place, part in zip([*places, ("form",)], summed.parts, strict=False):
-        try:
+        with usable(document, ("scene", *place)):
             drawn.append(part.drawn(realisation))
-        except ValueError as error:
-            raise _unusable(document, ("scene", *place), error) from None
     bodies = []
     for name, each in zip(BODIES, rough.bodies, strict=False):
         try:
@@ -264,28 +256,22 @@ def _random(
     """Ensemble of the record at a place, and the rms gradient asked of it."""
     record = scene.surfaces[place]
     assert isinstance(record, Random)  # any other is measured
-    try:
+    with usable(document, ("scene", *place)):
         return random_surface(record, scene, discretisation, seed)
-    except ValueError as error:
-        raise _unusable(document, ("scene", *place), error) from None
 
 
 def _field(record: Measured, document: Document, place: Place, read: Reader) -> Field:
-    try:
+    with usable(document, place, record):
         return measured_field(record, read)
-    except ValueError as error:
-        raise _unusable_file(record, document, place, error) from None
 
 
 def _measured(
     field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
     record = field.record
-    try:
-        dimension = scene.dimension if "dimension" in scene.model_fields_set else None
+    dimension = scene.dimension if "dimension" in scene.model_fields_set else None
+    with usable(document, place, record):
         found = periodic_surface(field, length, dimension, scene.has_moduli, told_by, scene.periodic)
-    except ValueError as error:
-        raise _unusable_file(record, document, place, error) from None
     if record.periodic == "window":
         found = replace(found, doubts=(*found.doubts, _FADED))
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
@@ -303,13 +289,16 @@ def _measured(
     return found
 
 
-def _unusable(document: Document, place: Place, error: ValueError) -> InputError:
-    return document.refused(place, f"a usable surface, not {error}")
-
-
-def _unusable_file(record: Measured, document: Document, place: Place, error: ValueError) -> InputError:
-    allowed = "a table of equidistant heights in units that are stated"
-    return InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed))
+@contextmanager
+def usable(document: Document, place: Place, record: Measured | None = None) -> Iterator[None]:
+    """Raise InputError for a surface at a place that cannot be used, by its file or heights if it is measured."""
+    try:
+        yield
+    except ValueError as error:
+        if record is None:
+            raise document.refused(place, f"a usable surface, not {error}") from None
+        allowed = "a table of equidistant heights in units that are stated"
+        raise InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed)) from None
 
 
 def rough_body(body: DeformableBody, drawn: Sequence[Reals], order: int) -> RoughBody:

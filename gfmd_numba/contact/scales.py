@@ -181,7 +181,7 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
     whole = whole_body_yields(scene.body) / (rms_gradient * true_modulus)
     if found >= whole:
-        raise ValueError(f"below {in_unit_of(load, whole * unit)}, at which the body yields at all depths")
+        raise ValueError(f"below {in_unit_of(load, whole * unit)}, at which {_YIELDS}")
     plastic = plastic_pressure(scene.interface)
     if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
         raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
@@ -238,6 +238,9 @@ def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] |
     return min(hardnesses) - law.pull * max(max(works) / length for length in (min(ranges), max(ranges)))
 
 
+_YIELDS = "the body yields at all depths"
+
+
 def at_most(interface: Interface) -> str:
     """Say what the mean pressure of a wholly plastic contact is."""
     law = interface.law_of_the_gap
@@ -246,29 +249,40 @@ def at_most(interface: Interface) -> str:
 
 
 def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]) -> None:
-    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness cannot bear.
+    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness or body cannot bear.
 
     Surfaces of an rms height have no gradient before they are made: reduction refuses their reduced pressures.
     """
-    plastic = plastic_pressure(scene.interface, grid)
+    plastic, reason = plastic_pressure(scene.interface, grid), at_most(scene.interface)
     if plastic is None:
+        plastic, reason = _first_whole_yield(scene, grid), _YIELDS
+    if not math.isfinite(plastic):
         return
     for location, pressure in _prescribed("pressure", scene, path, grid):
         if pressure >= plastic:
-            allowed = f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {at_most(scene.interface)}"
-            raise document.refused(location, allowed)
+            raise document.refused(location, f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {reason}")
     own = scene.roughness.rms_gradient if isinstance(scene.roughness, Random) else None
     gradients = grid.get("rms_gradient", () if own is None else (own,))
     if not gradients:
         return
-    stiffest = max(scales_of(each).modulus for each in _bodies(scene, grid.get("poissons_ratio", ())))
+    stiffest = max(scales_of(each).modulus for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
     most = plastic * scales_of(scene).stiffness / (max(gradients) * stiffest)
     for location, pressure in _prescribed("reduced_pressure", scene, path, grid):
         if pressure >= most:
-            raise document.error(location, pressure, f"below {most:.6g}, at which {at_most(scene.interface)}")
+            raise document.error(location, pressure, f"below {most:.6g}, at which {reason}")
 
 
-def _bodies(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
+def _first_whole_yield(scene: Scene, grid: Mapping[str, Sequence[float]]) -> float:
+    """Least pressure under which a body of a scene or its grid yields far below its surface, or infinity."""
+    if scene.body.plasticity is None:
+        return math.inf
+    share = min(grid.get("yield_stress", (1.0,))) / (
+        scene.body.plasticity.yield_stress if "yield_stress" in grid else 1.0
+    )
+    return share * min(whole_body_yields(each.body) for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
+
+
+def _with_ratios(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
     """The scene with each Poisson's ratio of a grid."""
     bodies = (scene.body.model_copy(update={"poissons_ratio": ratio}) for ratio in ratios)
     return [scene.model_copy(update={"body": body}) for body in bodies] or [scene]

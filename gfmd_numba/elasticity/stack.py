@@ -32,11 +32,24 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
-from gfmd_numba.elasticity.transfer import Transfer, across_transfer
 
 _FADED = 40.0  # q depth below which nothing is felt at the surface: exp(-2 q depth) (q depth)^2 < 1e-31
 _CHUNK = 2**14  # waves taken at once, whose matrices stay in the cache
 _THIN = 1.0  # q h below which a layer is taken as a whole
+
+
+@dataclass(frozen=True)
+class Transfer:
+    """What one unit of U_1 and of U_3 at the surface makes of U_1, U_3, P and W at a depth, wave by wave.
+
+    P and W are conjugate harmonic functions, P' = -q W: 2 (1 - 2 nu) q P is the dilatation, 2 (1 - nu) q W the
+    rotation, so that stresses over the shear modulus stay finite at nu = 1/2 (2.4).
+    """
+
+    u1: tuple[Reals, Reals]
+    u3: tuple[Reals, Reals]
+    p: tuple[Reals, Reals]
+    w: tuple[Reals, Reals]
 
 
 @dataclass(frozen=True)
@@ -110,12 +123,15 @@ class Stack:
 
     def transfer(self, depth: float, q: Reals) -> Transfer:
         """Transfer of waves q > 0 from the surface to a depth."""
-        compliances = self._compliances(q)
-        traction = inverse(compliances[0])  # over q, of unit displacements at the surface
-        above = 0.0
-        for i, (height, material) in enumerate(zip(self.heights, self.materials, strict=True)):
+        below, layers = self._compliance_of_base(q), []
+        for height, material in reversed(list(zip(self.heights, self.materials, strict=True))):
             scale = 2.0 * material.shear
-            layer = Layer(q * height, material.poissons_ratio, scale * compliances[i + 1])
+            layers.append((height, material, Layer(q * height, material.poissons_ratio, scale * below)))
+            below = layers[-1][2].compliance() / scale
+        traction = inverse(below)  # over q, of unit displacements at the surface
+        above = 0.0
+        for height, material, layer in reversed(layers):
+            scale = 2.0 * material.shear
             inside = depth <= (above + height) * (1.0 + 1e-12)
             # to the last digit at the bottom, as a wave may decay within less than the rounding of a depth
             state = layer.state(q * min(depth - above, height) if inside else q * height, traction / scale)
@@ -133,6 +149,11 @@ class Stack:
         p, w = (t3 - 2.0 * u1) / over, (t1 - 2.0 * u3) / over
         return Transfer(*((each[0], each[1]) for each in (u1, u3, p, w)))
 
+    def _compliance_of_base(self, q: Reals) -> Reals:
+        if self.base is None:
+            return np.zeros((2, 2, len(q)))
+        return np.broadcast_to(half_space(self.base.poissons_ratio), (2, 2, len(q))) / (2.0 * self.base.shear)
+
     def _compliances_across(self, q: Reals) -> list[Reals]:
         """Compliance times q of waves of shear across q, from each layer's top downwards, the base's last, in 1/E*."""
         found = [np.full_like(q, 0.0 if self.base is None else 1.0 / self.base.shear)]
@@ -143,19 +164,26 @@ class Stack:
 
     def _compliances(self, q: Reals) -> list[Reals]:
         """Compliance times q `[2, 2, wave]` of all from each layer's top downwards, the base's last, in 1/E*."""
-        if self.base is None:
-            below = np.zeros((2, 2, len(q)))
-        else:
-            below = np.broadcast_to(half_space(self.base.poissons_ratio), (2, 2, len(q))) / (2.0 * self.base.shear)
-        found = [below]
+        found = [self._compliance_of_base(q)]
         tops = [0.0, *accumulate(self.heights)]
         for top, height, material in reversed(list(zip(tops, self.heights, self.materials, strict=False))):
             scale, nu = 2.0 * material.shear, material.poissons_ratio
             compliance = np.broadcast_to(half_space(nu), (2, 2, len(q))).copy()  # of waves that fade above it
-            felt = q * top < _FADED
+            felt = q * max(top, height) < _FADED  # what is below at the layer's top, and that at the surface
             compliance[..., felt] = Layer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
             found.append(compliance / scale)
         return found[::-1]
+
+
+def across_transfer(depth: float, q: Reals, height: float, below: Reals | float) -> tuple[Reals, Reals]:
+    """Transfer of waves of shear, u'' = q^2 u, from the top of a layer to a depth in it (L_x), for q > 0 `[wave]`.
+
+    Return the displacement at the depth and its slope in z over q, both over the displacement on top. `below` is q
+    times the compliance of what lies below the layer, times the layer's shear modulus: 0 if rigid, 1 if the same.
+    """
+    less, less_on_top = -np.expm1(-2.0 * q * (height - depth)), -np.expm1(-2.0 * q * height)
+    scale = np.exp(-q * depth) / (less_on_top + below * (2.0 - less_on_top))
+    return scale * (less + below * (2.0 - less)), scale * (2.0 - less + below * less)
 
 
 def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Material | None) -> Stack:
@@ -213,10 +241,11 @@ class Layer:
     def _of_bottom(self, y: Reals, below: Reals) -> Reals:
         """Displacements and tractions at q times a height y above the bottom, for unit tractions there."""
         b, half = self._b, 0.5 * (1.0 + self._b)
+        rest = (1.0 - 2.0 * self._nu) / (1.0 - self._nu)  # 1 - b, to all digits
         sinh, cosh = np.sinh(y), np.cosh(y)
         bend, shear = half * (2.0 * y * np.sinh(0.5 * y) ** 2 - scaled_sinh_minus_x(y) * np.exp(y)), half * y * sinh
         own = np.array([[cosh + shear, -sinh - bend], [b * sinh + bend, cosh - shear]])
-        soft = np.array([[2.0 * sinh + bend, -shear], [shear, (1.0 - b) * sinh - bend]])
+        soft = np.array([[2.0 * sinh + bend, -shear], [shear, rest * sinh - bend]])
         stiff = np.array([[2.0 * half * sinh + bend, -shear], [shear, -bend]])
         carried = np.array([[cosh + shear, -b * sinh - bend], [sinh + bend, cosh - shear]])
         return np.array([product(own, below) + soft, product(stiff, below) + carried])

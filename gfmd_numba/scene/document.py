@@ -264,6 +264,9 @@ def _schema(model: type[BaseModel]) -> dict[str, Any]:
     return model.model_json_schema()
 
 
+_MEASURED = "'measured' for the heights of a file: add `method: measured`"
+
+
 def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> str:
     location, node = _at(schema, fault["loc"])
     match fault["type"]:
@@ -280,8 +283,11 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             hint = _belongs(schema, location) or nearest(location[-1], siblings)
             return document.key_line(location, "an unknown key", _listed(siblings), hint)
         case "union_tag_invalid" | "union_tag_not_found":
+            given = document.value(location)
             location += (node["discriminator"]["propertyName"],)
             node = {"enum": list(node["discriminator"]["mapping"])}
+            if isinstance(given, dict) and "file" in given and "measured" in node["enum"]:
+                return document.line(location, brief(document.value(location)), _MEASURED)
     value = document.value(location)
     hint = nearest(value, node.get("enum", ()))
     number = plain_scalar(value) if isinstance(value, str) else None

@@ -105,18 +105,19 @@ def located_files(document: Document, scene: Scene | LoadedBody) -> dict[str, ob
     """Parts of a scene by name, whose files have absolute paths; raises InputError for one that does not exist."""
     located: dict[str, object] = {}
     if isinstance(scene, Scene):
-        located["roughness"] = _located_surface(document, ("scene", "roughness"), scene.roughness)
+        located["roughness"] = located_surface(document, ("scene", "roughness"), scene.roughness)
     for name in ("body", "counter_body"):
         body: Body | None = getattr(scene, name, None)
         if body is not None:
-            surface = _located_surface(document, ("scene", name, "roughness"), body.roughness)
+            surface = located_surface(document, ("scene", name, "roughness"), body.roughness)
             located[name] = body.model_copy(update={"roughness": surface})
     if scene.boundary is not None:
         located["boundary"] = located_boundary(document, scene.boundary)
     return located
 
 
-def _located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:
+def located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:
+    """The same, whose file has an absolute path; raises InputError for one that does not exist."""
     if not isinstance(surface, Measured) or surface.file is None:
         return surface
     file = existing_file(document, (*location, "file"), surface.file, ())

@@ -6,15 +6,10 @@ import xarray as xr
 
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.contact_dataset import path_dataset
-from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
+from gfmd_numba.contact.contact_input import read_contact, read_loaded_body
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.loaded_body import (
-    loaded_body_dataset,
-    read_loaded_body,
-    reduce_loaded_body,
-    solve_boundary_value_problem,
-)
+from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
 from gfmd_numba.scene import BoundaryFile, Document, SceneFile
 
 

@@ -5,7 +5,7 @@ import xarray as xr
 from scipy.sparse.linalg import LinearOperator, cg
 
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, cf_attributes
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform

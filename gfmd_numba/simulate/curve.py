@@ -17,12 +17,11 @@ from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact.contact_dataset import step_dataset
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.dataset import CONVENTIONS, PRESCRIBED, cf_attributes, load_attributes
 from gfmd_numba.contact.doubts import FEW_NODES, doubts
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.observables import OBSERVABLES
+from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
@@ -358,7 +357,7 @@ def _standard_error(values: xr.DataArray) -> xr.DataArray:
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     """Add what the path and the size of the period make of the recorded scalars."""
     scene = curve.given.file.scene
-    one = curve.given.units.worth["pressure"]
+    one = units_of(curve.given).worth["pressure"]
     found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
@@ -370,7 +369,7 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
 
 
 def _stiffness_attributes(given: ContactInput) -> dict[str, Any]:
-    unit = given.units.names
+    unit = units_of(given).names
     per = [unit["pressure"]] if unit["pressure"] != "1" else []
     per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
     long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"

@@ -12,7 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, Units, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, Units, cf_attributes
 from gfmd_numba.contact.scales import effective_modulus, scales_of
 from gfmd_numba.elasticity import fields, free_fields, topography
 from gfmd_numba.elasticity.body import ElasticBody

@@ -8,12 +8,13 @@ import xarray as xr
 from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.dataset import CONVENTIONS, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.contact.rough_surfaces import usable
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
-from gfmd_numba.scene import Document, InputError
+from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Random
@@ -85,14 +86,8 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
 
 def made_surface(file: SurfaceFile, document: Document) -> Made:
     """Surface of a file; raises InputError for a description that makes no sense or a file that cannot be used."""
-    try:
+    with usable(document, ("surface",), file.surface if isinstance(file.surface, Measured) else None):
         return make(file)
-    except ValueError as error:
-        if isinstance(file.surface, Measured):
-            given = f"{file.surface.shown} ({error})"
-            allowed = "a table of equidistant heights in units that are stated"
-            raise InputError(document.line(("surface", file.surface.key), given, allowed)) from None
-        raise document.refused(("surface",), f"a usable surface, not {error}") from None
 
 
 def _described(made: Made) -> xr.Dataset:

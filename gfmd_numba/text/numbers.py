@@ -33,14 +33,24 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
     return 1 / scale, letter + _PREFIXED[unit]
 
 
+def with_prefix(value: float, unit: str, digits: int = 4) -> str:
+    """Return a value to so many digits, with the prefix of its unit that suits it."""
+    factor, name = si_prefix(abs(value), unit)
+    return f"{factor * value:.{digits}g} {name}"
+
+
 _ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
 
 
 def typical(values: Iterable[float]) -> float:
-    """Return the size that tables and pictures choose the prefix of many numbers by: halfway between their powers."""
+    """Return the size that tables and pictures choose the prefix of many numbers by.
+
+    It is halfway between their powers, as 1 to 1000 MPa read better than 0.001 to 1 GPa; but no less than a hundredth
+    of the largest, which would else be written with many digits for the sake of the smallest.
+    """
     known = [abs(value) for value in values if isfinite(value)]
     sizes = [size for size in known if size > _ROUNDING * max(known)]
-    return sqrt(min(sizes)) * sqrt(max(sizes)) if sizes else 0.0
+    return max(sqrt(min(sizes)) * sqrt(max(sizes)), max(sizes) / 100.0) if sizes else 0.0
 
 
 _FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten

@@ -9,7 +9,7 @@ import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, leakage
 from support.solved_maps import made, pressed, wave
 
-analysis_leakage = import_module("gfmd_numba.analysis.gap_percolation")  # the room has a function of that name
+gap_of_a_map = import_module("gfmd_numba.analysis.gap_percolation")  # the room has a function of that name
 
 OPEN = np.zeros((32, 32), dtype=bool)
 
@@ -183,6 +183,6 @@ def test_more_nodes_than_memory_takes_are_told(monkeypatch):
     def factorise(*arguments, **options):
         raise MemoryError
 
-    monkeypatch.setattr(analysis_leakage, "splu", factorise)
+    monkeypatch.setattr(gap_of_a_map, "splu", factorise)
     with pytest.raises(UnusableDataError, match="you gave channels of 1024 nodes, whose flow takes more memory"):
         leakage(made(OPEN))

@@ -240,7 +240,7 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
     local = execution.local
-    monkeypatch.setattr(execution, "local", lambda count: (started.append(count), local(count))[1])
+    monkeypatch.setattr(execution.cluster, "local", lambda count: (started.append(count), local(count))[1])
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert len(outcome.rounds.rounds) > 1
     assert started == [1]
@@ -250,6 +250,6 @@ def test_local_workers_start_once(reached, tmp_path, monkeypatch):
 
 
 def test_no_worker_starts_before_the_memory_is_looked_at(tmp_path, monkeypatch):
-    monkeypatch.setattr(execution, "local", lambda count: pytest.fail("started"))
+    monkeypatch.setattr(execution.cluster, "local", lambda count: pytest.fail("started"))
     with pytest.raises(InputError, match=r"--workers: you gave 1000000, .* gfmd allows at most \d+"):
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1_000_000))

@@ -125,7 +125,7 @@ def test_a_mean_gap_reaches_its_target(tmp_path):
 @pytest.mark.long
 def test_a_limit_that_vanishes_is_never_reached(tmp_path, monkeypatch):
     """The mean gap at a fixed rms gradient, were it not refused beforehand."""
-    monkeypatch.setattr(goal, "unheld", lambda *given: "")
+    monkeypatch.setattr(goal.observables, "unheld", lambda *given: "")
     known = {"fit": {"exponents": "free", "fixed": {"eps_c": [1.5, 4], "eps_f": [0.15, 2]}}}
     scene = SCENE | {"roughness": {"method": "psd", "hurst": 0.3, "rms_gradient": 0.01}}
     file = {"name": "gap", "seed": 1, "scene": scene} | LEVELS | known

@@ -9,6 +9,7 @@ from gfmd_numba.analysis.plots import style
 from gfmd_numba.cli import tables
 from gfmd_numba.cli.tables import readable
 from gfmd_numba.scene.units import ENERGY_PER_AREA, FORCE_PER_LENGTH, LENGTH, PRESSURE
+from gfmd_numba.text.numbers import si_prefix, typical
 from support.campaigns import SMALL
 from support.command_line import gfmd
 from support.faulty_files import changed
@@ -35,6 +36,19 @@ from support.scenes import SCENE, SURFACE
 )
 def test_a_value_has_the_prefix_that_makes_it_short(value, unit, expected):
     assert readable(value, unit) == expected
+
+
+@pytest.mark.parametrize(
+    ("values", "unit"),
+    [
+        ([1e6, 1e9], "MPa"),  # halfway, as both are short then
+        ([0.0, 3e6], "MPa"),
+        ([1e-6, 2e8], "MPa"),  # what is nearly nothing does not make the others long
+        ([float("nan")], "Pa"),
+    ],
+)
+def test_numbers_of_a_column_share_the_unit_of_the_large_ones(values, unit):
+    assert si_prefix(typical(values), "Pa")[1] == unit
 
 
 @pytest.mark.parametrize("value", [1.23456e-11, 3.3e-7, 0.25, 77.7, 123456.0, 8.5e10])

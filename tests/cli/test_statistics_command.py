@@ -36,7 +36,7 @@ def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(fold
     xr.testing.assert_allclose(written, gfmd_numba.contact_statistics(folder / "map.nc"))
     assert "gap_connects" not in written
     printed = [line.split("  ")[0] for line in done.stdout.splitlines()[2:]]
-    assert printed == ["Persson's contact area", "mean gap over rms height", "perimeter"]
+    assert printed == ["contact area fraction", "Persson's estimate of it", "mean gap over rms height", "perimeter"]
 
 
 def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 
 import gfmd_numba
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from support.laws import nearly_flat
 
@@ -20,7 +20,7 @@ def flat_energy(u, position, body):
 @pytest.mark.parametrize("step", [0.08, 0.02])
 def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_whatever_the_step(tmp_path, step):
     """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
-    body = stiffness.uniform(0.3, 0.1)
+    body = slab_stiffness.uniform(0.3, 0.1)
     gap = LENGTH * np.log(WORK / (LENGTH**2 * body))
     jump_in, pull_off = -(gap + LENGTH), -WORK / (LENGTH * body)
     path = np.concatenate([np.arange(jump_in - 2.5 * step, 0.0, step), np.arange(0.0, pull_off - 2.5 * step, -step)])
@@ -41,7 +41,7 @@ def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_whatever_the_step(tm
     # of the softest wave, as long as the surfaces are apart
     loose = np.flatnonzero(path[: jumped[0]] < jump_in)
     gaps = found["gap"].mean("x").values[loose]
-    softest = stiffness.slab(grid.wavenumbers(256), 0.3, 0.1).min()
+    softest = slab_stiffness.slab(grid.wavenumbers(256), 0.3, 0.1).min()
     expected = 1.0 - WORK / LENGTH**2 * np.exp(-gaps / LENGTH) / softest
     np.testing.assert_allclose(found["stability"].values[loose], expected, atol=1e-4)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 import textbook
 
 import gfmd_numba
@@ -77,7 +78,7 @@ def test_all_solvers_find_the_same_contact():
     q = grid.wavenumbers(1024)
     for hurst in (0.3, 0.8):
         heights = self_affine.profiles(hurst, 2, 256, 1024, 2, range(2))
-        for body in (stiffness.half_space(q), stiffness.slab(q, 0.49, 0.05)):
+        for body in (stiffness.half_space(q), slab_stiffness.slab(q, 0.49, 0.05)):
             for load in (0.007, 0.05, 0.3, 1.0):
                 verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
                 for other in others:
@@ -102,7 +103,7 @@ def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
 def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
     heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
-    body = stiffness.half_space(q) if np.isinf(aspect_ratio) else stiffness.slab(q, nu, aspect_ratio)
+    body = stiffness.half_space(q) if np.isinf(aspect_ratio) else slab_stiffness.slab(q, nu, aspect_ratio)
     solvers = SOLVERS[:3] if np.isinf(aspect_ratio) else SOLVERS[1:3]  # dynamics of thin slabs take seconds
     results = [press(heights, load, solver, body, residual=1e-8) for solver in solvers]
     for result in results:
@@ -125,7 +126,7 @@ def test_displacement_control_inverts_load_control(nu, solvers):
     """The punch displacement that a load produces reproduces that load and contact."""
     nx, a, load = 256, 0.2, 0.05
     heights = self_affine.profiles(0.8, 2, 32, nx, 4, range(1))
-    body = stiffness.slab(grid.wavenumbers(nx), nu, a)
+    body = slab_stiffness.slab(grid.wavenumbers(nx), nu, a)
     by_load = press(heights, load, body=body)
     punch = heights.max() - heights
     # what the load adds to the displacement is its mean: the slab is compressed by load / K(0)
@@ -149,7 +150,7 @@ def test_solve_returns_fields_in_equilibrium():
     assert {result[name].attrs["units"] for name in ("height", "displacement", "gap", "x")} == {"m"}
     assert result["pressure"].attrs["units"] == "Pa"
     assert float(result["x"][1]) == pytest.approx(length / n)
-    body = stiffness.slab(grid.wavenumbers(n), nu, a) * e_star / length
+    body = slab_stiffness.slab(grid.wavenumbers(n), nu, a) * e_star / length
     restored = grid.signal(-body * grid.coefficients(result["displacement"].values), n)
     np.testing.assert_allclose(restored, result["pressure"], atol=1e-6 * float(result["pressure"].max()))
     assert float(result["rms_gradient"]) == pytest.approx(0.02)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 from scipy.special import ive
 
 from gfmd_numba.contact.law_resolution import COARSEST
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -20,7 +20,7 @@ OPTIONS = Options("truncated_newton", residual=1e-6)
 def pull_off(nodes):
     """Largest tension of a wave on a slab of height 1, drawn back in short steps, and x."""
     law, x = Interactions(True, ExponentialLaw(WORK, 2 * RANGE)), np.arange(nodes) / nodes
-    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    body = slab_stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
     before, most = None, 0.0
     for displacement in np.arange(-0.04, -0.12, -5e-4):
         punch = (AMPLITUDE * (1 - np.cos(2 * np.pi * x)) - displacement)[np.newaxis]
@@ -47,7 +47,7 @@ def first_pull_off(nodes, work, tabor):
     """Largest tension on the branch that is drawn back from first touch, and x."""
     stretch = (work**2 / (4 * np.pi**2 * AMPLITUDE)) ** (1 / 3)
     law = ExponentialLaw(work, stretch / tabor)
-    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
+    body = slab_stiffness.slab(grid.wavenumbers(nodes), 0.3, 1.0)
     punch, before, most = AMPLITUDE * (1 - np.cos(2 * np.pi * np.arange(nodes) / nodes))[np.newaxis], None, 0.0
     while before is None or before.touching.any():
         start = None if before is None else following(before, punch, 0.0)

@@ -137,22 +137,21 @@ def test_a_cylinder_that_sets_off_in_a_window_comes_to_roll_as_hunter_says():
     """Marched over nodes that rest, far from where it touched down; nothing of this is periodic."""
     radius, modulus, lag, load = 1.0, 3.0, 0.02, np.pi / 8.0**2 / 4.0
     width, _, friction = rolling(load, radius, modulus, lag)
-    ways = 0.2, 0.22
-    path = [{"sliding": way, "duration": (way - last) / lag} for last, way in zip((0.0, *ways), ways, strict=False)]
+    path = [{"duration": 20.0}, {"sliding": 0.2, "duration": 0.2 / lag}, {"sliding": 0.22, "duration": 0.02 / lag}]
     found = in_a_window(1, 256, {"line_load": load}, path, 2e-2)
-    assert float(found["contact_radius"][-1]) == pytest.approx(width, rel=1e-2)
-    assert float(found["hysteretic_friction"][-1]) == pytest.approx(friction, rel=1e-2)
+    assert float(found["contact_radius"][-1]) == pytest.approx(width, rel=3e-3)
+    assert float(found["hysteretic_friction"][-1]) == pytest.approx(friction, rel=3e-3)
     work = friction * float(found["mean_pressure"][-1]) * 0.02
-    assert float(found["energy_lost"][-1]) == pytest.approx(work, rel=1e-2)
+    assert float(found["energy_lost"][-1]) == pytest.approx(work, rel=3e-3)
 
 
 def test_a_ball_that_jumps_in_a_window_finds_a_glassy_body_that_remembers_nothing_else():
     found = in_a_window(2, 32, {"force": 4.0 * 0.15**3 / 3.0}, [{"sliding": 0.25, "sliding_y": -0.125}], 1e-2)
+    touching = found["pressure"][1].values > 0.0
     for name in ("pressure", "height"):
-        moved = np.roll(found[name][0], (-4, 8), axis=(0, 1))
-        touching = moved[found["pressure"][1].values > 0.0] if name == "height" else moved
-        here = found[name][1].values[found["pressure"][1].values > 0.0] if name == "height" else found[name][1]
-        np.testing.assert_allclose(here, touching, atol=1e-8 * float(abs(found[name]).max()))
+        landed, here = np.roll(found[name][0], (-4, 8), axis=(0, 1)), found[name][1].values
+        where = touching if name == "height" else ...  # a parabola does not come in again at the other end
+        np.testing.assert_allclose(here[where], landed[where], atol=1e-8 * float(abs(found[name]).max()))
 
 
 @pytest.mark.parametrize("slab", [{}, {"poissons_ratio": 0.3, "aspect_ratio": 0.1}])

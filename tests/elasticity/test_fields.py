@@ -3,9 +3,10 @@
 import mpmath
 import numpy as np
 import pytest
+import slab_stiffness
 from inner_fields import inside
 
-from gfmd_numba.elasticity import fields, stiffness, transfer
+from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 
@@ -31,14 +32,15 @@ def test_transfer_is_2_4(nu):
     for k in [*np.logspace(-5, 2.4, 30), 0.999, 1.001]:
         for part in (0.0, 1e-3, 0.3, 0.6, 0.999, 1.0):
             depth = 0.5 * part
-            found = transfer.slab_transfer(depth, np.array([k / 0.5]), 0.5, nu)
+            found = ElasticBody(nu, 0.5).transfer(depth, np.array([k / 0.5]))
             with mpmath.workdps(60 + int(k)):
                 true = exact(mpmath.mpf(k), mpmath.mpf(k) * (1 - mpmath.mpf(part)), nu)
                 for row, pair in enumerate((found.u1, found.u3, found.p, found.w)):
                     # what a wave of the surface amounts to: the larger of its values at depth and near the surface
                     for column in range(2):
                         size = abs(true[row, column]) + mpmath.exp(-k * part) * (1 if row < 2 else 1 / k)
-                        assert abs(pair[column][0] - true[row, column]) < 1e-12 * size, (k, part, row, column)
+                        allowed = (1e-12 + 1e-14 / k) * size  # tractions on a thin layer are larger by 1/k
+                        assert abs(pair[column][0] - true[row, column]) < allowed, (k, part, row, column)
 
 
 def random_surface(body, seed=1):
@@ -114,7 +116,7 @@ def test_normal_displacement_under_pressure_is_that_of_the_condensed_stiffness()
     for nu in (0.0, 0.33, 0.5):
         body = ElasticBody(nu, 0.2)
         found = inside(fields.surface_under_tractions(np.stack((0 * pressure, -pressure)), body), np.zeros(1), body)
-        expected = grid.signal(-grid.coefficients(pressure) / stiffness.slab(q, nu, 0.2), 32)
+        expected = grid.signal(-grid.coefficients(pressure) / slab_stiffness.slab(q, nu, 0.2), 32)
         np.testing.assert_allclose(found.u3[0], expected, atol=1e-14)
 
 
@@ -136,7 +138,7 @@ def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
 @pytest.mark.parametrize("nu", RATIOS)
 def test_deep_slab_is_the_half_space(nu):
     q, depth = 2 * np.pi * np.array([1.0, 10.0, 1e3, 1e6, 1e9]), 0.003
-    deep, limit = transfer.slab_transfer(depth, q, 20.0, nu), transfer.half_space_transfer(q * depth, nu)
+    deep, limit = ElasticBody(nu, 20.0).transfer(depth, q), ElasticBody(nu, None).transfer(depth, q)
     for found, true in zip(vars(deep).values(), vars(limit).values(), strict=True):
         np.testing.assert_allclose(found, true, rtol=1e-12, atol=1e-300)
 

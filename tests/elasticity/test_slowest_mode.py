@@ -3,6 +3,7 @@
 import mpmath
 import numpy as np
 import pytest
+import slab_stiffness
 import slowest_mode
 
 from gfmd_numba.elasticity import moduli, stiffness
@@ -40,7 +41,7 @@ def test_switch_is_6_82(a, s):
 @pytest.mark.parametrize("a", ASPECTS)
 def test_coupled_switches_are_differences_of_eigenvalues(a, s):
     nu, q = poissons_ratio(s), 2 * np.pi
-    a11, a13, a33 = (q * m / moduli.c44(nu) for m in stiffness.slab_elements(np.array(q * a), nu))
+    a11, a13, a33 = (q * m / moduli.c44(nu) for m in slab_stiffness.slab_elements(np.array(q * a), nu))
     low, high = np.linalg.eigvalsh(np.array([[a11, a13], [a13, a33]]))
     expected = {"f1'": high - 1 / (a * s), "f3'": low - 1 / (a * s), "f3''": low - 1 / a}
     for case, value in expected.items():
@@ -70,12 +71,12 @@ def test_the_uniform_mode_of_a_slab_is_6_66():
 def test_the_softest_mode_is_the_softest_of_all(nu, a):
     index = np.arange(1, 4000)
     q = 2 * np.pi * index
-    a11, a13, a33 = (q * m for m in stiffness.slab_elements(q * a, nu))
-    shear, normal = stiffness.uniform_stiffness(nu, a)
+    a11, a13, a33 = (q * m for m in slab_stiffness.slab_elements(q * a, nu))
+    shear, normal = slab_stiffness.uniform_stiffness(nu, a)
     with np.errstate(invalid="ignore"):
         candidates = {
-            "tangential": (shear, q * stiffness.condensed_elements(q * a, nu)[0]),
-            "normal": (normal, q / 2 * stiffness.slab_factor(q * a, nu)),
+            "tangential": (shear, q * slab_stiffness.condensed_elements(q * a, nu)[0]),
+            "normal": (normal, q / 2 * slab_stiffness.slab_factor(q * a, nu)),
         }
     candidates["mixed"] = shear, brute(np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0))
     for name, (uniform, waves) in candidates.items():

@@ -4,11 +4,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+import slab_stiffness
 from scipy import integrate
 
 import gfmd_numba
 from gfmd_numba import kernels
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -169,7 +169,7 @@ def test_a_short_repulsion_is_a_hard_wall():
 def test_jump_in_and_pull_off_follow_the_closed_form(tmp_path, step):
     """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
     work, length = 0.2, 0.05
-    body = stiffness.uniform(0.3, 0.1)
+    body = slab_stiffness.uniform(0.3, 0.1)
     assert work / length**2 > body
     gap = length * np.log(work / (length**2 * body))
     jump_in, pull_off = -(gap + length), -work / (length * body)

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 
 import gfmd_numba
 from gfmd_numba.contact.branch import smallest_curvature
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -178,7 +178,7 @@ def test_the_smallest_curvature_of_a_map_is_that_of_the_dense_matrix(load):
 
 
 def test_a_uniform_gap_is_as_stable_as_its_softest_wave():
-    gap, stiff = np.full((16, 16), 0.05), stiffness.slab(grid.magnitudes((16, 16)), 0.3, 0.1)
+    gap, stiff = np.full((16, 16), 0.05), slab_stiffness.slab(grid.magnitudes((16, 16)), 0.3, 0.1)
     expected = 1.0 - 0.2 / 0.05**2 * np.exp(-1.0) / stiff.min()
     found = smallest_curvature(gap, np.zeros((16, 16), dtype=bool), stiff, ExponentialLaw(0.2, 0.05))
     assert found == pytest.approx(expected, rel=1e-4)

@@ -64,6 +64,11 @@ def test_two_columns_of_unknown_units_are_refused(tmp_path, header, said):
     assert said in complaint(tmp_path, make_surface, "surface: {method: measured, file: p.csv}\n")
 
 
+def test_a_file_without_a_method_is_told_what_to_add(tmp_path):
+    said = "surface.method: you gave nothing; gfmd needs 'measured' for the heights of a file: add `method: measured`"
+    assert said in complaint(tmp_path, make_surface, "surface: {file: p.csv}\n")
+
+
 def test_the_unit_of_a_header_counts_for_one_column_too(tmp_path):
     np.savetxt(tmp_path / "p.csv", HEIGHTS, header="by hand (A. Name)\nz [nm]")
     record = Measured(method="measured", file=str(tmp_path / "p.csv"))

@@ -4,10 +4,12 @@ import copy
 
 import numpy as np
 import pytest
+import yaml
 
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.scene import InputError
+from support.command_line import refused
 
 FLOWS = {
     "scene": {
@@ -110,6 +112,24 @@ def test_what_does_not_go_with_plastic_flow_is_refused(name):
     file, told = REFUSED[name]
     with pytest.raises(InputError, match=told):
         gfmd_numba.solve(file)
+
+
+@pytest.mark.parametrize(
+    ("change", "place"),
+    [
+        ({"scene": FLOWS["scene"] | {"loading": {"pressure": "701 MPa"}}}, "scene.loading.pressure"),
+        ({"path": [{"pressure": "701 MPa"}]}, "path[0].pressure"),
+    ],
+)
+def test_check_knows_the_pressure_at_which_a_body_flows_at_all_depths(change, place, tmp_path):
+    (tmp_path / "flows.yaml").write_text(yaml.safe_dump(FLOWS | change))
+    assert f"{place}: you gave '701 MPa'; gfmd allows below 700 MPa" in refused("check", tmp_path / "flows.yaml")
+
+
+def test_a_grid_may_not_yield_at_all_depths_either(tmp_path):
+    campaign = {"name": "yield", "scene": FLOWS["scene"] | {"loading": {"pressure": "600 MPa"}}}
+    (tmp_path / "grid.yaml").write_text(yaml.safe_dump(campaign | {"grid": {"yield_stress": ["300 MPa", "400 MPa"]}}))
+    assert "gfmd allows below 525 MPa" in refused("check", tmp_path / "grid.yaml")
 
 
 def test_fields_below_a_body_that_flows_are_refused():

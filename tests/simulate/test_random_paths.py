@@ -10,7 +10,7 @@ from gfmd_numba.solvers.status import Status
 HUNT = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "law_hunt.py"))
 MODERATE = (
     *("exponential", "cohesive", "rigid", "friction", "friction_and_law", "friction_and_repulsion"),
-    *("rigid_friction_and_law", "sticking_and_law"),
+    *("rigid_friction_and_law", "sticking_and_law", "limited_friction", "limited_friction_and_other_law"),
 )
 
 

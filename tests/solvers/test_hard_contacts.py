@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 
 import gfmd_numba
 from gfmd_numba.elasticity import stiffness
@@ -103,7 +104,7 @@ def test_a_member_without_room_does_not_take_the_others_along():
     punch = heights.max(axis=1, keepdims=True) - heights
     room = punch.mean(axis=1)
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
-    body = stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
+    body = slab_stiffness.slab(grid.wavenumbers(64), 0.5, 0.3)
     result = equilibrate(punch, SpectralResponse.of_normal(body), None, Options("conjugate_gradients"))
     assert result.status.tolist() == [Status.no_equilibrium, Status.ok, Status.no_equilibrium, Status.ok]
     volume = result.displacement[1::2].mean(axis=1)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import slab_stiffness
 from scipy.optimize import brentq, lsq_linear
 
 from gfmd_numba import kernels
@@ -22,7 +23,7 @@ SOLVERS = ("active_set_newton", "conjugate_gradients")
 
 def body(shape, slab=None):
     q = grid.magnitudes(shape)
-    return stiffness.half_space(q) if slab is None else stiffness.slab(q, *slab)
+    return stiffness.half_space(q) if slab is None else slab_stiffness.slab(q, *slab)
 
 
 def press(punch, load, hardness, solver="active_set_newton", slab=None, **options):

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gfmd_numba.contact.edges import HALF_SPACE
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from support.contacts import press
@@ -33,7 +33,7 @@ loads = st.floats(-3, 1.5).map(lambda exponent: 10**exponent)
 
 
 def body_of(kind, nx):
-    return stiffness.slab(grid.wavenumbers(nx), *kind)
+    return slab_stiffness.slab(grid.wavenumbers(nx), *kind)
 
 
 def energy(u, body, load):

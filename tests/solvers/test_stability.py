@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
+import slab_stiffness
 
 from gfmd_numba.contact.branch import smallest_curvature
 from gfmd_numba.elasticity import stiffness
@@ -16,7 +17,7 @@ from gfmd_numba.interface.exponential import ExponentialLaw
 def test_it_is_the_smallest_eigenvalue_of_the_free_nodes(nodes, work, free_mean):
     rng = np.random.default_rng(nodes)
     gap, law = np.maximum(rng.normal(0.1, 0.1, nodes), 0.0), ExponentialLaw(work, 0.05)
-    body = stiffness.slab(grid.wavenumbers(nodes), 0.3, 0.5)
+    body = slab_stiffness.slab(grid.wavenumbers(nodes), 0.3, 0.5)
     alone = body.copy()
     if free_mean:
         body[0], alone[0] = 0.0, body[1:].min()
@@ -32,7 +33,7 @@ def test_it_is_the_smallest_eigenvalue_of_the_free_nodes(nodes, work, free_mean)
 
 @pytest.mark.parametrize("nodes", [8, 128])
 def test_a_flat_punch_is_at_the_fold_where_the_law_softens_as_the_slab_stiffens(nodes):
-    body, law = stiffness.slab(grid.wavenumbers(nodes), 0.2, 0.1), ExponentialLaw(0.2, 0.05)
+    body, law = slab_stiffness.slab(grid.wavenumbers(nodes), 0.2, 0.1), ExponentialLaw(0.2, 0.05)
     fold = law.length * np.log(law.softening / body[0])
     for gap in (fold, fold + 0.05):
         found = smallest_curvature(np.full(nodes, gap), np.zeros(nodes, dtype=bool), body, law)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity import stiffness
@@ -50,7 +51,7 @@ def violation(found, punch, body, load, interface):
 def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
     punch, body = surface(256)
     if load is None:
-        body, punch = stiffness.slab(grid.wavenumbers(256), 0.3, 0.5), punch - 0.02
+        body, punch = slab_stiffness.slab(grid.wavenumbers(256), 0.3, 0.5), punch - 0.02
     loads = np.full(3, load or 0.0)
     batch = Batch(
         punch, SpectralResponse.of_normal(body), None if load is None else loads, interface, Start.at_rest(punch)
@@ -91,7 +92,7 @@ def wave(n, amplitude=0.1):
 
 def retraction(solver, n, law, step, last, residual=1e-8):
     """Equilibria of a wave on a slab of height L_x, drawn back from first touch."""
-    body = stiffness.slab(grid.wavenumbers(n), 0.3, 1.0)
+    body = slab_stiffness.slab(grid.wavenumbers(n), 0.3, 1.0)
     found = []
     for displacement in np.arange(0.0, last, -step):
         punch = wave(n) - displacement
@@ -131,7 +132,7 @@ def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges)
     law = ExponentialLaw(1e-5, 1e-3)
     heights = self_affine.profiles(0.8, 2, 32, 128, 4, range(1))
     punch = heights.max() - heights
-    slab = stiffness.slab(grid.wavenumbers(128), 0.3, 1.0)
+    slab = slab_stiffness.slab(grid.wavenumbers(128), 0.3, 1.0)
     options, laws = Options("truncated_newton", max_iterations=500), Interactions(True, law)
     before = equilibrate(punch - 0.05, SpectralResponse.of_normal(slab), None, options, laws)
     wall = punch + 1e-3 * ranges

@@ -2,12 +2,14 @@
 
 import numpy as np
 
-from gfmd_numba.analysis import tfc
+from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.selection import LIMITS
 
 
 def without_doubts(patch):
     """Trust the laws of fits beyond the finest level, and with all levels there are."""
-    patch.setattr(tfc, "doubts", lambda index, group, means, choice, *_: np.zeros((len(choice.nodes), len(LIMITS))))
-    patch.setattr(tfc, "rivals", lambda groups, given: [])
-    patch.setattr(tfc, "without_coarsest", lambda groups: None)
+    patch.setattr(
+        limit_errors, "doubts", lambda index, group, means, choice, *_: np.zeros((len(choice.nodes), len(LIMITS)))
+    )
+    patch.setattr(limit_errors, "rivals", lambda groups, given: [])
+    patch.setattr(limit_errors, "without_coarsest", lambda groups: None)

@@ -1,5 +1,7 @@
 """Rough maps, and a punch of two dimensions pressed on a body."""
 
+import slab_stiffness
+
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -18,7 +20,7 @@ HALF_SPACE = ElasticBody(None, None)
 
 def body(shape, slab=None):
     q = grid.magnitudes(shape)
-    return stiffness.half_space(q) if slab is None else stiffness.slab(q, *slab)
+    return stiffness.half_space(q) if slab is None else slab_stiffness.slab(q, *slab)
 
 
 def press(punch, load, solver="active_set_newton", slab=None):

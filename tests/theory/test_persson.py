@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
+import slab_stiffness
 from scipy.integrate import quad
 from scipy.stats import norm
 
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
@@ -74,7 +74,7 @@ def test_full_contact_pressure_is_that_of_simulated_full_contact(body):
     s = values["full_contact_pressure"]
     np.testing.assert_allclose(pressed.equilibrium.pressure.std(axis=1), s, rtol=1e-6)
     q = grid.wavenumbers(4096)
-    k = 0.5 * q if body is HALF_SPACE else stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
+    k = 0.5 * q if body is HALF_SPACE else slab_stiffness.slab(q, body.poissons_ratio, body.aspect_ratio)
     waves = grid.multiplicity(4096)[1:] * k[1:] ** 2 * statistics.power(pressed.heights)[:, 1:]
     np.testing.assert_allclose(s, np.sqrt(waves.sum(axis=1)), rtol=1e-12)
     if body is HALF_SPACE:

@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 import regimes
+import slab_stiffness
 import slowest_mode
 import textbook
 from equilibrium_time import steps_to_equilibrium, time_constant
 
-from gfmd_numba.elasticity import moduli, stiffness
+from gfmd_numba.elasticity import moduli
 from gfmd_numba.theory import damping
 
 SINH, COSH, PI = np.sinh, np.cosh, np.pi
@@ -17,8 +18,8 @@ def stiffnesses(k, a, s):
     """kappa_1, kappa_3 of one direction, the smaller and larger of the coupled slab, kappa_1(0) and kappa_3(0)."""
     nu, q = 1 - 0.5 / (1 - s), 2 * PI * k
     k = np.array(q * a)
-    waves = q * np.array([*stiffness.condensed_elements(k, nu), *textbook.principal_elements(k, nu)])
-    return *waves, *stiffness.uniform_stiffness(nu, a), moduli.c44(nu)
+    waves = q * np.array([*slab_stiffness.condensed_elements(k, nu), *textbook.principal_elements(k, nu)])
+    return *waves, *slab_stiffness.uniform_stiffness(nu, a), moduli.c44(nu)
 
 
 @pytest.mark.parametrize("a", [0.05, 0.3])

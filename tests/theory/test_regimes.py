@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 import regimes
+import slab_stiffness
 import textbook
 from regimes import gronbech_jensen, position_verlet
 
-from gfmd_numba.elasticity import stiffness
 from gfmd_numba.solvers import dynamics
 from gfmd_numba.theory import damping
 
@@ -151,7 +151,7 @@ def test_scalar_damping_is_the_largest_that_over_damps_nothing(dt):
 
 def coupled_waves(nu, a, indices):
     q = 2 * np.pi * np.asarray(indices)
-    a11, a13, a33 = (q * m for m in stiffness.slab_elements(q * a, nu))
+    a11, a13, a33 = (q * m for m in slab_stiffness.slab_elements(q * a, nu))
     return np.moveaxis(np.array([[a11, a13], [a13, a33]]), -1, 0)
 
 
@@ -186,7 +186,7 @@ def test_one_damping_for_both_components_separates_the_principal_stiffnesses():
 @pytest.mark.parametrize(("nu", "a"), [(0.0, 0.5), (0.3, 0.1), (0.3, 1.0), (0.49, 1.0), (0.4999, 0.05)])
 def test_no_vector_damping_beats_the_scalar_one(nu, a):
     """The uniform tangential mode sees eta_1 alone, and at its critical damping bounds the rate for every eta_3."""
-    tangential, normal = stiffness.uniform_stiffness(nu, a)
+    tangential, normal = slab_stiffness.uniform_stiffness(nu, a)
     modes = np.concatenate([[np.diag([float(tangential), float(normal)])], coupled_waves(nu, a, range(1, 60))])
     dt = 0.5 / np.sqrt(np.linalg.eigvalsh(modes).max())
     eta = damping.critical_damping(float(tangential), dt)

@@ -21,7 +21,7 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import CAMPAIGN, FIT, UnusableDataError
 from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.style import MARKERS, Width
-from gfmd_numba.analysis.selection import groups, shown
+from gfmd_numba.analysis.selection import groups, values_as_text
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import si_prefix
@@ -91,7 +91,11 @@ def _label(axis: xr.DataArray) -> str:
 
 def _told(parameters: list[tuple[xr.DataArray, float]]) -> str:
     """Names that values stand for, and a formula of all other values."""
-    names = [selection.plain(shown(axis, [value])[0]) for axis, value in parameters if selection.has_names(axis)]
+    names = [
+        selection.without_formula(values_as_text(axis, [value])[0])
+        for axis, value in parameters
+        if selection.has_names(axis)
+    ]
     formula = ", ".join(_value(axis, value) for axis, value in parameters if not selection.has_names(axis))
     return ", ".join([*names, f"${formula}$"] if formula else names)
 
@@ -170,7 +174,10 @@ def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     if selection.has_names(parameter):
         levels, position = np.unique(parameter, return_inverse=True)
         panel.set_xticks(
-            range(len(levels)), list(map(selection.plain, shown(parameter, levels))), rotation=20, ha="right"
+            range(len(levels)),
+            list(map(selection.without_formula, values_as_text(parameter, levels))),
+            rotation=20,
+            ha="right",
         )
         panel.set_xlabel(label)
         return position.astype(float)
@@ -236,8 +243,8 @@ def plot_campaign(
     nothing is varied.
     """
     selection.good(dataset, variable)
-    shown = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
-    dataset = dataset[shown]  # all others would be copied for each group
+    read = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
+    dataset = dataset[read]  # all others would be copied for each group
     present = [
         limit
         for limit in selection.discretisations(dataset)

@@ -53,7 +53,9 @@ def plot_path(dataset: xr.Dataset, width: Width | None = None) -> Figure:
         raise UnusableDataError("you gave no loading path; gfmd allows what `gfmd solve` or `gfmd run` leaves of one")
     if not (dataset["status"] == 0).any():
         raise UnusableDataError("you gave no path that is ok; gfmd allows one with runs that are ok")
-    dataset = _finest(dataset)
+    references = dataset.isel(case=dataset["is_reference"].values)
+    finest = [group["case"].values[int(group["nx"].values.argmax())] for _, group in groups(references)]
+    dataset = references.sel(case=finest)
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)
     of_path = [name for name in _OF_PATH if varied and name in dataset and good(dataset, name).any()]
@@ -98,12 +100,6 @@ def _of_varied(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset without the parameters that all cases share, as long as one is left."""
     shared = [name for name in axes(dataset) if np.unique(dataset[name]).size == 1]
     return dataset.drop_vars(shared if len(shared) < len(axes(dataset)) else shared[1:])
-
-
-def _finest(dataset: xr.Dataset) -> xr.Dataset:
-    references = dataset.isel(case=dataset["is_reference"].values)
-    cases = [group["case"].values[int(group["nx"].values.argmax())] for _, group in groups(references)]
-    return references.sel(case=cases)
 
 
 def _along(dataset: xr.Dataset) -> list[_Panel]:

@@ -66,11 +66,8 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     bars = [0.0 * sure, sure]
     axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}")
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
-        _write(axis, str(which) if which else "pilot", (x, y), (-5, -7), "right")
-
-
-def _write(axis: Axes, text: str, at: tuple[float, float], shift: tuple[float, float], side: str) -> None:
-    axis.annotate(text, at, textcoords="offset points", xytext=shift, ha=side, va="top")
+        text = str(which) if which else "pilot"
+        axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
 
 
 def _tick(axis: Axes) -> None:

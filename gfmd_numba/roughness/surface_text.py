@@ -32,7 +32,7 @@ _NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)
 _VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
 _OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\W*$")  # behind a unit
 _ENTRY = re.compile(
-    r"\W*((?P<axis>[xyz]|heights?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
+    r"\W*((?P<axis>[xyz]|heights?|values?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
 )
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
@@ -281,7 +281,7 @@ def _entries(header: list[str]) -> dict[str, str]:
     for entry in filter(None, map(_ENTRY.match, header)):
         unit, axis = length_unit(entry["unit"].rstrip(".")), (entry["axis"] or "").lower()
         if unit is not None:
-            axes = {"lateral": "xy", "height": "z", "heights": "z"}.get(axis, axis)
+            axes = {"lateral": "xy"}.get(axis, "z" if axis.startswith(("height", "value")) else axis)
             found |= dict.fromkeys(axes, unit) if axes else {"": unit}
     return found
 

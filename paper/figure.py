@@ -11,5 +11,4 @@ HERE = Path(__file__).parent
 if __name__ == "__main__":
     with tempfile.TemporaryDirectory() as folder:
         results = gfmd_numba.run(HERE.parent / "campaigns/quickstart.yaml", Path(folder, "quickstart"))
-    fit = gfmd_numba.fit_tfc(results, exponents="free")
-    plot_campaign(results, fit, width="double").savefig(HERE / "limits.png", dpi=300)
+    plot_campaign(results, gfmd_numba.fit_tfc(results), width="double").savefig(HERE / "limits.png", dpi=300)

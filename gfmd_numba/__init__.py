@@ -414,7 +414,7 @@ def open_campaign(path: str | Path) -> xr.Dataset:
 def fit_tfc(
     dataset: xr.Dataset | str | Path,
     variable: str = "kappa",
-    exponents: Literal["shared", "free"] = "shared",
+    exponents: Literal["shared", "free"] | None = None,
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
     step: int | None = None,
@@ -428,9 +428,10 @@ def fit_tfc(
     variable
         What is extrapolated.
     exponents
-        `shared` by all groups of cases, or `free` in each.
+        `shared` by all groups of cases, or `free` in each; left out: as the campaign has it.
     fixed
-        Exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`.
+        Exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`; left out: as
+        the campaign has them.
     omit_nyquist
         Leave out levels whose shortest wave has two nodes.
     step
@@ -453,9 +454,15 @@ def fit_tfc(
     >>> bool(fit["kappa_tfc_low"] < fit["kappa_tfc"]), fit["error_budget"].dims
     (True, ('group', 'source'))
     """
+    import json
+
     from gfmd_numba.analysis import fit_tfc as fit
 
-    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist, step)
+    results = _dataset("dataset", dataset, "open_campaign")
+    own = json.loads(results.attrs.get("fit", "{}"))
+    own = json.loads(results.attrs.get("fits_of_targets", "{}")).get(variable, own)
+    exponents = own.get("exponents", "shared") if exponents is None else exponents
+    return fit(results, variable, exponents, own.get("fixed") if fixed is None else fixed, omit_nyquist, step)
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:

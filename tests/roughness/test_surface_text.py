@@ -254,6 +254,7 @@ def test_quoted_cells_may_have_decimal_commas(tmp_path):
         ("Pixel size (um),1.3\nUnits,nm\n", ("nm",)),
         ("Pixel size [mm]: 0.0013\nHeight unit: um\n", ("um",)),
         ("Pixel size (um) 1.3\nZ unit: nm\n", ("nm",)),
+        ("Width: 120 um\nHeight: 120 um\nValue units: nm\n", ("nm",)),
         ("Pixel size (um),1.3\n", (None,)),
     ],
 )

@@ -1,0 +1,68 @@
+"""What is told of a ball without roughness: its force and radius, and nothing that counts in roughness."""
+
+import json
+
+import pytest
+from click.testing import CliRunner
+
+import gfmd_numba
+from gfmd_numba.analysis import plot_curve, plot_statistics
+from gfmd_numba.cli import main
+from gfmd_numba.text.recorded_scene import is_form_alone
+
+BALL = {
+    "dimension": 2,
+    "periodic": False,
+    "length": "100 um",
+    "body": {"youngs_modulus": "2 GPa", "poissons_ratio": 0.35},
+    "form": {"radius": "1 mm", "points": 24},
+    "interface": {"hard_wall": {}},
+    "loading": {"force": "50 mN"},
+}
+
+
+def told(tmp_path, command, *options, **changes):
+    scene = {key: value for key, value in (BALL | changes).items() if value is not None}
+    (tmp_path / "ball.yaml").write_text(json.dumps({"scene": scene}))
+    done = CliRunner().invoke(main, [command, str(tmp_path / "ball.yaml"), *options, "-o", str(tmp_path / "ball.nc")])
+    assert done.exit_code == 0, done.output
+    return done.stdout
+
+
+def test_force_radius_approach_and_peak_pressure_are_told(tmp_path):
+    said = told(tmp_path, "solve")
+    for words in ("p*", "kappa", "mean pressure"):
+        assert words not in said
+    for words in ("force                   50            mN", "contact radius", "approach", "peak pressure"):
+        assert words in said
+    statistics = gfmd_numba.contact_statistics(gfmd_numba.solve(tmp_path / "ball.yaml"))
+    assert not any("persson" in name for name in statistics.variables)
+    assert len(plot_statistics(statistics).axes) == 3
+
+
+@pytest.mark.parametrize(("length", "unit"), [("100 um", "mN"), (None, "E* L_x2")])
+def test_a_prescribed_displacement_tells_the_force(tmp_path, length, unit):
+    """Of Hertz, 4/3 E* R^(1/2) d^(3/2)."""
+    body = BALL["body"] if length else {"poissons_ratio": 0.35}
+    form, way = ({"radius": 10.0, "points": 24}, 6.5e-3) if length is None else (BALL["form"], "0.65 um")
+    said = told(tmp_path, "solve", length=length, body=body, form=form, loading={"displacement": way})
+    line = next(line for line in said.splitlines() if line.startswith("force"))
+    expected = 4.0 / 3.0 * (10.0**0.5 * 6.5e-3**1.5 if length is None else 1e3 * 2.279202e9 * 1e-3**0.5 * 0.65e-6**1.5)
+    assert float(line.split()[1]) == pytest.approx(expected, rel=0.02)
+    assert line.endswith(unit)
+
+
+def test_a_curve_over_forces_draws_radius_and_approach_over_the_force(tmp_path):
+    said = told(tmp_path, "curve", "--loads", "10mN,50mN")
+    assert "p*" not in said
+    assert "radius" in said
+    axes = plot_curve(gfmd_numba.load_curve(tmp_path / "ball.yaml", [0.01, 0.05])).axes
+    assert [axis.get_ylabel().split(" (")[0] for axis in axes[:2]] == ["Contact radius", "Approach"]
+    assert axes[-1].get_xlabel().startswith("Force (")
+
+
+def test_a_rough_ball_is_none():
+    rough = {"scene": {"form": {"radius": 1.0}, "body": {"roughness": {"method": "psd"}}}}
+    assert not is_form_alone(json.dumps(rough))
+    assert is_form_alone(json.dumps({"scene": {"form": {"radius": 1.0}, "body": {}, "counter_body": None}}))
+    assert not is_form_alone(json.dumps({"scene": {"roughness": {"method": "psd"}, "body": {}}}))

@@ -25,9 +25,9 @@ def time_and_memory():
         tracemalloc.start()
         surface = topography.rough_surface(tractions, heights - heights.mean(), body, order)
         begun = time.perf_counter()
-        fields.section(surface, LEVELS, body, DISPLACEMENTS + STRAINS + STRESSES, "y", 0.5)
+        fields.Periodic(surface, body).section(LEVELS, DISPLACEMENTS + STRAINS + STRESSES, "y", 0.5)
         between = time.perf_counter()
-        fields.largest_von_mises(surface, LEVELS, body)
+        fields.Periodic(surface, body).largest_von_mises(LEVELS)
         ended, peak = time.perf_counter(), tracemalloc.get_traced_memory()[1]
         tracemalloc.stop()
         print(f"{n:5}   {order:5}   {between - begun:10.2f}   {ended - between:7.2f}   {peak / n**2:12.0f}")
@@ -42,7 +42,7 @@ def hertz():
         none = np.zeros_like(pressure)
         surface = fields.surface_under_tractions(np.stack([none, none, -pressure]), body)
         depth = radius * np.linspace(0.0, 1.5, 151)
-        s1, s3 = fields.section(surface, -depth, body, ("stress1", "stress3"), "y", 0.5)[..., n // 2]
+        s1, s3 = fields.Periodic(surface, body).section(-depth, ("stress1", "stress3"), "y", 0.5)[..., n // 2]
         shear = 0.5 * abs(s3 - s1)
         print(f"{radius * n:14.1f}   {shear.max():21.4f}   {depth[shear.argmax()] / radius:15.3f}")
 

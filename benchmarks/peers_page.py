@@ -42,8 +42,7 @@ that is left is {worst}. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 
-- **Tamaas**: more laws of adhesion (squared exponential, Maugis); several threads (OpenMP), and many machines (MPI)
-  when built from source.
+- **Tamaas**: many machines (MPI) when built from source.
 - **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
   which analyses measured surfaces.
 

@@ -9,7 +9,7 @@ import argparse
 
 import numpy as np
 
-from gfmd_numba.analysis.gap_percolation import connects
+from gfmd_numba.analysis.channels import connects
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.problem import Problem

@@ -377,7 +377,7 @@ def rounds(
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:
-        raise InputError("until: you gave none, and no target in the campaign; gfmd allows one like {'kappa': 0.01}")
+        raise InputError.of("until", "none, and no target in the campaign", "one like {'kappa': 0.01}")
     return (open_campaign(outcome.results) for outcome in each_round(campaign, goal, output, workers_of(workers)))
 
 
@@ -407,16 +407,14 @@ def open_campaign(path: str | Path) -> xr.Dataset:
     from gfmd_numba.campaign.results import read_results
 
     if not isinstance(path, str | os.PathLike):
-        raise InputError(
-            f"path: you gave {brief(path)}; gfmd allows a netCDF file, or the output directory of a campaign"
-        )
+        raise InputError.of("path", brief(path), "a netCDF file, or the output directory of a campaign")
     return read_results(Path(path))
 
 
 def fit_tfc(
     dataset: xr.Dataset | str | Path,
     variable: str = "kappa",
-    exponents: Literal["shared", "free"] = "shared",
+    exponents: Literal["shared", "free"] | None = None,
     fixed: Mapping[str, float | Sequence[float]] | None = None,
     omit_nyquist: bool = True,
     step: int | None = None,
@@ -430,9 +428,10 @@ def fit_tfc(
     variable
         What is extrapolated.
     exponents
-        `shared` by all groups of cases, or `free` in each.
+        `shared` by all groups of cases, or `free` in each; left out: as the campaign has it.
     fixed
-        Exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`.
+        Exponents that are known, or the ranges they lie in, like `{"eps_c": 1.0, "eps_f": (0.5, 1.0)}`; left out: as
+        the campaign has them.
     omit_nyquist
         Leave out levels whose shortest wave has two nodes.
     step
@@ -455,9 +454,15 @@ def fit_tfc(
     >>> bool(fit["kappa_tfc_low"] < fit["kappa_tfc"]), fit["error_budget"].dims
     (True, ('group', 'source'))
     """
+    import json
+
     from gfmd_numba.analysis import fit_tfc as fit
 
-    return fit(_dataset("dataset", dataset, "open_campaign"), variable, exponents, fixed, omit_nyquist, step)
+    results = _dataset("dataset", dataset, "open_campaign")
+    own = json.loads(results.attrs.get("fit", "{}"))
+    own = json.loads(results.attrs.get("fits_of_targets", "{}")).get(variable, own)
+    exponents = own.get("exponents", "shared") if exponents is None else exponents
+    return fit(results, variable, exponents, own.get("fixed") if fixed is None else fixed, omit_nyquist, step)
 
 
 def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
@@ -589,7 +594,7 @@ def _goal(
     from gfmd_numba.campaign.goal import goal_of
 
     if not (output is None or isinstance(output, str | os.PathLike)):
-        raise InputError(f"output: you gave {output!r:.60}; gfmd allows the path of a directory")
+        raise InputError.of("output", f"{output!r:.60}", "the path of a directory")
     targets = until if until is not None else target_of_run(campaign)
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
@@ -624,5 +629,5 @@ def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Datase
         return read_results(Path(given))
     if not isinstance(given, xr.Dataset):
         allowed = f"an xarray.Dataset, as gfmd_numba.{maker} returns, or the path of a netCDF file"
-        raise InputError(f"{name}: you gave {brief(given)}; gfmd allows {allowed}")
+        raise InputError.of(name, brief(given), allowed)
     return given

@@ -6,7 +6,7 @@ picture act without any load.
 """
 
 import gfmd_numba
-from gfmd_numba.analysis.plots.fields import plot_flow
+from gfmd_numba.analysis.plots.bodies import plot_flow
 
 scene = {
     "scene": {

@@ -19,7 +19,8 @@ _FILES = {
 _KEYS = """\
 # Keys of the YAML files
 
-This page lists every key, with its unit, the values that are allowed, and the value that it has if you leave it out.
+This page is for those who write a file: it lists every key, with its unit, the values that are allowed, and the value
+that it has if you leave it out.
 Wherever the table names a unit, you may also write a number with a unit of your own, like `50 MPa`. Plain numbers are
 in the unit of the table. In a scene without a `length`, lengths are in L_x. In a scene without moduli, stresses are in
 E\\*.
@@ -126,7 +127,11 @@ _NARROW = {"terminal_width": 64, "max_content_width": 64}  # columns that a phon
 
 def commands_page(group: click.Group) -> str:
     """Return the page of all commands, as `gfmd COMMAND --help` prints them."""
-    parts = ["# Commands\n", "Exit codes: 0 all is well, 2 bad input, 3 some cases failed, 130 interrupted.\n"]
+    parts = [
+        "# Commands\n",
+        "This page is for those who type commands. Exit codes: 0 all is well, 2 bad input, 3 some cases failed, "
+        "130 interrupted.\n",
+    ]
     for name, command in sorted(group.commands.items()):
         with click.Context(command, info_name=f"gfmd {name}", **group.context_settings | _NARROW) as context:
             parts.append(f"## gfmd {name}\n\n```text\n{command.get_help(context)}\n```\n")
@@ -149,7 +154,8 @@ def files_page() -> str:
     return f"""\
 # Variables of the results
 
-Every file of results is netCDF-4 and follows the CF conventions. Read it with `xarray.open_dataset`. Every variable has
+This page is for those who read results. Every file is netCDF-4 and follows the CF conventions. Read it with
+`xarray.open_dataset`. Every variable has
 `units` and a `long_name`. The attributes hold the text of your file, the versions of the packages, and the machine.
 
 ## Numbers of each contact
@@ -208,6 +214,8 @@ def gallery_page(folder: Path) -> str:
 
 PYTHON_PAGE = """\
 # Python
+
+This page is for those who call gfmd-numba from Python.
 
 ```{eval-rst}
 .. automodule:: gfmd_numba

@@ -1,15 +1,15 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
 from gfmd_numba.analysis.allocation import Design, Prediction, cheapest_design, predictions
+from gfmd_numba.analysis.channels import gap_percolation, leakage
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.forms import UnusableDataError
-from gfmd_numba.analysis.gap_percolation import gap_percolation, leakage
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
+from gfmd_numba.analysis.plots.bodies import plot_body
 from gfmd_numba.analysis.plots.campaign import plot_campaign, plot_fit
 from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics
 from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
-from gfmd_numba.analysis.plots.fields import plot_body
 from gfmd_numba.analysis.plots.map_image import plot_conductance, plot_leakage
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.analysis.plots.surface import plot_surface

@@ -1,6 +1,7 @@
 """The one table of axes: what a campaign's grid may vary, where it stands in a scene, and what it is called.
 
-To add an axis, add its row. This is pure data and records: importing it compiles nothing.
+To add an axis, add its row. This is pure data and records: importing it compiles nothing. A grid takes the values of
+the axes as a full product, and each is checked as the scene itself is.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence

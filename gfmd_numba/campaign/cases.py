@@ -1,4 +1,7 @@
-"""From a campaign to its cases, and from cases to the distinct problems and blocks of work behind them."""
+"""From a campaign to its cases, and from cases to the distinct problems and blocks of work behind them.
+
+Each file of a measured surface is read once, and gives the dimension and the period of its cases.
+"""
 
 from bisect import bisect
 from collections.abc import Collection, Iterable, Iterator, Mapping

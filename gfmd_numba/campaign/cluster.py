@@ -1,4 +1,7 @@
-"""The dask workers of a run: local processes that speak TLS, or an existing cluster, which is checked first."""
+"""The dask workers of a run: local processes that speak TLS, an existing cluster, which is checked first, or jobs.
+
+The cluster file says which jobs of a queueing system do the work.
+"""
 
 import os
 import signal

@@ -1,6 +1,8 @@
-"""What a campaign file says of each limit: its levels, its surfaces and its exponent.
+"""The levels of each limit, its surfaces and its exponent: what a campaign file says of them, and what a run chooses.
 
-Cross levels belong to several limits at once.
+The levels of a group of cases are a reference, which comes first, levels that differ from it in one discretisation, and
+cross levels, which belong to several limits at once. A finer reference keeps the old levels: they become cross levels,
+which tell how corrections go together.
 """
 
 from collections.abc import Iterable, Sequence

@@ -1,4 +1,10 @@
-"""From the results of one round to the next: whether the target is reached, and what to do if not."""
+"""From the results of one round to the next: whether the target is reached, and what to do if not.
+
+A run that was killed and resumes must decide as it would have done, so nothing that is measured in seconds enters.
+Instead work has a price, which follows from transforms and grids. Decisions follow from the predicted error, hence from
+the covariance of all results. The rounds are few and each is much larger than the one before, so that stopping hardly
+biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 lower their tolerance in the same way).
+"""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,7 @@
-"""The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run."""
+"""The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run.
+
+It also knows reasons to doubt a campaign before it runs: steep or thin bodies, coarse grids, limits that no fit finds.
+"""
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence

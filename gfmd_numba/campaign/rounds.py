@@ -1,9 +1,9 @@
 """The rounds of a run until an error is reached: what was decided for each, kept in its output directory."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from math import prod
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,25 +12,13 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from gfmd_numba.analysis.selection import at_nyquist
+from gfmd_numba.campaign import limits
 from gfmd_numba.campaign.axes import DISCRETISATIONS
 from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.limits import (
-    CROSS,
-    FEWEST,
-    MOST,
-    Level,
-    Limits,
-    Realisations,
-    discretisation_of,
-    first_realisations,
-    limit_of,
-    limits_around,
-)
-from gfmd_numba.campaign.output_directory import LABEL
-from gfmd_numba.campaign.plan import Plan, is_resolved, plan
+from gfmd_numba.campaign.plan import Plan, is_resolved
 from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
@@ -71,7 +59,7 @@ class Round(BaseModel):
     """
 
     model_config = _RECORD
-    realisations: tuple[Annotated[int, Field(ge=1, le=MOST)], ...] = Field(min_length=1)  # (case)
+    realisations: tuple[Annotated[int, Field(ge=1, le=limits.MOST)], ...] = Field(min_length=1)  # (case)
     is_last: bool
     levels: tuple[tuple[tuple[float, ...], ...], ...] = ()  # of each group, its reference first; (): the pilot's
     variable: str | None = None
@@ -196,13 +184,15 @@ def pilot_plan(planned: Plan, goal: Goal) -> Plan:
 
     Cross levels are added if the campaign has none.
     """
-    piloted = with_cross_levels(planned.changed(realisations=Realisations(reference=FEWEST), target=goal.targets))
+    piloted = with_cross_levels(
+        planned.changed(realisations=limits.Realisations(reference=limits.FEWEST), target=goal.targets)
+    )
     members = groups(piloted.cases)
-    number = max(FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
+    number = max(limits.FEWEST, min(max(map(len, members)) + _SPARE, _MOST_OF_A_PILOT))
     counts: list[int] = []
     for of_group in members:
         levels = [level_of(case) for case in of_group]
-        counts += first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
+        counts += limits.first_realisations(levels, piloted.campaign.scene.dimension or 1, number)
     return with_realisations(piloted, counts)
 
 
@@ -212,34 +202,24 @@ def with_realisations(planned: Plan, realisations: Sequence[int]) -> Plan:
     return replace(planned, cases=cases)
 
 
-def as_decided(directory: Path) -> Plan:
-    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
-    found = read(directory)
-    if found is None:
-        return plan(directory / LABEL)
-    planned = plan(directory / LABEL, found.goal.targets)
-    piloted = pilot_plan(planned, found.goal)
-    return in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
-
-
 def in_round(piloted: Plan, now: Round) -> Plan:
     """Return the plan of a round from that of the pilot: its levels and its numbers of realisations."""
     if not now.levels:
         return with_realisations(piloted, now.realisations)
     everywhere = list(dict.fromkeys(level for of_group in now.levels for level in of_group))
     found = piloted.changed(
-        reference=discretisation_of(everywhere[0]),
-        limits=limits_around(everywhere[0], everywhere[1:]),
-        realisations=Realisations(reference=FEWEST),
+        reference=limits.discretisation_of(everywhere[0]),
+        limits=limits.limits_around(everywhere[0], everywhere[1:]),
+        realisations=limits.Realisations(reference=limits.FEWEST),
     )
     cases: list[Case] = []
     for members, wanted in zip(groups(found.cases), now.levels, strict=True):
         of_level = {level_of(case): case for case in members}
-        cases += [replace(of_level[level], limit=limit_of(wanted[0], level)) for level in wanted]
+        cases += [replace(of_level[level], limit=limits.limit_of(wanted[0], level)) for level in wanted]
     return with_realisations(replace(found, cases=cases), now.realisations)
 
 
-def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
+def levels_of(planned: Plan) -> tuple[tuple[limits.Level, ...], ...]:
     """Return the levels of each group of a plan, its reference first; () if a group has several references."""
     members = groups(planned.cases)
     if any(sum(case.limit == "reference" for case in of_group) != 1 for of_group in members):
@@ -247,61 +227,52 @@ def levels_of(planned: Plan) -> tuple[tuple[Level, ...], ...]:
     return tuple(tuple(level_of(case) for case in of_group) for of_group in members)
 
 
-def level_of(case: Case) -> Level:
+def level_of(case: Case) -> limits.Level:
     """Return the level of a case that has a discretisation."""
     return tuple(getattr(case.discretisation, name) for name in DISCRETISATIONS)
 
 
 def with_cross_levels(planned: Plan) -> Plan:
     """Return the plan with the coarsest cross level of each pair of limits, if its campaign has none."""
-    if planned.campaign.limits.crossed:
+    campaign = planned.campaign
+    if campaign.limits.crossed:
         return planned
-    pairs = combinations(_usable_levels(planned.campaign).items(), 2)
-    found = [next(_usable(planned.campaign, *pair), None) for pair in pairs]
-    levels = [level for level in found if level is not None]
-    if not levels:
-        return planned
-    return planned.changed(limits=_with(planned.campaign, levels).limits)
+    fitted: dict[str, list[float]] = {}  # levels of each limit that have surfaces and enter a fit
+    for placed in campaign.discretisations():
+        if placed.limit in DISCRETISATIONS:
+            eps = getattr(placed.discretisation, placed.limit)
+            if placed.limit != "eps_c" or not at_nyquist(eps):
+                fitted.setdefault(placed.limit, []).append(eps)
+    levels: list[dict[str, float]] = []
+    for pair in combinations(fitted, 2):
+        coarsest_first = sorted(product(*(fitted[limit] for limit in pair)), key=prod, reverse=True)
+        crossed = (dict(zip(pair, each, strict=True)) for each in coarsest_first)
+        levels += islice((level for level in crossed if _is_usable(campaign, level)), 1)
+    return planned.changed(limits=_with(campaign, levels).limits) if levels else planned
 
 
 def added(planned: Plan) -> str:
     """Return the cross levels that were added to a plan, as one would write them in the campaign file."""
     crossed = planned.campaign.limits.crossed
-    if not crossed or planned.document.value(("limits", CROSS)) not in (ABSENT, None):
+    if not crossed or planned.document.value(("limits", limits.CROSS)) not in (ABSENT, None):
         return ""
     levels = [", ".join(f"{axis}: {_fraction(eps)}" for axis, eps in level.items()) for level in crossed]
     return f"[{', '.join(f'{{{level}}}' for level in levels)}]"
 
 
-def _usable_levels(campaign: Campaign) -> dict[str, list[float]]:
-    """Return the levels of each limit that have surfaces and enter a fit."""
-    found: dict[str, list[float]] = {}
-    for placed in campaign.discretisations():
-        if placed.limit in DISCRETISATIONS:
-            eps = getattr(placed.discretisation, placed.limit)
-            if placed.limit != "eps_c" or not at_nyquist(eps):
-                found.setdefault(placed.limit, []).append(eps)
-    return found
-
-
-def _usable(
-    campaign: Campaign, one: tuple[str, list[float]], other: tuple[str, list[float]]
-) -> Iterator[dict[str, float]]:
-    """Yield the cross levels of two limits that the campaign may have, the coarsest first."""
-    for chosen in sorted(product(one[1], other[1]), key=prod, reverse=True):
-        level = dict(zip((one[0], other[0]), chosen, strict=True))
-        crossed = _with(campaign, [level])
-        try:
-            load_campaign(crossed)
-        except InputError:  # waves that are not whole, or too coarse a grid
-            continue
-        if is_resolved(expand(crossed)):
-            yield level
+def _is_usable(campaign: Campaign, level: dict[str, float]) -> bool:
+    """Return whether a campaign may have a cross level."""
+    crossed = _with(campaign, [level])
+    try:
+        load_campaign(crossed)
+    except InputError:  # waves that are not whole, or too coarse a grid
+        return False
+    return is_resolved(expand(crossed))
 
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:
     given = campaign.limits.model_dump(exclude_unset=True)
-    return campaign.model_copy(update={"limits": Limits.model_validate(given | {CROSS: levels})})
+    return campaign.model_copy(update={"limits": limits.Limits.model_validate(given | {limits.CROSS: levels})})
 
 
 def _fraction(eps: float) -> str:

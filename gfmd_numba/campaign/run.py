@@ -1,4 +1,7 @@
-"""A campaign from its file to one netCDF file, resumable at any point."""
+"""A campaign from its file to one netCDF file, resumable at any point.
+
+With a goal it runs until its limit is known to a relative error: a pilot, then rounds decided by the results.
+"""
 
 import time
 from collections.abc import Callable, Generator, Iterator, Mapping
@@ -76,7 +79,9 @@ def run(
         chosen = replace(planned, cases=cases).blocks_in(directory)
         left = unfinished(chosen, directory)
         progress = watch(len(chosen), len(chosen) - len(left)) if watch else None
-        finish(planned, to_do(left, directory, choice), directory, workers, progress, choice)
+        todo = to_do(left, directory, choice)
+        check_room(todo, workers)
+        finish(planned, todo, directory, workers, progress, choice)
         return collect(planned, directory), failures.of_all(directory, [block.name for block in chosen])
 
 
@@ -96,8 +101,7 @@ def finish(
 ) -> bool:
     """Perform blocks in a directory that is claimed, and record what fails; False if a failure stopped them.
 
-    Raises InputError if the memory is too small or a file of somebody else is in the way, OSError if the disk or the
-    cluster gives up.
+    Raises InputError if a file of somebody else is in the way, OSError if the disk or the cluster gives up.
     """
     check_file(results_path(planned, directory), mark.is_product)
     for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
@@ -105,7 +109,6 @@ def finish(
     shards.check_names(directory, [block.name for block in todo])
     if not todo:
         return True
-    check_room(todo, workers)
     begun = time.perf_counter()
     compile_kernels(planned.problems)
     predicted = planned.predicted_cost(_PILOT_SECONDS)
@@ -129,10 +132,10 @@ def finish(
 
 
 def check_room(todo: list[Block], workers: Workers) -> None:
-    """Raise InputError unless the memory of workers is large enough for blocks."""
-    if workers.cluster is not None:
+    """Raise InputError unless the memory of workers is large enough for blocks, if there are any."""
+    if todo and workers.cluster is not None:
         check_memory_of_jobs(todo, workers.cluster)
-    elif not workers.elsewhere:
+    elif todo and not workers.elsewhere:
         check_memory(todo, workers.count)
 
 
@@ -293,8 +296,7 @@ class _Run:
                 blocks = planned.blocks_in(self.directory)
                 todo = to_do(unfinished(blocks, self.directory), self.directory, choice)
                 try:
-                    if todo:
-                        check_room(todo, self.workers)
+                    check_room(todo, self.workers)
                 except InputError as error:
                     if len(state.rounds) == 1:
                         raise

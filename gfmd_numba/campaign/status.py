@@ -7,13 +7,13 @@ from itertools import groupby, takewhile
 from pathlib import Path
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.cases import Block
+from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import NOTES, is_altered, results_path
 from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
-from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.campaign.plan import Plan, plan
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
@@ -55,7 +55,12 @@ class Verdict:
 def campaign_in(directory: Path) -> Plan:
     """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
     check_label(directory)
-    return rounds.as_decided(directory)
+    found = rounds.read(directory)
+    if found is None:
+        return plan(directory / LABEL)
+    planned = plan(directory / LABEL, found.goal.targets)
+    piloted = rounds.pilot_plan(planned, found.goal)
+    return rounds.in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
 
 
 def progress(directory: Path) -> Progress:

@@ -34,6 +34,11 @@ def is_given(option: str) -> bool:
     return source is click.core.ParameterSource.COMMANDLINE
 
 
+def not_allowed(given: object, allowed: str) -> click.BadParameter:
+    """Return the error about what an option was given, and what is allowed there."""
+    return click.BadParameter(f"you gave {given}; gfmd allows {allowed}")
+
+
 OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 
@@ -45,9 +50,7 @@ def _variable_given(ctx: click.Context, param: click.Parameter, name: str | None
 
     if name not in LIMITED:
         allowed = f"one of {', '.join(map(repr, LIMITED))}"
-        raise click.BadParameter(
-            f"you gave {name!r}; gfmd allows {'; '.join(filter(None, (allowed, why_no_limit(name))))}"
-        )
+        raise not_allowed(repr(name), "; ".join(filter(None, (allowed, why_no_limit(name)))))
     return name
 
 
@@ -73,7 +76,7 @@ def _exponent(option: str) -> Fixed:
     numbers = len(ends) <= 2 and all(type(end) in (int, float) for end in ends)
     if name not in LIMITS or not numbers or not 0 < ends[0] <= ends[-1] < inf:
         allowed = f"{', '.join(LIMITS)} with a number above 0 or a range, like eps_t=1 or eps_f=0.5:1"
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows {allowed}")
+        raise not_allowed(repr(option), allowed)
     return name, float(ends[0]) if len(ends) == 1 else (float(ends[0]), float(ends[1]))
 
 
@@ -92,11 +95,9 @@ def _conditions_given(ctx: click.Context, param: click.Parameter, options: tuple
     pairs = [option.partition("=") for option in options]
     for option, (name, _, value) in zip(options, pairs, strict=True):
         if not name or not value:
-            raise click.BadParameter(f"you gave {option!r}; gfmd allows a coordinate and its value, like hurst=0.8")
+            raise not_allowed(repr(option), "a coordinate and its value, like hurst=0.8")
         if sum(name == other for other, _, _ in pairs) > 1:
-            raise click.BadParameter(
-                f"you gave {option!r} and another value of {name}; gfmd allows one value of each name"
-            )
+            raise not_allowed(f"{option!r} and another value of {name}", "one value of each name")
     return tuple((name, value) for name, _, value in pairs)
 
 
@@ -121,13 +122,11 @@ def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[st
         try:
             target = share_of(number)
         except ValueError:
-            raise click.BadParameter(
-                f"you gave {option!r}; gfmd allows a relative error like kappa=2% or 0.02"
-            ) from None
+            raise not_allowed(repr(option), "a relative error like kappa=2% or 0.02") from None
         if name in targets or (options[1:] and not name):
-            raise click.BadParameter(
-                f"you gave {option!r} and {options[0]!r}; gfmd allows several targets of different variables, each "
-                "with its name, like kappa=2%"
+            raise not_allowed(
+                f"{option!r} and {options[0]!r}",
+                "several targets of different variables, each with its name, like kappa=2%",
             )
         targets[name] = target
     return targets
@@ -141,7 +140,7 @@ def _budget_given(ctx: click.Context, param: click.Parameter, option: str | None
 
     seconds = seconds_of(option)
     if seconds is None:
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows {A_TIME}")
+        raise not_allowed(repr(option), A_TIME)
     return seconds
 
 

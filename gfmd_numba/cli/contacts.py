@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, output_option, threads_option
+from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, not_allowed, output_option, threads_option
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
@@ -143,16 +143,16 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     if len(ends) == 1:
         loads = [read(text) for text in option.split(",")]
         if len({si for _, si in loads}) > 1:
-            raise click.BadParameter(f"you gave {option!r}; gfmd allows {name} with units of one kind, or all without")
+            raise not_allowed(repr(option), f"{name} with units of one kind, or all without")
         return [_text(*load) for load in loads]
     count = ends[-1].strip()
     if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+        raise not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
     (first, unit_of_first), (last, si), n = read(ends[0]), read(ends[1]), int(count)
     if unit_of_first != si:
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows two ends with units of one kind, or both without")
+        raise not_allowed(repr(option), "two ends with units of one kind, or both without")
     if not (first > 0.0 and last > 0.0 and first != last):
-        raise click.BadParameter(f"you gave {option!r}; gfmd allows two different ends above 0, or a list a,b,c")
+        raise not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
     return [_text(load, si) for load in (first, *inner, last)]
 
@@ -191,7 +191,7 @@ def _above_0(text: str, name: str) -> tuple[float, str]:
     except ValueError:
         value = None
     if value is None or not 0.0 < value < inf:
-        raise click.BadParameter(f"you gave {text!r}; gfmd allows {allowed}")
+        raise not_allowed(repr(text), allowed)
     return value, quantity.si
 
 
@@ -448,7 +448,7 @@ def place(contact: xr.Dataset, option: str, text: str) -> float:
         if in_metres and not isinstance(number, (int, float)):
             number = LENGTH.si_value(text)
     if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
-        raise InputError(f"--{option}: you gave {text!r}; gfmd allows {allowed}")
+        raise InputError.of(f"--{option}", repr(text), allowed)
     return float(number)
 
 

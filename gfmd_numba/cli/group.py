@@ -96,7 +96,7 @@ def _allow_files() -> None:
         resource.setrlimit(resource.RLIMIT_NOFILE, (most, hard))
         soft = most
     if soft != resource.RLIM_INFINITY and soft < _FEWEST_FILES:
-        raise InputError(f"ulimit -n: you gave {soft} open files; gfmd allows at least {_FEWEST_FILES}")
+        raise InputError.of("ulimit -n", f"{soft} open files", f"at least {_FEWEST_FILES}")
 
 
 def _show_warning(

@@ -29,20 +29,19 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
 
     for file in inputs:
         if output.exists() and file.exists() and output.samefile(file):
-            raise InputError(f"--output: you gave {output}, which is an input; gfmd allows another file")
+            raise InputError.of("--output", f"{output}, which is an input", "another file")
     if not output.parent.is_dir():
-        raise InputError(
-            f"--output: you gave {output}; gfmd allows a file in a folder that exists, unlike {output.parent}"
-        )
+        raise InputError.of("--output", output, f"a file in a folder that exists, unlike {output.parent}")
     if not os.access(output.parent, os.W_OK) or (output.exists() and not os.access(output, os.W_OK)):
-        raise InputError(f"--output: you gave {output}, which you may not write; gfmd allows a file that you may write")
+        raise InputError.of("--output", f"{output}, which you may not write", "a file that you may write")
     if output.suffix.lower() not in suffixes:
         kind = {".nc": "netCDF file", ".html": "page"}.get(suffixes[0], "picture")
-        raise InputError(f"--output: you gave {output}; gfmd allows a {kind}, ending in {', '.join(suffixes)}")
+        raise InputError.of("--output", output, f"a {kind}, ending in {', '.join(suffixes)}")
     if clause := foreign(output):
-        raise InputError(
-            f"--output: you gave {output}, {clause}; gfmd allows a new file, or one as gfmd wrote it "
-            "(move the file away, or choose another name)"
+        raise InputError.of(
+            "--output",
+            f"{output}, {clause}",
+            "a new file, or one as gfmd wrote it (move the file away, or choose another name)",
         )
 
 

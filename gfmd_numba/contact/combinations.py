@@ -151,6 +151,13 @@ def _flowing() -> Iterator[Refusal]:
     yield Refusal("plasticity", "hardness", twice, "physics")
 
 
+def _of_patterns() -> Iterator[Refusal]:
+    """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
+    for feature in ("campaign", "accuracy"):
+        yield Refusal(feature, "pattern", "no pattern, as a file fits one grid alone", "not built yet")
+    yield Refusal("hardness", "pattern", "no pattern with a hardness: this is not built yet", "not built yet")
+
+
 REFUSALS = (
     Refusal(
         "dimension 2",
@@ -218,6 +225,7 @@ REFUSALS = (
     *_in_time(),
     *_flowing(),
     *_of_threads(),
+    *_of_patterns(),
     Refusal(
         "smooth bodies",
         "topography_order",
@@ -259,7 +267,7 @@ _REASONS = {
     "physics": """\
 ## Pairs that make no physical sense
 
-No version of `gfmd` will accept these pairs. Each entry says what is allowed in place of the last.
+No version of `gfmd` will accept these pairs. Entries say what is allowed in place of the last.
 """,
     "solver": """\
 ## Pairs that no solver can do
@@ -324,6 +332,7 @@ PHRASES = {
     "plane stress": "plane stress",
     "plasticity": "a body that flows inside (`plasticity`)",
     "slab": "a slab, or layers",
+    "pattern": "a `pattern` of the work of adhesion",
     "prescribed": "a body loaded without a punch",
     "prescribed displacement": "a prescribed displacement of the surface",
     "punch": "a punch",
@@ -357,11 +366,16 @@ def combinations_page() -> str:
     return "\n".join((_INTRODUCTION, *map(_section, reasons), _SOLVERS, *_solvers(), ""))
 
 
+def has_substitute(row: Refusal) -> bool:
+    """Return whether a refusal says what a reader may write instead: not where a later version may accept the pair."""
+    return row.because != "not built yet" and not row.allowed.startswith("nothing")
+
+
 def _section(reason: str) -> str:
     groups: dict[tuple[str, str], list[str]] = {}
     for row in REFUSALS:
-        if row.because == reason:  # what a later version may accept needs no substitute
-            allowed = "" if reason == "not built yet" else f" Allowed: {row.allowed}.".replace("*", r"\*")
+        if row.because == reason:
+            allowed = f" Allowed: {row.allowed}.".replace("*", r"\*") if has_substitute(row) else ""
             groups.setdefault((row.present, allowed), []).append(_phrase(row.refused))
     items = (
         _item(f"**{_capital(_phrase(present))}** with {'; '.join(refused)}.{allowed}")
@@ -375,7 +389,8 @@ def _solvers() -> Iterator[str]:
     yield _item(f"All solvers: {_named(SOLVERS)}.")
     for ability in ABILITIES:
         can = [name for name, solver in SOLVERS.items() if ability in solver.can]
-        yield _item(f"{_capital(_phrase(ability))}: {'all' if len(can) == len(SOLVERS) else _named(can)}.")
+        if len(can) < len(SOLVERS):
+            yield _item(f"{_capital(_phrase(ability))}: {_named(can)}.")
     yield _item(f"Option `threads`, on maps: {_named(name for name, each in SOLVERS.items() if each.shares)}.")
     for option in ("time_step", "damping"):
         yield _item(

@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
@@ -21,13 +22,15 @@ from gfmd_numba.contact.rough_surfaces import (
 )
 from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, tractions_on_the_body
+from gfmd_numba.contact.tractions import Tractions, balanced, read_boundary, read_nodes, refused, tractions_on_the_body
+from gfmd_numba.elasticity import free_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import COMPONENTS, BoundaryFile, Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
 from gfmd_numba.scene.document import Location, located
+from gfmd_numba.scene.interface_records import LawOfTheGap
 from gfmd_numba.scene.units import in_unit_of
 
 Described = TypeVar("Described", Scene, LoadedBody, Scene | LoadedBody)
@@ -51,12 +54,15 @@ class LoadedBodyInput:
 class ContactInput:
     """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*.
 
+    A `pattern` `[(y,) x]` multiplies the work of adhesion of its law.
+
     `measured` are the surfaces read from files, with what was done to them. All else follows.
     """
 
     file: SceneFile
     surfaces: PressedSurfaces
     tractions: Tractions | None = None
+    pattern: Reals | None = None
     measured: tuple[MeasuredSurface, ...] = ()
 
     @cached_property
@@ -74,6 +80,9 @@ class ContactInput:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
         problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
+        if self.pattern is not None:
+            padded = free_body.padded_shape(self.pattern.shape, problem.ends)
+            problem = replace(problem, interface=problem.interface.patterned(self.pattern, padded))
         path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
@@ -111,7 +120,7 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, surfaces, measured = _with_surfaces(file, document)
     assert surfaces is not None  # of a punch
-    given = ContactInput(file, surfaces, None, measured)
+    given = ContactInput(file, surfaces, pattern=_pattern(file, surfaces, document), measured=measured)
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
@@ -169,6 +178,20 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
             reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
             raise document.refused(place, str(error)) from None
+
+
+def _pattern(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Reals | None:
+    """Share of the work of adhesion at each node; raises InputError for one that is no share of anything."""
+    shape, laws = surfaces.surface.shape, file.scene.interface.laws.items()
+    found = next(((name, law.pattern) for name, law in laws if isinstance(law, LawOfTheGap) and law.pattern), None)
+    if found is None:
+        return None
+    place, path = ("scene", "interface", found[0], "pattern"), Path(found[1])
+    values = read_nodes(document, place, path, file.scene.dimension, shape)
+    if not (values >= 0.0).all() or not values.any():
+        given = f"{path.name} (numbers from {np.nanmin(values):g} to {np.nanmax(values):g})"
+        raise refused(document, place, given, "a number of at least 0 for every node, of which some are above 0")
+    return values
 
 
 def check_room(

@@ -46,6 +46,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _at_the_edge,
         _past_asperities,
         _overlap,
+        _closer_than_known,
     )
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
@@ -225,6 +226,17 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
         f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
         f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
         "real surfaces meet at other places"
+    )
+
+
+def _closer_than_known(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about surfaces so close that the pole of their law has been cut off, nothing for others."""
+    law, nearest = given.file.scene.interface.law_of_the_gap, float(dataset["gap"].min())
+    if law is None or not nearest < law.known_from * law.range:
+        return ""
+    return (
+        f"the surfaces come as close as {nearest / law.range:.3g} times the range of the {law.title}, whose traction "
+        f"goes on in a line below {law.known_from:g} times it: the law itself repels more, so check load and range"
     )
 
 

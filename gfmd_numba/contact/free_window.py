@@ -81,12 +81,11 @@ def start(
     displacement = np.asarray(sunk + moved[:, -1])
     open_nodes = displacement[corner]
     displacement[corner] = np.where(before.touching, window.displacement, open_nodes)
-    at_rest = Start.at_rest(displacement)
     if along is None:
-        return replace(at_rest, displacement=displacement)
-    anchor, sideways = at_rest.anchor.copy(), moved[:, :-1]
-    anchor[corner], sideways[corner] = window.anchor, window.tangential
-    return Start(displacement, sideways, anchor, window.dragged)
+        return replace(Start.at_rest(displacement), displacement=displacement)
+    sideways = moved[:, :-1]
+    sideways[corner] = window.tangential
+    return Start(displacement, sideways, window.dragged)
 
 
 def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ...]) -> Reals:

@@ -48,6 +48,7 @@ COMMON = {
     "pressure_rate": Common(1e-6, 1e15, "slower than rock creeps", "faster than an explosion", ("kPa/s", "MPa/s")),
     "speed": Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),
     "rate": Common(1e-20, 1e-9, "less than any material wears", "more than chalk wears", ("mm^2/N", "mm^3/N/m")),
+    "limit": Common(1e3, 1e11, "less than any solid bears", "more than diamond bears", ("MPa", "GPa")),
     "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
     **dict.fromkeys(("yield_stress", "saturation_stress"), _OF_YIELD),
     "hardening": _OF_YIELD._replace(high=2e12, above="stiffer than diamond"),

@@ -147,27 +147,23 @@ def _body(
             return body, (tangential, off)
         unknown = Effect(_NU, "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
-    name, why, effect, bound = _below_the_top(body)
-    if interface.couples:
-        return body, (coupled, Effect(name if body.stack is not None else "slab", "on", why))
-    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
-        return body, (condensed, Effect(name, "on", bound))
-    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
-
-
-def _below_the_top(body: ElasticBody) -> tuple[str, str, float, str]:
-    """What makes a body no half-space, why it counts with friction, what it changes at most, and that in words."""
     if body.stack is not None:
         n = len(body.stack.heights)
         name = f"{n} layer{'s' if n > 1 else ''} on a {'rigid base' if body.stack.base is None else 'half-space'}"
-        effect = body.deviation()
-        bound = "what is below the topmost layer changes the stiffness of a wave, and so kappa, by at most"
-        return name, "both displacements feel them", effect, f"{bound} {effect:.1e}"
-    assert body.aspect_ratio is not None  # of what is no half-space
+        matters, what = (
+            "both displacements feel them",
+            "what is below the topmost layer changes the stiffness of a wave, and so kappa",
+        )
+    else:
+        name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
+        matters, what = "its mean displacement counts", "it stiffens the longest wave, and so changes kappa"
+    if interface.couples:
+        return body, (coupled, Effect("slab" if body.stack is None else name, "on", matters))
     effect = body.deviation()
-    name = f"slab of aspect ratio {body.aspect_ratio:g}, Poisson's ratio {body.nu:g}"
-    bound = f"it stiffens the longest wave, and so changes kappa, by at most {effect:.1e}"
-    return name, "its mean displacement counts", effect, bound
+    bound = f"{what}, by at most {effect:.1e}"
+    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
+        return body, (condensed, Effect(name, "on", bound))
+    return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
 
 
 def _below(effect: float, tolerance: float) -> str:

@@ -9,6 +9,7 @@ from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSA
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.body_record import Layer, Material
 from gfmd_numba.scene.document import Location
+from gfmd_numba.scene.interface_records import LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
@@ -127,9 +128,7 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
     yield "punch", ("scene",)
-    for name, law in scene.interface.laws.items():
-        for feature in dict.fromkeys((name, law.ability)):
-            yield feature, ("scene", "interface", name)
+    yield from _of_laws(scene)
     yield from _of_touching_nodes(scene, grid)
     if not scene.interface.couples and scene.interface.wear is None:
         yield "contact without drag", ("scene", "interface")
@@ -154,6 +153,14 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None and not any(scene.ends):
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
+    for name, law in scene.interface.laws.items():
+        for feature in dict.fromkeys((name, law.ability)):
+            yield feature, ("scene", "interface", name)
+        if isinstance(law, LawOfTheGap) and law.pattern is not None:
+            yield "pattern", ("scene", "interface", name, "pattern")
 
 
 def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:

@@ -25,12 +25,14 @@ class Springs:
 
     `stretch` and `traction` are `[spring, realisation, component, (y,) x]`, the normal component last and out of the
     body. The stretch of the relaxed one is the displacement. `dissipated` is the energy per nominal area that dashpots
-    and friction have taken so far `[realisation]` (g^2 E* L_x).
+    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over nodes so far
+    of the sizes of what all bear together, and of the displacement.
     """
 
     stretch: Reals
     traction: Reals
     dissipated: Reals
+    largest: tuple[float, float] = (0.0, 0.0)
 
     def energy(self, periodic: bool) -> Reals:
         """Energy per nominal area in all springs `[realisation]`; of periodic bodies that of all waves but the mean."""
@@ -97,7 +99,9 @@ class Relaxation:
             w, t = before.stretch[1 + i], before.traction[1 + i]
             products = old[i] * w * t + both[i] * (modulus * w * borne + t * moved) + new[i] * modulus * moved * borne
             lost = lost + products.mean(axis=along).sum(axis=1)
-        return Springs(stretch, traction, before.dissipated + lost)
+        sizes = float(abs(tractions_of(solved)).sum()), float(abs(stretch[0]).sum())
+        traction_so_far, stretch_so_far = (max(each) for each in zip(before.largest, sizes, strict=True))
+        return Springs(stretch, traction, before.dissipated + lost, (traction_so_far, stretch_so_far))
 
     def _rubbed(self, state: State, solved: Contact) -> Reals:
         """Energy per nominal area that friction takes in a step `[realisation]`, 0 in the first: its way is unknown."""

@@ -116,7 +116,7 @@ def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> St
     if carried is None:
         return start
     start = start or Start.at_rest(punch)
-    return replace(start, tangential=start.tangential - carried, anchor=start.anchor - carried)
+    return replace(start, tangential=start.tangential - carried)
 
 
 def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
@@ -126,9 +126,8 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     """
     tangential = found.tangential
     assert tangential is not None
-    touching = found.touching[:, np.newaxis]
     moved, displacement = tangential.displacement - carried, np.where(found.touching, punch, found.displacement)
-    return Start(displacement, moved, np.where(touching, moved - tangential.slip, np.nan), -tangential.slip)
+    return Start(displacement, moved, -tangential.slip)
 
 
 def felt(response: SpectralResponse, change: Change) -> SpectralResponse:

@@ -38,7 +38,7 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         spent += more
         if found.equilibrium.status[0] != Status.ok:
             break
-        changes.append(difference(coarse, found, state))
+        changes.append(difference(coarse, found))
         error = left_open(changes)
         if error <= tolerance:
             break
@@ -76,11 +76,12 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     return replace(solved, least_pressure=least), spent
 
 
-def difference(coarse: Contact, fine: Contact, before: State) -> float:
-    """Mean difference of the tractions of two contacts over their mean, or that of the displacements if it is larger.
+def difference(coarse: Contact, fine: Contact) -> float:
+    """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
 
-    Tractions count in those `before` the step if these are larger, as it may end without contact.
+    The larger of both counts. Of what falls again errors stay, and are measured by what they came from.
     """
-    earlier = 0.0 if before.last is None else float(abs(tractions_of(before.last)).sum())
-    moved = (each.after.memory["springs"].stretch[0] for each in (coarse, fine))
-    return max(relative_difference(tractions_of(coarse), tractions_of(fine), earlier), relative_difference(*moved))
+    springs = [each.after.memory["springs"] for each in (coarse, fine)]
+    pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
+    of_all = zip(pairs, springs[1].largest, strict=True)
+    return max(relative_difference(one, other, most) for (one, other), most in of_all)

@@ -11,6 +11,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.roughness.surface_files import read_values
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, InputError, Scene
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.quantities import LARGEST
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
@@ -61,7 +62,7 @@ def read_boundary(
     given = {name: value for name, value in boundary if value is not None}
     for name, value in given.items():
         if isinstance(value, str):
-            found[name] = _read(document, name, Path(value), dimension, shape)
+            found[name] = read_nodes(document, ("scene", "boundary", name), Path(value), dimension, shape)
             shape = found[name].shape
     assert shape is not None  # the records' promise
     arrays = {name: found[name] if name in found else np.full(shape, float(value)) for name, value in given.items()}
@@ -70,9 +71,9 @@ def read_boundary(
         traction, displacement = (component.key(quantity) for quantity in ("traction", "displacement"))
         both = np.flatnonzero(np.isfinite(arrays.get(traction, unset) + arrays.get(displacement, unset)))
         if both.size:
-            raise _refused(
+            raise refused(
                 document,
-                traction,
+                ("scene", "boundary", traction),
                 f"{arrays[traction].flat[both[0]]:g} at node {_place(both[0], shape)}",
                 f"a file with not-a-number at the nodes whose {displacement} is prescribed, of which this is one",
             )
@@ -91,28 +92,32 @@ def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy:
     values = np.nan_to_num(given, nan=0.0)
     mean = values.mean()
     if abs(mean) > _ROUNDING * abs(values).max():
-        raise _refused(document, name, f"a mean of {mean:g}", f"a mean of 0, {remedy}")
+        raise refused(document, ("scene", "boundary", name), f"a mean of {mean:g}", f"a mean of 0, {remedy}")
     return {**arrays, name: values - mean}
 
 
 _FILES = {1: "one column of numbers", 2: "rows of numbers, one for each y"}
 
 
-def _read(document: Document, name: str, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
+def read_nodes(document: Document, place: Location, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
+    """Values `[(ny,) nx]` of a file that is named at a place, of which some may be not-a-number.
+
+    Raises InputError for one that does not fit a grid of that shape (None: any), or has no number.
+    """
     try:
         values = read_values(path, dimension)
     except ValueError as error:
-        raise _refused(document, name, f"{path.name} ({error})", _FILES[dimension]) from None
+        raise refused(document, place, f"{path.name} ({error})", _FILES[dimension]) from None
     if (abs(values) > LARGEST).any():
         where = int(np.argmax(abs(values) > LARGEST))
         at = f"{values.flat[where]} at index {_place(where, values.shape)}"
         allowed = f"finite numbers of at most {LARGEST:g}, and not-a-number where nothing is prescribed"
-        raise _refused(document, name, f"{path.name} ({at})", allowed)
+        raise refused(document, place, f"{path.name} ({at})", allowed)
     if not np.isfinite(values).any():
-        raise _refused(document, name, f"{path.name} (no number)", "a number for at least one node")
+        raise refused(document, place, f"{path.name} (no number)", "a number for at least one node")
     if shape is not None and values.shape != shape:
         given, allowed = (" x ".join(map(str, each)) for each in (values.shape, shape))
-        raise _refused(document, name, f"{path.name} ({given} values)", f"one value for each of the {allowed} nodes")
+        raise refused(document, place, f"{path.name} ({given} values)", f"one value for each of the {allowed} nodes")
     return values
 
 
@@ -121,5 +126,6 @@ def _place(node: int, shape: tuple[int, ...]) -> str:
     return ", ".join(str(int(index)) for index in np.unravel_index(node, shape))
 
 
-def _refused(document: Document, name: str, given: str, allowed: str) -> InputError:
-    return InputError(document.line(("scene", "boundary", name), given, allowed))
+def refused(document: Document, place: Location, given: str, allowed: str) -> InputError:
+    """Error of what a file has, and what is allowed in its place."""
+    return InputError(document.line(place, given, allowed))

@@ -9,7 +9,7 @@ Lengths in L_x, stresses in E*; z counts from the undeformed surface and is nega
 an interface of layers the fields are those just above it.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
@@ -30,19 +30,6 @@ Axis = Literal["x", "y"]
 _ONE = (1.0, 1.0)  # the periods of a surface, unless it has others
 _FADED = 50.0  # q depth beyond which nothing is felt: exp(-50) (1 + 50^2) < 1e-18
 _CHUNK = 2**16  # waves taken at once, which bounds the memory
-
-
-class Inner(Protocol):
-    """The inside of a body under a solved contact: fields of `section`, `plane` and `largest_von_mises` below."""
-
-    def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
-        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x)."""
-
-    def plane(self, z: float, names: tuple[str, ...]) -> Reals:
-        """Named fields `[field, y, x]` on the plane z."""
-
-    def largest_von_mises(self, z: Reals) -> "Largest":
-        """Largest von Mises stress of whole planes z `[z]`."""
 
 
 class LoadedSurface(Protocol):
@@ -145,22 +132,6 @@ def displaced_surface(displacements: Reals, body: ElasticBody) -> Surface:
     return Surface(shape, *_along_waves(waves, shape, _ONE), _three(means), _three(tractions), q, places)
 
 
-def section(
-    surface: LoadedSurface, z: Reals, body: ElasticBody, names: tuple[str, ...], across: Axis = "y", at: float = 0.0
-) -> Reals:
-    """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it.
-
-    That of a profile is y = 0. Raises ValueError for z outside the body.
-    """
-    on_section = _at_x if across == "x" else _at_y
-    return np.stack([on_section(surface, depth_of(each, body), body, at, names) for each in z], axis=1)
-
-
-def plane(surface: LoadedSurface, z: float, body: ElasticBody, names: tuple[str, ...]) -> Reals:
-    """Named fields `[field, y, x]` on the plane z, on the nodes of the map; ValueError for z outside the body."""
-    return _plane(surface, depth_of(z, body), body, names, surface.shape)
-
-
 @dataclass(frozen=True)
 class Largest:
     """Largest von Mises stress (E*) of each plane z `[z]`, and where it is (L_x)."""
@@ -168,18 +139,6 @@ class Largest:
     von_mises: Reals
     x: Reals
     y: Reals
-
-
-def largest_von_mises(surface: LoadedSurface, z: Reals, body: ElasticBody) -> Largest:
-    """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
-    found = np.empty((3, z.size))
-    for i, depth in enumerate(depth_of(each, body) for each in z):
-        kept = waves_kept(surface.shape, depth)
-        shape = tuple(min(n, 2 * k + 2) for n, k in zip(surface.shape, kept, strict=True))
-        stress = von_mises(*_plane(surface, depth, body, STRESSES, shape))
-        row, column = np.unravel_index(int(stress.argmax()), shape)
-        found[:, i] = stress[row, column], column / shape[1], row / shape[0]
-    return Largest(*found)
 
 
 @dataclass(frozen=True)
@@ -190,16 +149,46 @@ class Periodic:
     body: ElasticBody
 
     def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
-        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x)."""
-        return section(self.surface, z, self.body, names, across, at)
+        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it.
+
+        That of a profile is y = 0. Raises ValueError for z outside the body.
+        """
+        on_line, along = (spectrum_at_x, 0) if across == "x" else (spectrum_at_y, 1)
+        depths = [depth_of(each, self.body) for each in z]
+        found = [on_line(self.surface, depth, self.body, at, names) for depth in depths]
+        return np.stack([grid.signal(each, self.surface.shape[along]) for each in found], axis=1)
 
     def plane(self, z: float, names: tuple[str, ...]) -> Reals:
-        """Named fields `[field, y, x]` on the plane z."""
-        return plane(self.surface, z, self.body, names)
+        """Named fields `[field, y, x]` on the plane z, on the nodes of the map; ValueError for z outside the body."""
+        return self._plane(depth_of(z, self.body), names, self.surface.shape)
 
     def largest_von_mises(self, z: Reals) -> Largest:
-        """Largest von Mises stress of whole planes z `[z]`."""
-        return largest_von_mises(self.surface, z, self.body)
+        """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
+        return largest_of_planes(z, self.body, self._shape_at, self._plane)
+
+    def _shape_at(self, depth: float) -> tuple[int, ...]:
+        kept = waves_kept(self.surface.shape, depth)
+        return tuple(min(n, 2 * k + 2) for n, k in zip(self.surface.shape, kept, strict=True))
+
+    def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
+        spectrum = spectrum_of_plane(self.surface, depth, self.body, names, shape)
+        return np.stack([grid.signal(each, *shape) for each in spectrum])
+
+
+def largest_of_planes(
+    z: Reals,
+    body: ElasticBody,
+    shape_at: Callable[[float], tuple[int, ...]],
+    plane: Callable[[float, tuple[str, ...], tuple[int, ...]], Reals],
+) -> Largest:
+    """Largest von Mises stress of planes z `[z]`, each found from its depth, names and the shape that it has there."""
+    found = np.empty((3, z.size))
+    for i, depth in enumerate(depth_of(each, body) for each in z):
+        shape = shape_at(depth)
+        stress = von_mises(*plane(depth, STRESSES, shape))
+        row, column = np.unravel_index(int(stress.argmax()), shape)
+        found[:, i] = stress[row, column], column / shape[1], row / shape[0]
+    return Largest(*found)
 
 
 def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> Reals:
@@ -230,10 +219,6 @@ def depth_of(z: float, body: ElasticBody) -> float:
     return max(-float(z), 0.0)
 
 
-def _at_y(surface: LoadedSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]) -> Reals:
-    return grid.signal(spectrum_at_y(surface, depth, body, y, names), surface.shape[1])
-
-
 def spectrum_at_y(
     surface: LoadedSurface, depth: float, body: ElasticBody, y: float, names: tuple[str, ...]
 ) -> Complexes:
@@ -242,10 +227,6 @@ def spectrum_at_y(
     for k_y, k_x, waves in surface.waves(depth, body, names):
         spectrum[:, : k_x.size] += np.exp(2j * np.pi * k_y * y) @ waves
     return spectrum
-
-
-def _at_x(surface: LoadedSurface, depth: float, body: ElasticBody, x: float, names: tuple[str, ...]) -> Reals:
-    return grid.signal(spectrum_at_x(surface, depth, body, x, names), surface.shape[0])
 
 
 def spectrum_at_x(
@@ -260,12 +241,6 @@ def spectrum_at_x(
             spectrum[:, k_y[half] % ny] += (waves @ weights)[:, half]
     mirrored = np.roll(spectrum[:, ::-1], 1, axis=1).conj()  # the real part is the mean with waves of the other sign
     return np.asarray(0.5 * (spectrum + mirrored)[:, : ny // 2 + 1])
-
-
-def _plane(
-    surface: LoadedSurface, depth: float, body: ElasticBody, names: tuple[str, ...], shape: tuple[int, ...]
-) -> Reals:
-    return np.stack([grid.signal(each, *shape) for each in spectrum_of_plane(surface, depth, body, names, shape)])
 
 
 def spectrum_of_plane(

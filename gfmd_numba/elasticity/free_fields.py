@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRESSES, Axis, Largest, Surface
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, Axis, Largest, Surface
 from gfmd_numba.elasticity.free_body import displaced_by_layers
 from gfmd_numba.fourier import grid
 
@@ -73,15 +73,12 @@ class Free:
 
     def largest_von_mises(self, z: Reals) -> Largest:
         """Largest von Mises stress of the window on whole planes z `[z]`, on grids that resolve the waves there."""
-        found = np.empty((3, z.size))
+        return fields.largest_of_planes(z, self.body, self._shape_at, self._plane)
+
+    def _shape_at(self, depth: float) -> tuple[int, ...]:
         first = self.parts[0]
-        for i, depth in enumerate(fields.depth_of(each, self.body) for each in z):
-            places = max(max(fields.waves_kept(first.shape, depth, first.periods)) + 1, _LEAST)
-            shape = tuple(min(n, places) for n in self.shape)
-            stress = fields.von_mises(*self._plane(depth, STRESSES, shape))
-            row, column = np.unravel_index(int(stress.argmax()), shape)
-            found[:, i] = stress[row, column], column / shape[1], row / shape[0]
-        return Largest(*found)
+        places = max(max(fields.waves_kept(first.shape, depth, first.periods)) + 1, _LEAST)
+        return tuple(min(n, places) for n in self.shape)
 
     def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
         first = self.parts[0]

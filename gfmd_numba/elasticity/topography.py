@@ -32,10 +32,10 @@ from gfmd_numba.elasticity.fields import (
     STRESSES,
     Axis,
     LoadedSurface,
+    Periodic,
     Surface,
     displaced_surface,
     in_rows,
-    section,
     surface_under_tractions,
     surface_under_waves,
     waves_kept,
@@ -109,10 +109,10 @@ def forming(body: ElasticBody, order: int) -> ElasticBody:
 def formed_at(
     heights: Reals, z: Reals, body: ElasticBody, order: int, names: tuple[str, ...], across: Axis = "y", at: float = 0.0
 ) -> Reals:
-    """Displacements u'' `[component, z, node]` of these names on a section, as `fields.section` has them."""
+    """Displacements u'' `[component, z, node]` of these names on a section, as `Periodic.section` has them."""
     former = forming(body, order)
     # labels below the body that was formed are places
-    return section(formed_surface(heights, former), np.maximum(z, former.base), former, names, across, at)
+    return Periodic(formed_surface(heights, former), former).section(np.maximum(z, former.base), names, across, at)
 
 
 @dataclass(frozen=True)

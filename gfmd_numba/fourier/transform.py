@@ -166,17 +166,6 @@ class Transform:
         """
         self._multiply(stiffness, divide=True, filled=filled)
 
-    def rms(self, symbol: Reals) -> float:
-        """Root-mean-square of the first map times a symbol, without its mean; what the map was is lost."""
-        if self._blocks is None:
-            self.forward(_FIRST)
-            waves, nx = self.waves[0].T, self.shape[1]
-            total = float(kernels.power_of_columns(waves, symbol, 0, nx))
-        else:
-            total = self._blocks[0].power(symbol)
-            kernels.count(self.n_transforms, _FIRST, 1)
-        return math.sqrt(total) / self.n
-
     def _multiply(self, symbol: Reals, divide: bool, filled: bool) -> None:
         if self._blocks is not None:
             self._blocks[0].multiply(symbol, self.n, divide, filled)
@@ -234,17 +223,6 @@ class _Blocks:
             found[:, x:end] = own.block[: end - x, ky].T
 
         self._along_both(rows, columns, take)
-
-    def power(self, symbol: Reals) -> float:
-        """Sum of the squares of the transform of the map times a symbol `[ky, kx]`, the mean left out."""
-        (rows, nx), columns = self._samples.shape, self._waves.shape[1]
-        parts = np.zeros(-(-columns // _COLUMNS))
-
-        def add_up(own: "_Worker", x: int) -> None:
-            parts[x // _COLUMNS] = kernels.power_of_columns(own.block, symbol, x, nx)
-
-        self._along_both(rows, columns, add_up)
-        return float(parts.sum())
 
     def multiply(self, symbol: Reals, n: int, divide: bool, filled: bool) -> None:
         """Multiply the map by a symbol `[ky, kx]`, or `divide` it, where 0 and infinity stand for 0; and by 1/n."""

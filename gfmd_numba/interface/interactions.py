@@ -1,6 +1,6 @@
 """What acts between the surfaces of a dimensionless problem."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import isinf
 from pkgutil import resolve_name
@@ -9,7 +9,9 @@ from typing import Any, Self
 import numpy as np
 
 from gfmd_numba import kernels, scene
+from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
+from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 
@@ -48,6 +50,11 @@ class Interactions:
             None if limit is None else limit / (energy / length),
         )
 
+    def patterned(self, pattern: Reals, padded: tuple[int, ...]) -> Self:
+        """Interactions whose law of the gap has a pattern `[(y,) x]`, on the grid `padded` around it."""
+        assert self.normal_law is not None  # as the records say
+        return replace(self, normal_law=PatternedLaw.of(self.normal_law, pattern, padded))
+
     @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that act, as in the scene file."""
@@ -85,4 +92,5 @@ class Interactions:
 
     @staticmethod
     def _path(law: object) -> str:
+        law = law.law if isinstance(law, PatternedLaw) else law
         return f"{type(law).__module__}:{type(law).__qualname__}"

@@ -16,7 +16,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.pressures import newton_error, without_mean
+from gfmd_numba.kernels.pressures import begin_behind_widest_gap, newton_error, without_mean
 
 
 @jit
@@ -142,44 +142,6 @@ def exponential_sum_solve(y: Reals, count: int, weights: Reals, factors: Factors
             carried[s] = decay[i + 1, s] * (carried[s] + weights[s] * z[i + 1])
             value -= lower[i, s] * carried[s]
         z[i] = value
-
-
-@jit
-def exponential_sum_solve_two(
-    y: Reals, second: Reals, count: int, weights: Reals, factors: Factors, z: Reals, solution: Reals
-) -> None:
-    """Solve L D L' z = y and L D L' solution = second at once, as `exponential_sum_solve` does each."""
-    decay, lower, diagonal = factors.decay, factors.lower, factors.diagonal
-    carried, other = factors.carried[0], factors.carried[1]
-    terms = weights.size
-    carried[:] = 0.0
-    other[:] = 0.0
-    for i in range(count):
-        value = y[i]
-        value_two = second[i]
-        if i > 0:
-            for s in range(terms):
-                carried[s] = decay[i, s] * (carried[s] + lower[i - 1, s] * z[i - 1])
-                other[s] = decay[i, s] * (other[s] + lower[i - 1, s] * solution[i - 1])
-                value -= weights[s] * carried[s]
-                value_two -= weights[s] * other[s]
-        z[i] = value
-        solution[i] = value_two
-    for i in range(count):
-        z[i] /= diagonal[i]
-        solution[i] /= diagonal[i]
-    carried[:] = 0.0
-    other[:] = 0.0
-    for i in range(count - 2, -1, -1):
-        value = z[i]
-        value_two = solution[i]
-        for s in range(terms):
-            carried[s] = decay[i + 1, s] * (carried[s] + weights[s] * z[i + 1])
-            other[s] = decay[i + 1, s] * (other[s] + weights[s] * solution[i + 1])
-            value -= lower[i, s] * carried[s]
-            value_two -= lower[i, s] * other[s]
-        z[i] = value
-        solution[i] = value_two
 
 
 DECAYS_AT_ONCE = 8
@@ -370,20 +332,6 @@ def candidates(
             count += (wall[j] + sp[j] <= widest) | (p[j] > 0.0)
     begin_behind_widest_gap(spare, count, n, nodes)
     return count, approach
-
-
-@jit
-def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indices) -> None:
-    """Copy nodes in ascending order so that they begin behind the widest gap between two."""
-    start = 0
-    widest = 0
-    for k in range(count):
-        before = ascending[k - 1] if k > 0 else ascending[count - 1] - n
-        if ascending[k] - before > widest:
-            widest = ascending[k] - before
-            start = k
-    for k in range(count):
-        nodes[k] = ascending[(start + k) % count]
 
 
 @jit
@@ -593,11 +541,9 @@ def _factor(touching: int, free: int, task: Task, level: Level) -> None:
     exponential_sum_factor(coarse, factors, contact, touching, task.n, r[:0])
     if task.free_mean:
         without_mean(r, touching)
-        for k in range(touching):
-            t[k] = 1.0
-        exponential_sum_solve_two(r, t, touching, coarse.weights, factors, z, uniform)
-    else:
-        exponential_sum_solve(r, touching, coarse.weights, factors, z)
+        t[:touching] = 1.0
+        exponential_sum_solve(t, touching, coarse.weights, factors, uniform)
+    exponential_sum_solve(r, touching, coarse.weights, factors, z)
 
 
 @jit

@@ -32,32 +32,23 @@ class Iterate(NamedTuple):
 @jit
 def contact_nodes(contact: Flags, n: int, nodes: Indices) -> int:
     """List the nodes in contact in their order around the period, beginning behind the widest gap; their number."""
-    first = -1
-    last = -1
-    widest = 0
+    ascending = np.flatnonzero(contact[:n])
+    begin_behind_widest_gap(ascending, ascending.size, n, nodes)
+    return ascending.size
+
+
+@jit
+def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indices) -> None:
+    """Copy nodes in ascending order so that they begin behind the widest gap between two."""
     start = 0
-    for j in range(n):
-        if contact[j]:
-            if first < 0:
-                first = j
-            elif j - last > widest:
-                widest = j - last
-                start = j
-            last = j
-    if first < 0:
-        return 0
-    if first + n - last >= widest:
-        start = first
-    count = 0
-    for j in range(start, n):
-        if contact[j]:
-            nodes[count] = j
-            count += 1
-    for j in range(start):
-        if contact[j]:
-            nodes[count] = j
-            count += 1
-    return count
+    widest = 0
+    for k in range(count):
+        before = ascending[k - 1] if k > 0 else ascending[count - 1] - n
+        if ascending[k] - before > widest:
+            widest = ascending[k] - before
+            start = k
+    for k in range(count):
+        nodes[k] = ascending[(start + k) % count]
 
 
 @jit

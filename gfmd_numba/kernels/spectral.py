@@ -95,25 +95,6 @@ def multiply_columns(block: Complexes, symbol: Reals, first: int, n: int, divide
 
 
 @jit
-def power_of_columns(block: Complexes, symbol: Reals, first: int, nx: int) -> float:
-    """Sum of the squares of the transforms `[x, y]` of columns from `first` on times a symbol, the mean left out.
-
-    Columns of waves whose opposite is not kept, of the nx nodes of a row, count twice.
-    """
-    rows = block.shape[1]
-    columns = min(block.shape[0], symbol.shape[1] - first)
-    total = 0.0
-    for x in range(columns):
-        both = first + x > 0 and 2 * (first + x) < nx
-        part = 0.0
-        for y in range(1 if first + x == 0 else 0, rows):
-            wave, k = block[x, y], symbol[y, first + x]
-            part += (wave.real**2 + wave.imag**2) * k**2
-        total += 2.0 * part if both else part
-    return total
-
-
-@jit
 def put_columns(block: Complexes, first: int, waves: Complexes, rows: int) -> None:
     """Fill columns of a map from `first` on, in its first rows, from a block `[x, y]`."""
     columns = min(block.shape[0], waves.shape[1] - first)

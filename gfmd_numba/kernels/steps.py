@@ -29,10 +29,9 @@ def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: flo
 def friction_step(state: State, u_old: Reals, conditions: Conditions, active: Indices, n: int, push: float) -> None:
     """Hold touching nodes by Coulomb friction after a Verlet step from `u_old` (an infinite one sticks).
 
-    Friction acts against the way slid from the `anchor`: where the punch held the node before this load, or where it
-    last touched down (not-a-number while it does not touch). Its step is a proximal one without inertia, by half the
-    push of a free node, which is stable for every mode: within what friction can hold of the anchor the node sticks to
-    it, beyond it is drawn back by as much.
+    Friction acts against the way slid from the `anchor`; a node that an infinite one has pulled off sticks where it
+    touches down again. Its step is a proximal one without inertia, by half the push of a free node, which is stable for
+    every mode: within what friction can hold of the anchor the node sticks to it, beyond it is drawn back by as much.
     """
     u, ku, wall, load, anchor = state
     normal = u.shape[1] - 1
@@ -40,13 +39,12 @@ def friction_step(state: State, u_old: Reals, conditions: Conditions, active: In
         for j in range(n):
             pressure = load[i] - ku[i, normal, j]
             if not (u_old[i, normal, j] >= wall[i, j] and pressure > 0.0):
-                for c in range(normal):
-                    anchor[i, c, j] = np.nan
+                if np.isinf(conditions.friction):
+                    for c in range(normal):
+                        anchor[i, c, j] = u_old[i, c, j]
                 continue
             square = 0.0
             for c in range(normal):
-                if np.isnan(anchor[i, c, j]):
-                    anchor[i, c, j] = u_old[i, c, j]
                 square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
             slid, held = np.sqrt(square), 0.5 * push * min(conditions.friction * pressure, conditions.limit)
             left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold

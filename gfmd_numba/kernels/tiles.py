@@ -13,21 +13,6 @@ TILE = 8  # nodes along each side
 
 
 @jit
-def list_tiles(marks: Flags, tiles: Indices, places: Indices) -> int:
-    """List the marked tiles, and write the place of each into `places`; their number stands there for the others."""
-    count = 0
-    for t in range(marks.size):
-        if marks[t]:
-            tiles[count] = t
-            count += 1
-    for t in range(marks.size):
-        places[t] = count
-    for k in range(count):
-        places[tiles[k]] = k
-    return count
-
-
-@jit
 def surround(tiles: Indices, places: Indices, down: int, across: int, ends: tuple[bool, bool], around: Indices) -> None:
     """Places of the 3 x 3 tiles around each listed one `[m, 9]` on a map of down x across tiles.
 
@@ -190,64 +175,6 @@ def take_tiles(rows: Reals, tiles: Indices, nx: int, values: Reals) -> None:
         for y in range(TILE):
             for x in range(TILE):
                 values[k, y, x] = rows[top + y, left + x]
-
-
-@jit
-def mark_loaded(rows: Reals, nx: int, marks: Flags) -> None:
-    """Mark the tiles on which any value of a map is positive."""
-    across = nx // TILE
-    for y in range(rows.shape[0]):
-        row = rows[y]
-        for t in range(across):
-            largest = 0.0
-            for x in range(t * TILE, (t + 1) * TILE):
-                largest = max(largest, row[x])
-            if largest > 0.0:
-                marks[y // TILE * across + t] = True
-
-
-@jit
-def mark_contact(contact: Flags, tiles: Indices, marks: Flags) -> None:
-    """Mark the listed tiles that hold nodes in contact."""
-    for k in range(tiles.size):
-        for y in range(TILE):
-            for x in range(TILE):
-                if contact[k, y, x]:
-                    marks[tiles[k]] = True
-
-
-@jit
-def move_tiles(old: Reals, places: Indices, tiles: Indices, new: Reals) -> None:
-    """Fill new values on the listed tiles from the old ones, whose places are given."""
-    for k in range(tiles.size):
-        new[k] = old[places[tiles[k]]]
-
-
-@jit
-def level_of_contact(
-    wall: Reals, displacement: Reals, contact: Flags, tiles: Indices, nx: int
-) -> tuple[int, float, float]:
-    """Number of nodes in contact, their mean gap up to the approach, and its root-mean-square about that."""
-    across = nx // TILE
-    count = 0
-    total = 0.0
-    first = 0.0
-    squares = 0.0
-    for k in range(tiles.size):
-        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
-        for y in range(TILE):
-            for x in range(TILE):
-                if contact[k, y, x]:
-                    gap = wall[top + y, left + x] + displacement[top + y, left + x]
-                    if count == 0:
-                        first = gap
-                    count += 1
-                    total += gap - first
-                    squares += (gap - first) ** 2
-    if count == 0:
-        return 0, 0.0, 0.0
-    mean = total / count
-    return count, first + mean, np.sqrt(max(squares / count - mean**2, 0.0))
 
 
 @jit

@@ -8,7 +8,7 @@ Of the two models of maps whose directions differ, the thesis prints the spectra
 """
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal
 
 import numpy as np
 from scipy.special import gamma, gammaln, hankel1, hyp2f1, j0, kv
@@ -17,26 +17,6 @@ from gfmd_numba.arrays import Reals
 
 _RIPPLE = {1: np.cos, 2: j0}  # mean of a wave over the directions from a point, by the dimension
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
-
-
-class Spectrum(Protocol):
-    """Model of an isotropic surface in one or two dimensions."""
-
-    @property
-    def isotropic(self) -> Literal[True]: ...  # noqa: D102
-    @property
-    def dimension(self) -> int: ...  # noqa: D102
-    @property
-    def hurst(self) -> float: ...  # noqa: D102
-    def psd(self, q: Reals) -> Reals: ...  # noqa: D102
-
-
-class Model(Spectrum, Protocol):
-    """Model with an autocorrelation function in closed form, and the correlation length it is built on."""
-
-    @property
-    def correlation_length(self) -> float: ...  # noqa: D102
-    def autocorrelation(self, distance: Reals) -> Reals: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -178,21 +158,6 @@ def matern(z: Reals, order: float) -> Reals:
     return np.where(z == 0.0, 1.0, found)
 
 
-class AnisotropicModel(Protocol):
-    """Model of a map whose two directions differ."""
-
-    @property
-    def isotropic(self) -> Literal[False]: ...  # noqa: D102
-    @property
-    def dimension(self) -> int: ...  # noqa: D102
-    @property
-    def hurst(self) -> float: ...  # noqa: D102
-    @property
-    def correlation_length(self) -> float: ...  # noqa: D102
-    def psd(self, q_x: Reals, q_y: Reals) -> Reals: ...  # noqa: D102
-    def autocorrelation(self, x: Reals, y: Reals) -> Reals: ...  # noqa: D102
-
-
 @dataclass(frozen=True)
 class LengthAnisotropicSpectrum:
     """One Hurst exponent, two correlation lengths (x, y) (3.15); raises ValueError for values out of range."""
@@ -258,6 +223,11 @@ class ScalingAnisotropicSpectrum:
             for shift, length, hurst in zip((x, y), self.correlation_lengths, self.hursts, strict=True)
         )
         return np.asarray(first * second)
+
+
+# models with an autocorrelation function in closed form, and the correlation length that they are built on
+Isotropic = ExponentialSpectrum | KCorrelationSpectrum | Mounded
+Anisotropic = LengthAnisotropicSpectrum | ScalingAnisotropicSpectrum  # of maps whose two directions differ
 
 
 def _k_correlation_peak(model: KCorrelationSpectrum) -> float:

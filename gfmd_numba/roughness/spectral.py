@@ -16,14 +16,16 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import spectra, statistics
 from gfmd_numba.roughness.amplitudes import waves
 from gfmd_numba.roughness.generators import Shape
-from gfmd_numba.roughness.spectra import Model, Spectrum
+from gfmd_numba.roughness.spectra import Anisotropic, Isotropic, SelfAffineSpectrum
 from gfmd_numba.scene import surfaces as records
 from gfmd_numba.scene.records import Discretisation
 
 _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
 
 
-def psd_power(spectrum: Spectrum | spectra.AnisotropicModel, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def psd_power(
+    spectrum: SelfAffineSpectrum | Isotropic | Anisotropic, nx: int, largest_index: int, period: float = 1.0
+) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
     Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere, or
@@ -44,7 +46,7 @@ def psd_power(spectrum: Spectrum | spectra.AnisotropicModel, nx: int, largest_in
     return _usable(power, largest_index, nx)
 
 
-def filter_power(model: Model | spectra.AnisotropicModel, nx: int, largest_index: int, period: float = 1.0) -> Reals:
+def filter_power(model: Isotropic | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2, laid out like that of `psd_power`, of the Fourier filtering method.
 
     It is the discrete transform of the autocorrelation at the 2 `largest_index` + 1 points that hold these waves. The
@@ -94,13 +96,11 @@ class ModelWaves:
 
     unit_gradient: ClassVar = False
     method: Literal["psd", "fourier_filter"]
-    model: spectra.Model | spectra.AnisotropicModel
+    model: Isotropic | Anisotropic
     largest_index: int
 
     @classmethod
-    def of(
-        cls, model: spectra.Model | spectra.AnisotropicModel, record: records.Spectral, period: float, nx: int
-    ) -> Self:
+    def of(cls, model: Isotropic | Anisotropic, record: records.Spectral, period: float, nx: int) -> Self:
         """Waves of a model down to the cut-on wavelength of a record, or all below the Nyquist wave of its grid."""
         highest = (nx - 1) // 2
         largest = highest if record.cut_on is None else min(highest, int(period / record.cut_on * (1.0 + 1e-9)))
@@ -186,7 +186,7 @@ _POWERS = {"psd": psd_power, "fourier_filter": filter_power}
 
 def _with_mounds(
     model: spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum, record: records.Correlated, period: float
-) -> spectra.Model:
+) -> Isotropic:
     return model if record.mound_separation is None else spectra.Mounded(model, record.mound_separation / period)
 
 

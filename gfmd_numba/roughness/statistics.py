@@ -87,13 +87,26 @@ def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[boo
         if not (ends and ends[axis]):
             found.append(gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1))
             continue
-        from gfmd_numba import kernels  # takes long to load, and periodic surfaces do without
-
         along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
-        slopes = np.empty(along.shape)
-        kernels.spline_slopes(np.ascontiguousarray(along).reshape(len(along), -1), slopes.reshape(len(along), -1))
+        slopes = _spline_slopes(along.reshape(len(along), -1)).reshape(along.shape)
         found.append(np.moveaxis(slopes, 0, axis) * (len(along) / length))
     return found
+
+
+def _spline_slopes(heights: Reals) -> Reals:
+    """Slopes per node of splines through heights `[node, row]`.
+
+    Between the ends s_(i-1) + 4 s_i + s_(i+1) = 3 (h_(i+1) - h_(i-1)), and s_0 + 2 s_1 = (h_2 + 4 h_1 - 5 h_0) / 2.
+    """
+    from scipy.linalg import solve_banded  # it takes longer to import than most contacts to solve
+
+    bands = np.repeat([[1.0], [4.0], [1.0]], len(heights), axis=1)  # above the diagonal, on it and below
+    bands[1, [0, -1]], bands[0, 1], bands[2, -2] = 1.0, 2.0, 2.0
+    right = np.empty(heights.shape)
+    right[1:-1] = 3.0 * (heights[2:] - heights[:-2])
+    right[0] = 0.5 * (heights[2] + 4.0 * heights[1] - 5.0 * heights[0])
+    right[-1] = 0.5 * (5.0 * heights[-1] - 4.0 * heights[-2] - heights[-3])
+    return np.asarray(solve_banded((1, 1), bands, right))
 
 
 def typical_slope(heights: Reals, length: float = 1.0) -> Reals:

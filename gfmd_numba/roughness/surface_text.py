@@ -142,7 +142,8 @@ def heights_first(header: list[str]) -> bool:
 def columns_by_label(header: list[str], columns: int) -> tuple[list[int], tuple[str | None, ...]] | None:
     """Columns of positions and heights, in this order, and their units, of a table that has others too.
 
-    None where the header does not name all columns, or positions and heights not once each.
+    None where the header does not name all columns, or positions and heights not once each. Names in other languages
+    are known by their units: positions and heights are then the two columns that have one of length.
     """
     for number, line in enumerate(header):
         cells = _cells(line)
@@ -150,9 +151,14 @@ def columns_by_label(header: list[str], columns: int) -> tuple[list[int], tuple[
         heights = [i for i, label in enumerate(labels) if _HEIGHT.search(label)]
         along = [[i for i, label in enumerate(labels) if _axis(label) == axis] for axis in "xy"]
         along[0] = along[0] or [i for i, label in enumerate(labels) if _NO_HEIGHT.search(label)]
-        if len(cells) != columns or len(heights) != 1 or len(along[0]) != 1 or len(along[1]) > 1:
+        if len(cells) != columns:
             continue
-        chosen = [*along[0], *along[1], *heights]
+        if len(heights) == len(along[0]) == 1 and len(along[1]) <= 1:
+            chosen = [*along[0], *along[1], *heights]
+        else:
+            chosen = [i for i, cell in enumerate(cells) if any(length_unit(unit) for _, unit in _found(cell, True))]
+            if len(chosen) != 2 or {*heights, *along[0], *along[1]} - {*chosen}:
+                continue
         below = [row for row in map(_cells, header[number + 1 :]) if len(row) == columns]
         units = [next((unit for _, unit in _found(cells[i], True)), None) for i in chosen]
         for row in below:

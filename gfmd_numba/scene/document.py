@@ -425,9 +425,7 @@ def document_of(source: object, name: str) -> Document:
         return Document(None, "", dict(source))
     if isinstance(source, str | os.PathLike):
         return read_document(Path(source))
-    raise InputError(
-        f"{name}: you gave {brief(source)}; gfmd allows the path of a YAML file, or a mapping of its content"
-    )
+    raise InputError.of(name, brief(source), "the path of a YAML file, or a mapping of its content")
 
 
 def existing_file(document: Document, location: Location, name: str, suffixes: tuple[str, ...]) -> str:

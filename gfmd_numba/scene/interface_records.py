@@ -5,13 +5,14 @@ they act across an open gap, whether they keep the bodies apart, and whether the
 `Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
-from math import isinf
+from math import inf, isinf
 from typing import ClassVar, Self, get_args
 
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.scene.quantities import (
     RECORD,
+    FileOfNodes,
     FrictionCoefficient,
     Length,
     Pressure,
@@ -54,6 +55,11 @@ class LawOfTheGap(LawRecord):
     across_open_gap: ClassVar = True
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
+    pattern: FileOfNodes | None = Field(
+        None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
+    )
+
+    known_from: ClassVar[float] = -inf  # gap, over the range, below which its traction goes on in a line
 
     @property
     def pull(self) -> float:
@@ -91,6 +97,7 @@ class PowerLaw(SignedLaw):
     """Law with energy -work_of_adhesion (1 + gap/range)^-exponent per area."""
 
     title: ClassVar = "power law"
+    known_from: ClassVar = -0.9
     implementation: ClassVar = "gfmd_numba.interface.power_laws:ShiftedPowerLaw"
     exponent: float = Field(
         2.0, ge=2.0, le=12.0, description="Power of the distance; van der Waals: 2, retarded 3 (dimensionless)"
@@ -137,6 +144,7 @@ class LennardJones(LawOfTheGap):
     """Lennard-Jones attraction and repulsion of two half-spaces, integrated over their atoms."""
 
     title: ClassVar = "Lennard-Jones law"
+    known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
@@ -244,6 +252,8 @@ class Interface(BaseModel):
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
                 raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
+            if isinstance(law, LawOfTheGap) and law.pattern is not None and self.hard_wall is None:
+                raise broken_rule((name, "pattern"), "a hard_wall with it, for nodes at which nothing repels")
         return self
 
 

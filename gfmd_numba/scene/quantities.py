@@ -98,6 +98,20 @@ FrictionCoefficient = Annotated[
         json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
     ),
 ]
+FILES = (".npy", ".csv")
+
+
+def _file(given: str) -> str:
+    if not given.endswith(FILES):
+        raise ValueError("no file of numbers")
+    return given
+
+
+FileOfNodes = Annotated[
+    str,
+    AfterValidator(_file),
+    Field(json_schema_extra={"allowed": "the name of a .npy or .csv file with one value for each node"}),
+]
 Points = Annotated[int, Field(ge=4, le=2**40)]
 SEED = "a whole number at least 0 and below 4294967296"
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]

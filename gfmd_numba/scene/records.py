@@ -13,6 +13,7 @@ from gfmd_numba.scene.interface_records import Interface
 from gfmd_numba.scene.loading import Loading, Step, check_loading
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.quantities import (
+    FILES,
     LARGEST,
     RECORD,
     Damping,
@@ -46,7 +47,6 @@ class Component(NamedTuple):
 _ALONG_X, _ALONG_Y = Component("tangential", "", "along x"), Component("tangential", "_y", "along y")
 _NORMAL = Component("normal", "", "out of it")
 COMPONENTS = {1: (_ALONG_X, _NORMAL), 2: (_ALONG_X, _ALONG_Y, _NORMAL)}  # by the dimension of the surface
-FILES = (".npy", ".csv")
 
 
 def _allowed(quantity: Quantity) -> str:

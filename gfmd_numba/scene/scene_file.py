@@ -16,12 +16,13 @@ from gfmd_numba.scene.checks import (
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
+from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
 from gfmd_numba.scene.measured_record import Measured
+from gfmd_numba.scene.quantities import FILES
 from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.text.input_error import InputError
 
-BOUNDARY_SUFFIXES = (".npy", ".csv")
 _OF_A_PUNCH = {"roughness", "form", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
@@ -66,6 +67,8 @@ def input_files(file: SceneFile | BoundaryFile) -> list[Path]:
     """Files that a loaded scene reads."""
     named = [value for _, value in file.scene.boundary or () if isinstance(value, str)]
     measured = [surface for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
+    if isinstance(file.scene, Scene) and (law := file.scene.interface.law_of_the_gap) is not None:
+        named += [law.pattern] if law.pattern is not None else []
     named += [surface.file for surface in measured if surface.file is not None]
     return [Path(name) for name in named]
 
@@ -105,6 +108,7 @@ def located_files(document: Document, scene: Scene | LoadedBody) -> dict[str, ob
     """Parts of a scene by name, whose files have absolute paths; raises InputError for one that does not exist."""
     located: dict[str, object] = {}
     if isinstance(scene, Scene):
+        located["interface"] = _located_interface(document, scene.interface)
         located["roughness"] = located_surface(document, ("scene", "roughness"), scene.roughness)
     for name in ("body", "counter_body"):
         body: Body | None = getattr(scene, name, None)
@@ -124,11 +128,22 @@ def located_surface(document: Document, location: Location, surface: Surface | N
     return surface.model_copy(update={"file": file})
 
 
+def _located_interface(document: Document, interface: Interface) -> Interface:
+    patterns = {
+        name: law.model_copy(
+            update={"pattern": existing_file(document, ("scene", "interface", name, "pattern"), law.pattern, FILES)}
+        )
+        for name, law in interface.laws.items()
+        if isinstance(law, LawOfTheGap) and law.pattern is not None
+    }
+    return interface.model_copy(update=patterns) if patterns else interface
+
+
 def located_boundary(document: Document, boundary: Boundary) -> Boundary:
     """Boundary whose files have absolute paths; raises InputError for one that does not exist."""
     return boundary.model_copy(
         update={
-            name: existing_file(document, ("scene", "boundary", name), value, BOUNDARY_SUFFIXES)
+            name: existing_file(document, ("scene", "boundary", name), value, FILES)
             for name, value in boundary
             if isinstance(value, str)
         }

@@ -96,21 +96,19 @@ def _reduced(touching: Flags, ends: tuple[bool, ...]) -> tuple[float, Reals]:
 def _nodes(contact: xr.Dataset) -> list[str]:
     """Return the dims of the nodes, `[x]` or `[y, x]`; raises InputError for what is no contact in equilibrium."""
     if not {"x", "gap", "status"} <= contact.variables.keys():
-        raise InputError(f"contact: you gave no results of a contact; gfmd allows {_ALLOWED}")
+        raise InputError.of("contact", "no results of a contact", _ALLOWED)
     nodes = ["y", "x"] if "y" in contact.dims else ["x"]
     x, gap, status = (contact[name] for name in ("x", "gap", "status"))
     numbers = all(each.dtype.kind in "fiu" and bool(np.isfinite(each).all()) for each in (x, gap, status))
     laid_out = x.dims == ("x",) and set(nodes) <= set(gap.dims) and set(status.dims) <= set(gap.dims) - set(nodes)
     if not (numbers and laid_out and min(gap.shape, default=0) > 0 and x.size >= 4 and float(x[1] - x[0]) > 0.0):
-        raise InputError(f"contact: you gave an altered one; gfmd allows {_ALLOWED}")
+        raise InputError.of("contact", "an altered one", _ALLOWED)
     if (status != 0).any():
-        raise InputError(
-            "contact: you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0"
-        )
+        raise InputError.of("contact", "a run that is not ok", "contacts in equilibrium, whose status is 0")
     for dim in nodes:
         attributes = contact[dim].attrs if dim in contact.coords else {POINTS: "unknown"}
         points = attributes.get(POINTS, attributes.get(POINTS_OF_WINDOW, contact.sizes[dim]))
         if str(points) != str(contact.sizes[dim]):
             given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
-            raise InputError(f"contact: you gave {given}; gfmd allows all nodes of the period, or the window")
+            raise InputError.of("contact", given, "all nodes of the period, or the window")
     return nodes

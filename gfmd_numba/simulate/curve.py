@@ -161,13 +161,11 @@ def _listed(values: object) -> object:
 def _control(scene: Scene, loads: object) -> str:
     """What the loads are: what the first one's unit tells, and without one what the loading of the scene prescribes."""
     if isinstance(loads, list) and len({isinstance(load, str) and has_unit(load) for load in loads}) > 1:
-        raise InputError(f"loads: you gave {brief(loads)}; gfmd allows loads that all have a unit, or none")
+        raise InputError.of("loads", brief(loads), "loads that all have a unit, or none")
     first = loads[0] if isinstance(loads, list) and loads else None
     told = control_of(first) if isinstance(first, str) else None
     if told is None and isinstance(first, str) and (hint := load_meant(first)):
-        raise InputError(
-            f"loads[0]: you gave {brief(first)}; gfmd allows numbers, or text with the unit of a load; {hint}"
-        )
+        raise InputError.of("loads[0]", brief(first), f"numbers, or text with the unit of a load; {hint}")
     return scene.loading.control if told is None else told
 
 
@@ -180,7 +178,7 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
         check_loading(loading, file.scene.length, file.scene.has_moduli)
     except PydanticCustomError as error:
         context = error.context or {}
-        raise InputError(f"loads: you gave {control}s with a unit; gfmd allows {context['allowed']}") from None
+        raise InputError.of("loads", f"{control}s with a unit", context["allowed"]) from None
     return file.model_copy(update={"scene": file.scene.model_copy(update={"loading": loading})})
 
 

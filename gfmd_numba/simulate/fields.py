@@ -21,7 +21,6 @@ from gfmd_numba.elasticity.fields import (
     STRAINS,
     STRESSES,
     Axis,
-    Inner,
     Largest,
     LoadedSurface,
     Periodic,
@@ -90,7 +89,7 @@ class _Inside:
             return None  # which order 0 is
         return step[name].values / self.length if name in step else None
 
-    def below(self, step: xr.Dataset) -> Inner:
+    def below(self, step: xr.Dataset) -> Periodic | free_fields.Free:
         """The inside under the tractions of a step."""
         tractions, heights = self.tractions(step), self.heights(step)
         if any(self.ends):
@@ -142,7 +141,7 @@ def body_fields(
     length = scene.length or 1.0
     elastic = scales_of(scene).bodies[0 if body == "body" else 1]
     if z is not None and planes is not None:
-        raise InputError(f"planes: you gave {brief(planes)} in addition to z; gfmd allows either of them")
+        raise InputError.of("planes", f"{brief(planes)} in addition to z", "either of them")
     name, given = ("z", z) if planes is None else ("planes", planes)
     unit = "L_x" if scene.length is None else "m"
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
@@ -156,9 +155,7 @@ def body_fields(
         steps = [_section(step, heights, inside) for step in every]
     else:
         argument, value = next((n, v) for n, v in (("x", x), ("y", y), ("planes", planes)) if v is not None)
-        raise InputError(
-            f"{argument}: you gave {brief(value)}; gfmd allows nothing for a profile, which is one section"
-        )
+        raise InputError.of(argument, brief(value), "nothing for a profile, which is one section")
     for step in steps:
         step.attrs |= {"title": f"fields inside the {body.replace('_', ' ')}", "body": body}
     if "step" not in contact.dims:
@@ -183,13 +180,13 @@ def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str
     try:
         z = np.atleast_1d(np.asarray(given_z, dtype=np.float64))
     except (TypeError, ValueError):
-        raise InputError(f"{name}: you gave {brief(given_z)}; gfmd allows a number, or one row of numbers") from None
+        raise InputError.of(name, brief(given_z), "a number, or one row of numbers") from None
     lowest = body.base * length
     outside = ~(np.isfinite(z) & (z <= 0.0) & (z >= lowest * (1.0 + 1e-12)))
     if z.ndim != 1 or z.size == 0 or outside.any():
         given = f"{z[outside][0]:g}" if z.ndim == 1 and z.size else f"an array of shape {z.shape}"
         allowed = f"one row of heights from {lowest:g} (the base) to 0 (the surface), in {unit}"
-        raise InputError(f"{name}: you gave {given}; gfmd allows {allowed}")
+        raise InputError.of(name, given, allowed)
     return z
 
 
@@ -218,9 +215,7 @@ def _dataset(
         quantity, kind = _QUANTITIES[name[:-1]]
         scaled = np.full_like(field, np.nan) if failed else field * units.worth[kind]
         if not failed and not np.isfinite(scaled).all():
-            raise InputError(
-                "contact: you gave a contact whose fields are not finite; gfmd allows what gfmd_numba.solve returns"
-            )
+            raise InputError.of("contact", "a contact whose fields are not finite", "what gfmd_numba.solve returns")
         dataset[f"{quantity}_{name[-1]}"] = dims, scaled, cf_attributes(long_names[name], units.names[kind])
     stresses = (dataset[f"stress_{i}"].values for i in range(1, 7) if f"stress_{i}" in dataset)
     attributes = cf_attributes("von Mises's equivalent stress", units.names["stress"])
@@ -255,21 +250,17 @@ def _check(step: xr.Dataset, n_steps: int, inside: _Inside, wanted: _Wanted, arr
             continue
         if wanted.planes or (name == "y" and wanted.x is not None):
             other = "planes" if wanted.planes else "x"
-            raise InputError(
-                f"{name}: you gave {brief(given)} in addition to {other}; gfmd allows one section x, y, or planes"
-            )
+            raise InputError.of(name, f"{brief(given)} in addition to {other}", "one section x, y, or planes")
         number = isinstance(given, (int, float, np.floating, np.integer)) and not isinstance(given, bool)
         if not number or not 0.0 <= given <= inside.length:
             unit = "m" if inside.units.names["length"] == "m" else "L_x"
-            raise InputError(
-                f"{name}: you gave {brief(given)}; gfmd allows a number from 0 to {inside.length:g}, in {unit}"
-            )
+            raise InputError.of(name, brief(given), f"a number from 0 to {inside.length:g}, in {unit}")
     ny, nx, levels = step.sizes["y"], step.sizes["x"], wanted.z.size
     if allowed := beyond_memory(ny * nx, arrays, "a section below it"):
-        raise InputError(f"contact: you gave {ny} x {nx} nodes; gfmd allows {allowed}")
+        raise InputError.of("contact", f"{ny} x {nx} nodes", allowed)
     kept = arrays + _ARRAYS_OF_A_PLANE * levels * n_steps
     if wanted.planes and (allowed := beyond_memory(ny * nx, kept, "this stack of planes")):
-        raise InputError(f"planes: you gave {levels} heights; gfmd allows fewer, or {allowed}")
+        raise InputError.of("planes", f"{levels} heights", f"fewer, or {allowed}")
 
 
 def _place(
@@ -343,21 +334,20 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     found = contact.variables.keys()
     solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
-        raise InputError("contact: you gave no results of a contact; gfmd allows what gfmd_numba.solve returns")
+        raise InputError.of("contact", "no results of a contact", "what gfmd_numba.solve returns")
     if "normal_traction" in contact:
         file: BoundaryFile | SceneFile = _recorded(BoundaryFile, contact)
     else:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
     if isinstance(scene, Scene) and scene.body.relaxation is not None:
-        given = "one of a viscoelastic body"
-        raise InputError(f"contact: you gave {given}; gfmd allows elastic bodies, as this is not built yet")
+        raise InputError.of("contact", "one of a viscoelastic body", "elastic bodies, as this is not built yet")
     if isinstance(scene, Scene) and scene.body.plasticity is not None:
         allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"
-        raise InputError(f"contact: you gave one of a body that flows inside; gfmd allows {allowed}")
+        raise InputError.of("contact", "one of a body that flows inside", allowed)
     names = ["body", "counter_body"][: len(scene.deformable)]
     if not isinstance(body, str) or body not in names:
-        raise InputError(f"body: you gave {brief(body)}; gfmd allows {' or '.join(map(repr, names))}")
+        raise InputError.of("body", brief(body), " or ".join(map(repr, names)))
     nodes = nodes_of(scene)
     if not _is_whole(contact, nodes) or not found >= _needed(scene, order):
         raise InputError(_ALTERED)
@@ -416,12 +406,12 @@ def _check_period(x: xr.DataArray, dim: str, length: float) -> None:
     present = x.size
     solved = x.attrs.get(POINTS, x.attrs.get(POINTS_OF_WINDOW, present))
     if str(solved) != str(present):
-        raise InputError(f"contact: you gave {present} of the {solved} nodes of its period; gfmd allows {_WHOLE}")
+        raise InputError.of("contact", f"{present} of the {solved} nodes of its period", _WHOLE)
     spacing, at = length / present, x.values.astype(np.float64)
     rounding = 4.0 * float(np.finfo(x.dtype).eps) * abs(at).max() if x.dtype.kind == "f" else 0.0
     if not (abs(np.diff(at) - spacing) <= _ROUNDING * spacing + rounding).all():
         given = f"nodes {dim} from {at[0]:.6g} to {at[-1]:.6g} that are not all {spacing:.6g} apart, as in a period"
-        raise InputError(f"contact: you gave {given}; gfmd allows {_WHOLE}")
+        raise InputError.of("contact", given, _WHOLE)
 
 
 def _is_whole(contact: xr.Dataset, nodes: tuple[str, ...]) -> bool:
@@ -444,6 +434,4 @@ def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
     try:
         return record.model_validate_json(contact.attrs["scene"])
     except ValueError:
-        raise InputError(
-            "contact: you gave a contact whose scene is unreadable; gfmd allows what gfmd_numba.solve returns"
-        ) from None
+        raise InputError.of("contact", "a contact whose scene is unreadable", "what gfmd_numba.solve returns") from None

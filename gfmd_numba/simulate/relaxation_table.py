@@ -37,22 +37,20 @@ def read_table(path: Path, unit: str = "Pa") -> tuple[Reals, Reals, Reals]:
     except ValueError:
         scale = None
     if scale is None:
-        raise InputError(f"unit: you gave {brief(unit)}; gfmd allows a unit of pressure, like MPa")
+        raise InputError.of("unit", brief(unit), "a unit of pressure, like MPa")
     try:
         values = surface_text.read_table(path).values
     except ValueError as error:
-        raise InputError(f"{path}: you gave {error}; gfmd allows a text file of three columns") from None
+        raise InputError.of(path, error, "a text file of three columns") from None
     allowed = "three numbers above 0: frequency in Hz, storage and loss modulus"
     if values.shape[1] != 3:
-        raise InputError(f"{path}: you gave rows of {values.shape[1]} numbers; gfmd allows {allowed}")
+        raise InputError.of(path, f"rows of {values.shape[1]} numbers", allowed)
     bad = np.flatnonzero(~((values > 0.0) & (values < _LARGEST)).all(axis=1))
     if bad.size:
         row = " ".join(f"{value:g}" for value in values[bad[0]])
-        raise InputError(f"{path}: you gave {row} in row {bad[0] + 1} of numbers; gfmd allows {allowed}")
+        raise InputError.of(path, f"{row} in row {bad[0] + 1} of numbers", allowed)
     if np.unique(values[:, 0]).size < _FEWEST:
-        raise InputError(
-            f"{path}: you gave {len(values)} rows of numbers; gfmd allows at least {_FEWEST} different frequencies"
-        )
+        raise InputError.of(path, f"{len(values)} rows of numbers", f"at least {_FEWEST} different frequencies")
     frequency, storage, loss = values[np.argsort(values[:, 0], kind="stable")].T
     return frequency, scale * storage, scale * loss
 
@@ -71,12 +69,13 @@ def fit_relaxation(frequency: Reals, storage: Reals, loss: Reals) -> Relaxation:
     weighted = np.vstack([part / moduli[:, np.newaxis] for part, moduli in zip(matrix, (storage, loss), strict=True)])
     moduli, deviation = nnls(weighted, np.ones(2 * frequency.size))
     if moduli[0] <= _NOTHING * moduli.sum():
-        raise InputError(
-            f"table: you gave a storage modulus that still falls at {frequency.min():g} Hz; gfmd allows one with lower "
-            "frequencies, at which a relaxed modulus shows"
+        raise InputError.of(
+            "table",
+            f"a storage modulus that still falls at {frequency.min():g} Hz",
+            "one with lower frequencies, at which a relaxed modulus shows",
         )
     branches = [(rounded(m / moduli[0]), rounded(tau)) for m, tau in zip(moduli[1:], times, strict=True) if m > 0.0]
     if not branches:
-        raise InputError("table: you gave moduli that do not relax; gfmd allows those of a viscoelastic body")
+        raise InputError.of("table", "moduli that do not relax", "those of a viscoelastic body")
     series = PronySeries(*zip(*branches, strict=True))
     return Relaxation(float(moduli[0]), series, float(deviation / np.sqrt(2 * frequency.size)))

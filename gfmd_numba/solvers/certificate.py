@@ -8,7 +8,6 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.transform import Transform
 
 _NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
 
@@ -101,12 +100,8 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     window = response.window
     stiffness = response.condensed().normal if window is None else window.stiffness(grid.magnitudes(window.shape))
     shape = punch.shape[1:]
-    if len(shape) == 1:
-        weight = (grid.multiplicity(*shape) * abs(stiffness) ** 2)[1:]
-        return np.asarray(np.sqrt((np.abs(grid.coefficients(punch)[:, 1:]) ** 2 * weight).sum(axis=-1)))
-    field = Transform(1, *shape, in_place=True)
-    found = np.empty(len(punch))
-    for i, map_of_heights in enumerate(punch):
-        field.samples[0] = map_of_heights
-        found[i] = field.rms(abs(stiffness))
-    return found
+    weight = grid.multiplicity(shape[-1]) * abs(stiffness) ** 2
+    weight.flat[0] = 0.0
+    batches = [punch] if len(shape) == 1 else punch[:, np.newaxis]  # a map may fill a good part of the memory
+    powers = (np.abs(grid.coefficients(some, len(shape))) ** 2 * weight for some in batches)
+    return np.asarray(np.sqrt(np.concatenate([power.reshape(len(power), -1).sum(axis=1) for power in powers])))

@@ -107,7 +107,7 @@ class Dynamics:
     """Displacements of a batch and the tractions that restore them; a transform pair of each component a step.
 
     The wall of the state is what the normal displacement may not pass; laws act across the gap to the punch. A node
-    that touches is held at its anchor: where the punch held it before, or where it touched down.
+    that touches is held at its anchor, wherever its own motion touches down.
     """
 
     check_every = 10

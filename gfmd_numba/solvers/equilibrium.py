@@ -113,9 +113,7 @@ def following(before: Equilibrium, punch: Reals, sliding: Reals | float) -> Star
     displacement = np.where(before.touching, punch, before.displacement)
     if before.tangential is None:
         return replace(Start.at_rest(punch), displacement=displacement)
-    dragged = sliding - before.tangential.sliding
-    anchor = np.where(before.touching[:, np.newaxis], before.tangential.displacement + dragged, np.nan)
-    return Start(displacement, before.tangential.displacement, anchor, dragged)
+    return Start(displacement, before.tangential.displacement, sliding - before.tangential.sliding)
 
 
 def equilibrate(

@@ -26,26 +26,29 @@ def tangential_shape(punch: Reals) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Start:
-    """What a batch begins with `[realisation, (y,) x]`: displacements, and where the punch holds nodes it touched.
+    """What a batch begins with `[realisation, (y,) x]`: displacements, normal and tangential.
 
-    Tangential quantities have the `tangential_shape`. The `anchor` is one of them, and not-a-number for nodes that did
-    not touch. `dragged` is how far the punch has moved sideways since, ready to broadcast with `[component, (y,) x]`.
+    Tangential quantities have the `tangential_shape`. `dragged` is how far the punch has moved sideways since, ready to
+    broadcast with `[component, (y,) x]`.
     """
 
     displacement: Reals
     tangential: Reals
-    anchor: Reals
     dragged: Reals | float = 0.0
+
+    @property
+    def anchor(self) -> Reals:
+        """Where each node slips from: where it was, had it moved with the punch since."""
+        return np.asarray(self.tangential + self.dragged)
 
     @classmethod
     def at_rest(cls, punch: Reals) -> Self:
         """The undeformed body, pushed back where the punch penetrates it."""
-        shape = tangential_shape(punch)
-        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, shape), np.broadcast_to(np.nan, shape))
+        return cls(np.minimum(punch, 0.0), np.broadcast_to(0.0, tangential_shape(punch)))
 
     def rows(self, some: slice | Indices) -> "Start":
         """Start of some rows alone."""
-        return Start(self.displacement[some], self.tangential[some], self.anchor[some], self.dragged)
+        return Start(self.displacement[some], self.tangential[some], self.dragged)
 
 
 @dataclass(frozen=True)

@@ -95,9 +95,7 @@ def foreign(path: Path, ours: Ours = mark.is_product) -> str:
 def check(path: Path, ours: Ours) -> None:
     """Raise InputError if something that must stay has this name."""
     if clause := foreign(path, ours):
-        raise InputError(
-            f"{path}: you gave a path {clause}; gfmd allows no such file, or one as gfmd wrote it (move it away)"
-        )
+        raise InputError.of(path, f"a path {clause}", "no such file, or one as gfmd wrote it (move it away)")
 
 
 def remove(path: Path, ours: Ours) -> None:
@@ -128,9 +126,7 @@ def read(path: Path) -> bytes | None:
 def open_own(path: Path) -> IO[bytes]:
     """Return a file whose name is gfmd's, new or as it is, for writing; raises InputError unless it is regular."""
     if os.path.lexists(path) and not stat.S_ISREG(os.lstat(path).st_mode):
-        raise InputError(
-            f"{path}: you gave a path which is not a regular file; gfmd allows no such file (move it away)"
-        )
+        raise InputError.of(path, "a path which is not a regular file", "no such file (move it away)")
     return open(os.open(path, os.O_RDWR | os.O_CREAT | _CAREFUL, 0o666), "r+b")
 
 
@@ -145,9 +141,7 @@ def make_folder(path: Path) -> None:
         os.mkdir(path)
         sync(path.parent)
     if not is_folder(path):
-        raise InputError(
-            f"{path}: you gave a link or a file; gfmd allows a folder of that name, or nothing (move it away)"
-        )
+        raise InputError.of(path, "a link or a file", "a folder of that name, or nothing (move it away)")
 
 
 def sync(folder: Path) -> None:

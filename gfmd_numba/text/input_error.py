@@ -1,6 +1,7 @@
 """The one error about what a user gives, in words fit for a terminal."""
 
 import reprlib
+from typing import Self
 
 from gfmd_numba.text.printable import printable
 
@@ -22,6 +23,11 @@ class InputError(ValueError):
     def __init__(self, *faults: str, more: int = 0) -> None:
         super().__init__(*faults)
         self.more = more
+
+    @classmethod
+    def of(cls, where: object, given: object, allowed: object) -> Self:
+        """Error about what was given somewhere, and what is allowed there."""
+        return cls(f"{where}: you gave {given}; gfmd allows {allowed}")
 
     def __str__(self) -> str:
         lines: list[str] = []

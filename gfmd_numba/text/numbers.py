@@ -40,17 +40,21 @@ def with_prefix(value: float, unit: str, digits: int = 4) -> str:
 
 
 _ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
+_FAR = 100.0
 
 
 def typical(values: Iterable[float]) -> float:
     """Return the size that tables and pictures choose the prefix of many numbers by.
 
-    It is halfway between their powers, as 1 to 1000 MPa read better than 0.001 to 1 GPa; but no less than a hundredth
-    of the largest, which would else be written with many digits for the sake of the smallest.
+    It is the largest if all others are within a hundredth of it. Else it is halfway between their powers, as 1 to 1000
+    MPa read better than 0.001 to 1 GPa, but no less than this hundredth: few small numbers make no large one long.
     """
     known = [abs(value) for value in values if isfinite(value)]
     sizes = [size for size in known if size > _ROUNDING * max(known)]
-    return max(sqrt(min(sizes)) * sqrt(max(sizes)), max(sizes) / 100.0) if sizes else 0.0
+    if not sizes:
+        return 0.0
+    least, most = min(sizes), max(sizes)
+    return most if most <= _FAR * least else max(sqrt(least) * sqrt(most), most / _FAR)
 
 
 _FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten

@@ -8,7 +8,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.gap_percolation import connects, regions
+from gfmd_numba.analysis.channels import connects, regions
 from support.solved_maps import made, pressed, wave
 
 DRAWN = {

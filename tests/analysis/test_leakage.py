@@ -1,15 +1,11 @@
 """Flow through gaps by the Reynolds equation: closed forms, duality in the plane, and a dense solve node by node."""
 
-from importlib import import_module
-
 import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import UnusableDataError, leakage
+from gfmd_numba.analysis import UnusableDataError, channels, leakage
 from support.solved_maps import made, pressed, wave
-
-gap_of_a_map = import_module("gfmd_numba.analysis.gap_percolation")  # the room has a function of that name
 
 OPEN = np.zeros((32, 32), dtype=bool)
 
@@ -183,6 +179,6 @@ def test_more_nodes_than_memory_takes_are_told(monkeypatch):
     def factorise(*arguments, **options):
         raise MemoryError
 
-    monkeypatch.setattr(gap_of_a_map, "splu", factorise)
+    monkeypatch.setattr(channels, "splu", factorise)
     with pytest.raises(UnusableDataError, match="you gave channels of 1024 nodes, whose flow takes more memory"):
         leakage(made(OPEN))

@@ -5,8 +5,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import plot_body, plot_contact
+from gfmd_numba.analysis.plots.bodies import plot_loaded_body
 from gfmd_numba.analysis.plots.contact import plot_statistics
-from gfmd_numba.analysis.plots.fields import plot_loaded_body
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.surface import plot_surface
 from gfmd_numba.text.numbers import si_prefix

@@ -1,10 +1,13 @@
 """The limit of synthetic campaigns: parameters that were planted are found, within the errors that are said."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
 from scipy.stats import binom
 
+import gfmd_numba
 from gfmd_numba.analysis import fit_tfc, select_limit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, REFERENCE, TFC, C, campaign, noisy
 
@@ -247,3 +250,14 @@ def test_select_limit_orders_from_coarse_to_fine_and_includes_the_reference():
     assert set(chosen["eps_c"].values) == {1 / 2}
     with pytest.raises(ValueError, match="limit: you gave 'eps_x'; gfmd allows 'eps_c', 'eps_f' or 'eps_t'"):
         select_limit(campaign(), "eps_x")
+
+
+def test_a_fit_in_python_takes_the_options_of_the_campaign_unless_others_are_given():
+    results = noisy(campaign((0.3, 0.8), realisations=20), np.random.default_rng(1))
+    results.attrs["fit"] = json.dumps({"variable": "kappa", "exponents": "free", "fixed": ALPHA})
+    found = gfmd_numba.fit_tfc(results)
+    xr.testing.assert_allclose(
+        found.drop_vars("seconds"), fit_tfc(results, exponents="free", fixed=ALPHA).drop_vars("seconds")
+    )
+    assert found.attrs["exponents"] == "free"
+    assert gfmd_numba.fit_tfc(results, exponents="shared", fixed={}).attrs["fixed"] == "none"

@@ -239,7 +239,7 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
 @pytest.mark.long
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
-    local = execution.local
+    local = execution.cluster.local
     monkeypatch.setattr(execution.cluster, "local", lambda count: (started.append(count), local(count))[1])
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert len(outcome.rounds.rounds) > 1

@@ -42,6 +42,7 @@ def test_a_value_has_the_prefix_that_makes_it_short(value, unit, expected):
     ("values", "unit"),
     [
         ([1e6, 1e9], "MPa"),  # halfway, as both are short then
+        ([1e5, 4e6], "MPa"),
         ([0.0, 3e6], "MPa"),
         ([1e-6, 2e8], "MPa"),  # what is nearly nothing does not make the others long
         ([float("nan")], "Pa"),

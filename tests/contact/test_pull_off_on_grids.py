@@ -1,5 +1,8 @@
 """Pull-off of a wave on a grid is off by what the resolution of its law says, and has the known limits."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 import slab_stiffness
@@ -81,3 +84,15 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
     length = stretch / tabor
     exact = WORK / length * ive(0, AMPLITUDE / length)
     assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("parameter", "taper"), [(0.5, 0.2)])
+def test_pull_off_of_a_ball_under_a_constant_attraction_is_that_of_maugis(parameter, taper):
+    """Within 0.5 % of the closed form of Maugis (1992), between Bradley's 2 pi w R and 3/2 pi w R of JKR."""
+    benchmark = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks" / "maugis_pull_off.py"))
+    force, x, _ = benchmark["pull_off"](64, parameter, taper)
+    assert x < COARSEST
+    assert force == pytest.approx(benchmark["pull_off_of_closed_form"](parameter)[0], rel=5e-3)
+    for limit, expected in ((1e-3, -2.0), (1e2, -1.5)):
+        assert benchmark["pull_off_of_closed_form"](limit)[0] == pytest.approx(expected, rel=2e-3)

@@ -188,18 +188,16 @@ def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e
 
 
 def test_steps_in_time_are_of_second_order():
-    """A dwell, and a load that falls: the error of divisions of time against 1024 of them falls as their square."""
+    """A dwell, and a load that falls: the error of divisions of time against 256 of them falls as their square."""
     for load in (0.05, 0.01):
         problem = rough_problem()
         state = solve(problem, begin(problem, range(1))).after
         step = problem.under(LoadStep(load, (0.0,), 2.0))
-        exact = time_steps._divided(step, state, 1024)[0]
-        errors = [
-            time_steps.difference(time_steps._divided(step, state, n)[0], exact, state) for n in (4, 8, 16, 32, 64)
-        ]
+        exact = time_steps._divided(step, state, 256)[0]
+        errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16, 32)]
         orders = -np.diff(np.log2(errors))
         assert (orders > 1.5).all()
-        assert np.log2(errors[0] / errors[-1]) / 4 == pytest.approx(2.0, abs=0.25)
+        assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.25)
 
 
 def random_history(seed, tolerance):
@@ -229,23 +227,33 @@ def worst_of(seed, tolerance, monkeypatch):
         one = problem.under(step)
         fine = divided(one, state, 10 * taken[step] if step.duration else 1)[0]
         assert contact.equilibrium.status[0] == fine.equilibrium.status[0] == 0
-        errors.append(time_steps.difference(contact, fine, state))
+        errors.append(time_steps.difference(contact, fine))
         state = fine.after
     return max(errors), found[-1].time_error
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(4))
 def test_automatic_steps_hold_their_tolerance(seed, monkeypatch):
     error, reported = worst_of(seed, 1e-2, monkeypatch)
-    assert reported <= 1e-2
-    assert error <= 1e-2
+    assert error <= reported <= 1e-2
 
 
 @pytest.mark.long
-def test_automatic_steps_hold_the_usual_tolerance(monkeypatch):
-    """In all of 50 seeds, too, which take ten times as long."""
-    found = np.array([worst_of(seed, 1e-3, monkeypatch) for seed in range(5)])
-    assert found.max() <= 1e-3
+@pytest.mark.parametrize("seed", [25, 37])
+def test_automatic_steps_hold_the_usual_tolerance(seed, monkeypatch):
+    """In a contact whose nodes touch down in turn, and in one of whose load hardly a twentieth is left."""
+    error, reported = worst_of(seed, 1e-3, monkeypatch)
+    assert error <= reported <= 1e-3
+
+
+def test_the_error_that_is_left_is_judged_by_the_slower_of_two_changes():
+    order = [1e-2 * 4.0**-n for n in range(4)]
+    assert time_steps.left_open(order) == pytest.approx(order[-1] / 1.5)
+    assert time_steps.left_open([1e-2]) > 6e-2  # nothing is known of the next change
+    assert time_steps.left_open([6e-3, 1.4e-2]) > 9e-2  # nor where changes grow
+    assert time_steps.left_open([6.8e-3, 4.9e-3, 1.1e-3]) > 2.8e-3  # a small one by chance
+    assert time_steps.left_open([1e-2, 1e-5]) >= 1e-2 / 6.0
+    assert time_steps.left_open([0.0, 0.0]) == 0.0
 
 
 def test_what_the_punch_does_is_stored_or_dissipated():

@@ -294,6 +294,14 @@ def test_solvers_for_the_pressure_know_the_hard_wall_only(tmp_path, interface, s
         gfmd_numba.solve(path)
 
 
+def test_surfaces_closer_than_a_law_is_known_are_told(tmp_path):
+    law = {"work_of_adhesion": 1e-6, "range": 0.02}
+    found = nearly_flat(tmp_path, [], -0.02, lennard_jones=law)
+    assert "range" not in found.attrs["validity"]
+    with pytest.warns(UserWarning, match="as close as .* times the range of the Lennard-Jones law"):
+        nearly_flat(tmp_path, [], 0.0, lennard_jones=law)
+
+
 @pytest.mark.filterwarnings("ignore:100% of the energy")
 def test_a_flat_punch_is_pulled_by_the_squared_exponential_law_at_its_gap(tmp_path):
     law, first, nu = SquaredExponentialLaw(1e-5, 0.02), -0.03, 0.3

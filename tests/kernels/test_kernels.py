@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.interpolate import CubicSpline
 
 from gfmd_numba import kernels
 from support.kernel_twins import both
@@ -306,15 +305,6 @@ def test_columns_of_a_map_are_taken_multiplied_and_put_back(take, multiply, put,
     np.testing.assert_array_equal(waves, expected)
 
 
-@pytest.mark.parametrize("nx", [14, 15])
-@pytest.mark.parametrize("kernel", both(kernels.power_of_columns))
-def test_the_power_of_columns_is_that_of_parseval(kernel, nx, rng):
-    samples = rng.normal(size=(6, nx))
-    waves, whole = np.fft.rfft2(samples), np.fft.fft2(samples)
-    parts = [kernel(np.ascontiguousarray(waves[:, x : x + 3].T), np.ones(waves.shape), x, nx) for x in (0, 3, 6)]
-    assert sum(parts) == pytest.approx((abs(whole) ** 2).sum() - abs(whole[0, 0]) ** 2)
-
-
 @pytest.mark.parametrize("divide", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.multiply_map))
 def test_a_map_of_waves_is_multiplied_by_a_symbol(kernel, divide, rng):
@@ -324,12 +314,3 @@ def test_a_map_of_waves_is_multiplied_by_a_symbol(kernel, divide, rng):
     expected[:, :8] *= factors(symbol, 5, divide)
     kernel(waves, symbol, 5, divide)
     np.testing.assert_allclose(waves, expected, rtol=1e-15)
-
-
-@pytest.mark.parametrize("kernel", both(kernels.spline_slopes))
-@pytest.mark.parametrize("n", [4, 5, 40])
-def test_slopes_of_a_spline_are_those_of_scipy(kernel, n, rng):
-    heights = rng.normal(size=(n, 3))
-    slopes = np.empty((n, 3))
-    kernel(heights, slopes)
-    np.testing.assert_allclose(slopes, CubicSpline(np.arange(n), heights)(np.arange(n), 1), atol=1e-13)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
+from gfmd_numba.solvers.tiles import newton
 from support.kernel_twins import both
 
 DOWN, ACROSS, SIDE = 3, 4, 8
@@ -37,11 +38,9 @@ def surroundings():
     return around
 
 
-@pytest.mark.parametrize("kernel", both(kernels.list_tiles))
-def test_marked_tiles_are_listed_with_their_places(kernel):
-    tiles, places = np.full((2, MARKS.size), -1)
-    assert kernel(MARKS, tiles, places) == TILES.size
-    np.testing.assert_array_equal(tiles[: TILES.size], TILES)
+def test_marked_tiles_are_listed_with_their_places():
+    tiles, places = newton.listed(MARKS)
+    np.testing.assert_array_equal(tiles, TILES)
     np.testing.assert_array_equal(places, PLACES)
 
 
@@ -123,6 +122,11 @@ def test_what_a_block_shares_is_taken_off(kernel, rng):
     np.testing.assert_allclose(pressure[:-1], expected)
 
 
+def test_tiles_of_a_map_with_longer_rows(rng):
+    rows = rng.random((NY, PADDED))
+    np.testing.assert_array_equal(newton.tiles_of(rows, NX).reshape(-1, SIDE, SIDE), cut(rows))
+
+
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))
 def test_tiles_are_put_on_a_map(kernel, rng):
     values, rows = random_values(rng), np.zeros((NY, PADDED))
@@ -136,44 +140,6 @@ def test_tiles_are_taken_from_a_map(kernel, rng):
     kernel(rows, TILES, NX, values)
     np.testing.assert_array_equal(values[:-1], cut(rows)[TILES])
     assert not values[-1].any()
-
-
-@pytest.mark.parametrize("kernel", both(kernels.mark_loaded))
-def test_loaded_tiles_are_marked(kernel, rng):
-    rows = np.zeros((NY, PADDED))
-    rows[:, NX:] = 1.0
-    rows[9, 31] = rows[0, 0] = 1.0
-    rows[20, 3] = -1.0
-    marks = np.zeros(MARKS.size, dtype=bool)
-    kernel(rows, NX, marks)
-    assert np.flatnonzero(marks).tolist() == [0, 7]
-
-
-@pytest.mark.parametrize("kernel", both(kernels.mark_contact))
-def test_tiles_in_contact_are_marked(kernel):
-    contact, marks = np.zeros((TILES.size + 1, SIDE, SIDE), dtype=bool), np.zeros(MARKS.size, dtype=bool)
-    contact[[1, 4], [0, 7], [7, 2]] = True
-    kernel(contact, TILES, marks)
-    np.testing.assert_array_equal(np.flatnonzero(marks), TILES[[1, 4]])
-
-
-@pytest.mark.parametrize("kernel", both(kernels.move_tiles))
-def test_tiles_move_to_their_new_places(kernel, rng):
-    old, tiles = random_values(rng), np.array([0, 1, 6, 11])
-    new = np.empty((5, SIDE, SIDE))
-    kernel(old, PLACES, tiles, new)
-    np.testing.assert_array_equal(new[:-1], cut(joined(old))[tiles])
-
-
-@pytest.mark.parametrize("kernel", both(kernels.level_of_contact))
-def test_the_level_of_the_contact_is_its_mean_gap(kernel, rng):
-    wall, rows, contact = rng.random((NY, NX)), rng.random((NY, PADDED)), random_values(rng) > 0.5
-    contact[-1] = False
-    gaps = (wall + rows[:, :NX])[joined(contact)]
-    count, mean, spread = kernel(wall, rows, contact, TILES, NX)
-    assert count == gaps.size
-    assert (mean, spread) == pytest.approx((gaps.mean(), gaps.std()))
-    assert kernel(wall, rows, np.zeros_like(contact), TILES, NX) == (0, 0.0, 0.0)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.open_map))

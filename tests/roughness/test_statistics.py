@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicSpline
 
 from gfmd_numba.roughness import spectral, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
@@ -132,3 +133,10 @@ def test_the_gaussian_distance_is_that_of_the_distributions():
     assert statistics.gaussian_distance(wave) == pytest.approx(exact, abs=1e-4)
     with pytest.raises(ValueError, match="flat"):
         statistics.gaussian_distance(np.ones(30))
+
+
+@pytest.mark.parametrize("n", [4, 5, 40])
+def test_gradients_of_heights_that_end_are_those_of_a_spline(n):
+    heights = np.random.default_rng(1).normal(size=(3, n))
+    (found,) = statistics.gradients(heights, (n,), (True,))
+    np.testing.assert_allclose(found, CubicSpline(np.arange(n), heights, axis=1)(np.arange(n), 1), atol=1e-13)

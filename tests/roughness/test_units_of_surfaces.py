@@ -160,3 +160,19 @@ def test_a_spacing_next_to_positions_is_refused(tmp_path):
     surface = {"method": "measured", "file": str(tmp_path / "p.csv"), "spacing": "1 um"}
     with pytest.raises(InputError, match="spacing has to be left out"):
         make_surface({"surface": surface})
+
+
+@pytest.mark.parametrize("header", ["Messung 7;;\nNr.;Weg [mm];Höhe [mil]", "Nr.;Weg [mm];Höhe [mil];Zeit [s]"])
+def test_columns_of_other_languages_are_known_by_their_units_of_length(tmp_path, header):
+    others = header.count(";", header.rfind("\n") + 1) - 2
+    rows = [f"{i};{i / 100};{z}" + ";7" * others for i, z in enumerate(HEIGHTS)]
+    (tmp_path / "p.csv").write_text("\n".join([header, *rows]).replace(".", ","), encoding="latin-1")
+    found = made(tmp_path / "p.csv", units=None)
+    assert float(found["x"][1]) == pytest.approx(1e-5)
+    np.testing.assert_allclose(found["height"], 2.54e-5 * HEIGHTS, atol=1e-12)
+
+
+def test_a_column_without_a_unit_that_is_named_is_not_left_out(tmp_path):
+    (tmp_path / "p.csv").write_text("x [mm],y [mm],z\n" + "".join(f"{i},{i},{z}\n" for i, z in enumerate(HEIGHTS)))
+    with pytest.raises(InputError, match="which are no grid"):
+        made(tmp_path / "p.csv")

@@ -58,7 +58,7 @@ FORMS = {
     ),
     "an empty value": (
         ("{hard_wall: {}}", "{hard_wall: }"),
-        "bad.yaml:7:14: scene.interface: you gave {'hard_wall': None}; gfmd allows hard_wall, cohesive, or",
+        "bad.yaml:7:14: scene.interface: you gave {'hard_wall': None}; gfmd allows hard_wall, cohesive, lennard_jones",
     ),
     "a truncated long value": (
         ("solver: auto", "solver: " + 500 * "x"),

@@ -171,7 +171,7 @@ def test_dynamics_that_anchor_a_node_at_other_times_in_each_round_come_to_rest(f
 
 
 def test_nodes_that_were_carried_slip_from_where_they_did_and_open_ones_touch_down_where_they_are():
-    punch, nan = np.zeros((1, 3)), np.nan
+    punch = np.zeros((1, 3))
     touching = np.array([[True, True, False]])
     tangential = Tangential(np.array([[[3.0, 4.0, 5.0]]]), np.zeros((1, 1, 3)), np.array([[[0.0, 1.0, 0.0]]]), 0.5)
     rest = np.zeros(1)
@@ -179,5 +179,4 @@ def test_nodes_that_were_carried_slip_from_where_they_did_and_open_ones_touch_do
     start = solution.continued(found, punch, np.array([[[0.1, 0.2, 0.3]]]))
     np.testing.assert_array_equal(start.displacement, [[0.0, 0.0, -1.0]])
     np.testing.assert_allclose(start.tangential[0], [[2.9, 3.8, 4.7]])
-    np.testing.assert_allclose(start.anchor[0], [[2.9, 2.8, nan]])
-    np.testing.assert_allclose((start.tangential + start.dragged)[0], [[2.9, 2.8, 4.7]])
+    np.testing.assert_allclose(start.anchor[0], [[2.9, 2.8, 4.7]])

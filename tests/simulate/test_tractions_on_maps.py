@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis.plots.fields import plot_loaded_body
+from gfmd_numba.analysis.plots.bodies import plot_loaded_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import InputError, load_scene
 

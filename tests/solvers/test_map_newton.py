@@ -36,9 +36,8 @@ def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, shar
     rng = np.random.default_rng(2)
     stiff, tiles_each_way = body(shape, slab), (shape[0] // 8, shape[1] // 8)
     marks = rng.random(tiles_each_way[0] * tiles_each_way[1]) < share
-    tiles, places = np.empty(marks.sum(), dtype=np.int64), np.empty(marks.size, dtype=np.int64)
-    m = kernels.list_tiles(marks, tiles, places)
-    around = np.empty((m, 9), dtype=np.int64)
+    tiles, places = newton.listed(marks)
+    m, around = tiles.size, np.empty((tiles.size, 9), dtype=np.int64)
     kernels.surround(tiles, places, *tiles_each_way, (False, False), around)
     compliance = SplitCompliance(stiff, shape, tiles_each_way[1])
     compliance.place(tiles, around)

@@ -161,7 +161,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
 
 def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():
     punch, body = surface(128)
-    start = Start(punch + 20.0, punch[:, np.newaxis], punch[:, np.newaxis])
+    start = Start(punch + 20.0, punch[:, np.newaxis])
     found = equilibrate(punch, SpectralResponse.of_normal(body), 0.05, Options("truncated_newton"), REPULSION, start)
     assert (found.status == 0).all()
 

@@ -278,6 +278,7 @@ def plot_campaign(
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if len(looks.of) > 1:
             said = "Markers are shifted sideways, so that their error bars can be seen."
+            said = said.replace(", ", ",\n") if width == "single" else said
             figure.supxlabel(said, fontsize=style.small(), color="0.35")
         if fitted:
             handles.append(Line2D([], [], color="0.4", ls=":", label=r"limit along a panel, $1/\varepsilon\to\infty$"))

@@ -69,7 +69,7 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
     gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
     most = max(10.0, 1.5 * float(mean[counted].max()))
     contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
-    for axis in (contacts.xaxis, contacts.yaxis):
+    for axis in (contacts.xaxis, contacts.yaxis, *([gap.yaxis] if scale == "log" else [])):
         style.log_ticks(axis)
 
 

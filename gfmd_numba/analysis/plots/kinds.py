@@ -6,10 +6,10 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.plots.accuracy import plot_accuracy
+from gfmd_numba.analysis.plots.bodies import plot_body, plot_flow, plot_loaded_body
 from gfmd_numba.analysis.plots.campaign import plot_fit
 from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics
 from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
-from gfmd_numba.analysis.plots.fields import plot_body, plot_flow, plot_loaded_body
 from gfmd_numba.analysis.plots.map_image import plot_conductance, plot_leakage
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds

@@ -59,7 +59,8 @@ def plot_path(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     varied, looks = most_varied(dataset), looks_of(_of_varied(dataset))
     panels = _along(dataset)
     of_path = [name for name in _OF_PATH if varied and name in dataset and good(dataset, name).any()]
-    with sheet(len(panels) + len(of_path), 2, (5.0, 3.6), width) as (figure, drawn):
+    count = len(panels) + len(of_path)
+    with sheet(count, 3 if count == 3 and width else 2, (5.0, 3.6), width) as (figure, drawn):
         for axis, panel in zip(drawn, panels, strict=False):
             _draw(axis, dataset, panel, looks)
         for axis, name in zip(drawn[len(panels) :], of_path, strict=False):

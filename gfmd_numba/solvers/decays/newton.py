@@ -1,11 +1,10 @@
 """Active-set Newton method for the hard wall on profiles whose compliance is a sum of decays."""
 
-from collections import OrderedDict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from hashlib import blake2b
+from functools import lru_cache
 from math import sqrt
-from threading import local
+from threading import get_ident
 from typing import Any
 
 import numpy as np
@@ -36,7 +35,6 @@ _LONGER = 16  # times the padded grid of a window: the period whose waves are fi
 _CUT = 0.2  # over the number of nodes: relative error that the end of the kernel makes, at 256 to 2048 nodes
 _COARSENING = 4
 _COARSEST = 256  # nodes up to which the first guess is full contact
-_KEPT = 32  # bodies and grids
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,9 +57,6 @@ class DecayModel:
     coarser: "DecayModel | None"
 
 
-_models: OrderedDict[tuple[int, bool, bool, bytes], DecayModel | None] = OrderedDict()
-
-
 def decay_model(
     stiffness: Reals, shape: tuple[int, ...], free_mean: bool, window: Window | None = None
 ) -> DecayModel | None:
@@ -74,13 +69,12 @@ def decay_model(
         return None
     if window is not None and window.stiffness(np.zeros(1))[0] > 0.0:  # the kernel of a slab has ended before
         window = None
-    key = (n, free_mean, window is None, blake2b(stiffness.tobytes()).digest())
-    if key not in _models:
-        _models[key] = _made(stiffness, n, free_mean, window)
-        if len(_models) > _KEPT:
-            _models.popitem(last=False)
-    _models.move_to_end(key)
-    return _models[key]
+    return _of_stiffness(stiffness.tobytes(), n, free_mean, window)
+
+
+@lru_cache(maxsize=32)  # bodies and grids
+def _of_stiffness(stiffness: bytes, n: int, free_mean: bool, window: Window | None) -> DecayModel | None:
+    return _made(np.frombuffer(stiffness), n, free_mean, window)
 
 
 def _made(stiffness: Reals, n: int, free_mean: bool, window: Window | None) -> DecayModel | None:
@@ -171,7 +165,6 @@ def _fit(compliance: Callable[[Indices], Reals], n: int, rates: Reals, signs: Re
 _COARSE_ERROR = 0.01  # relative error of a first guess
 _EXACT = 0.1  # relative error of the pressure asked for, over the residual
 _TIGHTEN = 0.1  # factor on it where the certificate finds a larger residual
-_MOST_KEPT = 4  # grids whose arrays are kept for the next batch
 _DENSE, _DENSE_OF_MANY_STEPS = 0.25, 0.1  # share of nodes in contact from which on transforms are cheaper than decays
 _HEAVY = 0.32  # load over the rms pressure of full contact at which that share is expected, by (4.16)
 _SMALL = 2**10  # nodes up to which they are not
@@ -203,7 +196,7 @@ class DecayNewton:
 
     def __init__(self, batch: Batch, options: Options, model: DecayModel) -> None:
         rows, n = batch.punch.shape
-        self._model, self._level = model, _level(model)
+        self._model, self._level = model, _Level(model) if model.n > _LARGE else _kept(model, get_ident())
         self.field = self._level.field
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
@@ -350,25 +343,10 @@ def _rows(batch: Batch, some: list[int]) -> Batch:
     return replace(batch, punch=batch.punch[rows], load=load, begun=begun)
 
 
-class _Kept(local):
-    """Grids that this thread has last worked on, by their models."""
-
-    def __init__(self) -> None:
-        self.levels: OrderedDict[DecayModel, _Level] = OrderedDict()
-
-
-_kept = _Kept()
-
-
-def _level(model: DecayModel) -> "_Level":
-    """Grid of a model, kept for the next batch unless it is large."""
-    if model.n > _LARGE:
-        return _Level(model)
-    if model not in _kept.levels:
-        _kept.levels[model] = _Level(model)
-        if len(_kept.levels) > _MOST_KEPT:
-            _kept.levels.popitem(last=False)
-    return _kept.levels[model]
+@lru_cache(maxsize=16)
+def _kept(model: DecayModel, thread: int) -> "_Level":
+    """Grid of a model, kept for the next batch of a thread."""
+    return _Level(model)
 
 
 class _Level:

@@ -105,7 +105,7 @@ class FrictionalNewton:
         u, ku = products.displacement, products.restoring
         anchor, wall = np.zeros_like(u[:, :-1]), np.zeros_like(u[:, -1])
         wall[:, :n] = punch.reshape(rows, n)
-        anchor[..., :n] = (start.tangential + start.dragged).reshape(rows, -1, n)
+        anchor[..., :n] = start.anchor.reshape(rows, -1, n)
         self.state = kernels.State(u, ku, wall, batch.loads.copy(), anchor)
         self.certificate = batch.certificate()
         self._condensed = response.condensed()
@@ -165,8 +165,7 @@ class FrictionalNewton:
         every = range(len(batch.punch))
         if self._law is not None or self._components == 2 or n <= _COARSEST:
             return [self._first_guess(i) for i in every]
-        anchor = start.tangential + start.dragged
-        coarse = FrictionalNewton(on_coarser_grid(batch, anchor, -(-n // _COARSENING)), options)
+        coarse = FrictionalNewton(on_coarser_grid(batch, start.anchor, -(-n // _COARSENING)), options)
         for i in every:
             for _ in range(_COARSE_STEPS):
                 coarse.advance(np.array([i]))
@@ -180,7 +179,7 @@ class FrictionalNewton:
         n, start, state = self.field.n, self._batch.start, self.state
         state.u[i, :-1, :n] = start.tangential[i].reshape(-1, n)
         state.u[i, -1, :n] = np.minimum(start.displacement[i].ravel(), state.wall[i, :n])
-        held = ~np.isnan(start.anchor[i].reshape(-1, n))
+        held = (start.displacement[i].ravel() >= state.wall[i, :n]) & start.tangential[i].any()
         shear = np.zeros((self._components, n))
         if held.any():
             self._products.restore(np.array([i]))

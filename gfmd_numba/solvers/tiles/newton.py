@@ -90,10 +90,8 @@ class MapContact:
         self.free_mean, self.approach = load is not None, 0.0
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._tiles_each_way = tuple(n // TILE for n in wall.shape)
-        self._marks = np.zeros(math.prod(self._tiles_each_way), dtype=np.bool_)
-        self._places = np.empty(self._marks.size, dtype=np.int64)
-        kernels.mark_loaded(self.rows, wall.shape[1], self._marks)
-        self.tiles = self._listed()
+        self._marks: Flags = (tiles_of(self.rows, wall.shape[1]).max(axis=(2, 3)) > 0.0).ravel()
+        self.tiles, self._places = listed(self._marks)
         self.pressure = self._zeros()
         kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
         self.contact: Flags = self.pressure > 0.0
@@ -107,12 +105,14 @@ class MapContact:
             put_tiles(self.pressure, self.tiles, rows, nx)
         self._fresh = False
         self.transform.soften(level.stiffness, level.is_filled_in_part)
-        self.count, approach, spread = kernels.level_of_contact(self.wall, rows, self.contact, self.tiles, nx)
-        if not self.free_mean:
-            approach, spread = 0.0, math.hypot(approach, spread)
+        gaps = self._gaps_in_contact()
+        self.count, approach, spread = gaps.size, 0.0, 0.0
+        if gaps.size:
+            approach = float(gaps.mean()) if self.free_mean else 0.0
+            spread = math.sqrt(((gaps - approach) ** 2).mean())
         self.approach, self._marks[:] = approach, False
         self._open(approach, _NEAR * spread)
-        kernels.mark_contact(self.contact, self.tiles, self._marks)
+        self._marks[self.tiles[self.contact[:-1].any(axis=(1, 2))]] = True
         self._retile()
         kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
         self._exact = not any(level.ends) and self.tiles.size > _DENSE * self._marks.size
@@ -121,6 +121,14 @@ class MapContact:
         error = self._error()
         self.coarse_transforms += level.transforms_since(before)
         return error
+
+    def _gaps_in_contact(self) -> Reals:
+        """Gaps `[node]` on the nodes in contact, up to the approach."""
+        gaps, displacement = self._zeros(), self._zeros()
+        kernels.take_tiles(self.wall, self.tiles, self.wall.shape[1], gaps)
+        kernels.take_tiles(self.rows, self.tiles, self.wall.shape[1], displacement)
+        gaps += displacement
+        return gaps[self.contact]
 
     def _open(self, approach: float, near: float) -> None:
         """Find the gap and mark the tiles where it is anywhere below `near`."""
@@ -192,22 +200,28 @@ class MapContact:
     def _zeros(self) -> Reals:
         return np.zeros((self.tiles.size + 1, TILE, TILE))
 
-    def _listed(self) -> Indices:
-        """Marked tiles, whose places are then known."""
-        tiles = np.empty(int(self._marks.sum()), dtype=np.int64)
-        kernels.list_tiles(self._marks, tiles, self._places)
-        return tiles
-
     def _retile(self) -> None:
         """Take pressure and contact to the tiles now marked."""
-        places, pressure, contact = self._places.copy(), self.pressure, self.contact
-        self.tiles = self._listed()
+        before, pressure, contact = self._places, self.pressure, self.contact
+        self.tiles, self._places = listed(self._marks)
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
         kernels.surround(self.tiles, self._places, *self._tiles_each_way, self._level.ends, self._around)
         self.pressure, self._gap = self._zeros(), self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
-        kernels.move_tiles(pressure, places, self.tiles, self.pressure)
-        kernels.move_tiles(contact, places, self.tiles, self.contact)
+        self.pressure[:-1], self.contact[:-1] = pressure[before[self.tiles]], contact[before[self.tiles]]
+
+
+def tiles_of(rows: Reals, nx: int) -> Reals:
+    """View `[y, x, TILE, TILE]` of the tiles of a map of nx columns, whose rows may be longer."""
+    return rows[:, :nx].reshape(-1, TILE, nx // TILE, TILE).swapaxes(1, 2)
+
+
+def listed(marks: Flags) -> tuple[Indices, Indices]:
+    """Marked tiles, and the place of each tile among them; of those that are not marked it is their number."""
+    tiles = np.flatnonzero(marks)
+    places = np.full(marks.size, tiles.size)
+    places[tiles] = np.arange(tiles.size)
+    return tiles, places
 
 
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:

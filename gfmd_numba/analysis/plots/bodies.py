@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError
@@ -84,7 +85,8 @@ def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: f
     drawn = axis.contourf(
         x, z, values, levels, cmap="cividis", extend="max" if values.max() > levels[-1] else "neither"
     )
-    figure.colorbar(drawn, ax=axis, label=label, format="%.3g", ticks=levels[::6])
+    ticks = [tick for tick in MaxNLocator(5).tick_values(0.0, levels[-1]) if tick <= levels[-1]]
+    figure.colorbar(drawn, ax=axis, label=label, format="%.3g", ticks=ticks)
 
 
 _COLUMNS = 3

@@ -1,0 +1,107 @@
+"""A work of adhesion that depends on the place: beside homogeneous contacts, in files and in windows."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.patterned import PatternedLaw
+from gfmd_numba.scene import InputError
+
+N = 128
+LAW = {"work_of_adhesion": 1e-4, "range": 0.01}
+
+
+def solve(folder, pattern, shape, path=(), **changes):
+    """Two bumps in each direction on a slab too thin for either half to feel the other."""
+    axes = np.meshgrid(*(np.arange(n) / n for n in shape), indexing="ij")
+    np.save(folder / "bumps.npy", 0.02 * sum(np.cos(4 * np.pi * x) for x in axes))
+    law = dict(LAW)
+    if pattern is not None:
+        np.save(folder / "pattern.npy", pattern)
+        law["pattern"] = str(folder / "pattern.npy")
+    scene = {
+        "dimension": len(shape),
+        "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.02},
+        "roughness": {"method": "measured", "file": str(folder / "bumps.npy")},
+        "interface": {"hard_wall": {}, "exponential": law | changes.pop("law", {})},
+        "loading": {"displacement": 1e-3},
+    }
+    found = gfmd_numba.solve({"scene": scene | changes, "path": [{"displacement": each} for each in path]})
+    assert (found["status"] == 0).all()
+    return found
+
+
+@pytest.mark.filterwarnings("ignore:contacts are 1 node")
+@pytest.mark.parametrize("axis", [-1, 0])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_each_half_is_as_if_it_were_everywhere(tmp_path, dimension, axis):
+    shape = (N,) if dimension == 1 else (64, 64)
+    halves = np.moveaxis(np.ones(shape), axis, -1)
+    halves[..., halves.shape[-1] // 2 :] = 0.25
+    pattern = np.moveaxis(halves, -1, axis)
+    both, strong = solve(tmp_path, pattern, shape), solve(tmp_path, None, shape)
+    weak = solve(tmp_path, None, shape, law={"work_of_adhesion": 0.25e-4})
+    assert float(both["law_resolution"]) == float(strong["law_resolution"])
+    most = abs(strong["pressure"].values).max()
+    for alone, first in ((strong, 0), (weak, 1)):
+        found, expected = (np.moveaxis(each["pressure"].values, axis, -1) for each in (both, alone))
+        n = found.shape[-1]
+        inner = slice((4 * first + 1) * n // 8, (4 * first + 3) * n // 8)  # a quarter period around the bump
+        np.testing.assert_allclose(found[..., inner], expected[..., inner], atol=1e-4 * most)
+    differs = abs(strong["pressure"].values - weak["pressure"].values).max()
+    assert differs > 0.1 * most
+
+
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge")
+@pytest.mark.parametrize("periodic", [True, False])
+@pytest.mark.parametrize("shape", [(N,), (32, 32)])
+def test_a_uniform_pattern_is_another_work_of_adhesion(tmp_path, shape, periodic):
+    changes = {"periodic": periodic, "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}
+    half = solve(tmp_path, np.full(shape, 0.5), shape, (0.0, -1e-3), **changes)
+    weaker = solve(tmp_path, None, shape, (0.0, -1e-3), law={"work_of_adhesion": 0.5e-4}, **changes)
+    most = abs(weaker["pressure"].values).max()
+    np.testing.assert_allclose(half["pressure"].values, weaker["pressure"].values, atol=1e-7 * most)
+    np.testing.assert_allclose(half["energy_lost"].values, weaker["energy_lost"].values, atol=1e-7 * most * 1e-2)
+
+
+def test_a_patterned_law_is_that_of_each_node():
+    pattern, law = np.array([[1.0, 0.0, 0.3, 2.0], [0.5, 1.0, 1.0, 0.1], *np.ones((2, 4))]), ExponentialLaw(-0.3, 0.2)
+    patterned, gap = PatternedLaw.of(law, pattern, (8, 8)), np.linspace(0.0, 1.0, 16).reshape(4, 4)
+    closing = 0.1 * np.cos(gap)
+    for name, more in (("energy", ()), ("traction", ()), ("stiffness", ()), ("energy_change", (closing,))):
+        expected = pattern * getattr(law, name)(gap, *more)
+        np.testing.assert_allclose(getattr(patterned, name)(gap, *more), expected)
+        flat = getattr(patterned, name)(gap.ravel(), *(each.ravel() for each in more))
+        np.testing.assert_allclose(flat, expected.ravel())
+    around = patterned.traction(np.zeros((1, 8, 8)))
+    np.testing.assert_allclose(around[0, :4, :4], pattern * law.traction(np.zeros(1)))
+    assert not around[0, 4:].any()
+    assert patterned.stiffest(np.inf, hard_wall=True) == pytest.approx(2.0 * law.stiffest(np.inf, hard_wall=True))
+    with pytest.raises(ValueError, match="gaps of shape"):
+        patterned.traction(np.zeros(5))
+
+
+@pytest.mark.parametrize(
+    ("pattern", "message"),
+    [
+        (np.ones(5), r"pattern.npy \(5 values\)'?; gfmd allows one value for each of the 128 nodes"),
+        (-np.ones(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
+        (np.zeros(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
+        (np.append(np.ones(N - 1), np.nan), "gfmd allows a number of at least 0 for every node"),
+    ],
+)
+def test_a_pattern_that_is_no_share_is_refused(tmp_path, pattern, message):
+    with pytest.raises(InputError, match=message):
+        solve(tmp_path, pattern, (N,))
+
+
+def test_a_pattern_is_a_file_and_needs_a_wall(tmp_path):
+    with pytest.raises(InputError, match=r"pattern: you gave 'ones'; gfmd allows the name of a .npy or .csv file"):
+        solve(tmp_path, None, (N,), law={"pattern": "ones"})
+    with pytest.raises(InputError, match="gfmd allows an existing file"):
+        solve(tmp_path, None, (N,), law={"pattern": "ones.npy"})
+    np.save(tmp_path / "ones.npy", np.ones(N))
+    law = {"work_of_adhesion": -1e-4, "range": 0.01, "pattern": str(tmp_path / "ones.npy")}
+    with pytest.raises(InputError, match=r"pattern.* a hard_wall with it"):
+        solve(tmp_path, None, (N,), interface={"exponential": law})

@@ -39,7 +39,7 @@ def friction_step(state: State, u_old: Reals, conditions: Conditions, active: In
         for j in range(n):
             pressure = load[i] - ku[i, normal, j]
             if not (u_old[i, normal, j] >= wall[i, j] and pressure > 0.0):
-                if np.isinf(friction):
+                if np.isinf(conditions.friction):
                     for c in range(normal):
                         anchor[i, c, j] = u_old[i, c, j]
                 continue

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
 from gfmd_numba.analysis.arguments import checked, targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
@@ -78,7 +78,11 @@ def _tick(axis: Axes) -> None:
     shown = {text: time for text, time in times.items() if low <= time <= high}
     axis.set_xticks(list(shown.values()), list(shown))
     axis.xaxis.set_minor_locator(NullLocator())
-    axis.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    least, most = axis.get_ylim()
+    few = (
+        MaxNLocator(4) if most < 4.0 * least else LogLocator(subs=(1.0, 2.0, 5.0))
+    )  # so that two are labelled at least
+    axis.yaxis.set_major_locator(few)
     axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.3g} %"))
     axis.yaxis.set_minor_locator(NullLocator())
 

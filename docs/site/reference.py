@@ -20,8 +20,8 @@ _KEYS = """\
 # Keys of the YAML files
 
 This page is for those who write a file: it lists every key, with its unit, the values that are allowed, and the value
-that it has if you leave it out. Wherever the table names a unit, you may also write a number with a unit of your
-own, like `50 MPa`. Plain numbers are
+that it has if you leave it out.
+Wherever the table names a unit, you may also write a number with a unit of your own, like `50 MPa`. Plain numbers are
 in the unit of the table. In a scene without a `length`, lengths are in L_x. In a scene without moduli, stresses are in
 E\\*.
 [Units and loads](../campaigns.md#units-and-loads) explains this.
@@ -129,8 +129,8 @@ def commands_page(group: click.Group) -> str:
     """Return the page of all commands, as `gfmd COMMAND --help` prints them."""
     parts = [
         "# Commands\n",
-        "This page is for those who type commands. Exit codes: 0 all is well, 2 bad input, 3 some cases failed, 130 "
-        "interrupted.\n",
+        "This page is for those who type commands. Exit codes: 0 all is well, 2 bad input, 3 some cases failed, "
+        "130 interrupted.\n",
     ]
     for name, command in sorted(group.commands.items()):
         with click.Context(command, info_name=f"gfmd {name}", **group.context_settings | _NARROW) as context:
@@ -155,8 +155,8 @@ def files_page() -> str:
 # Variables of the results
 
 This page is for those who read results. Every file is netCDF-4 and follows the CF conventions. Read it with
-`xarray.open_dataset`. Every variable has `units` and a `long_name`. The attributes hold the text of your file, the
-versions of the packages, and the machine.
+`xarray.open_dataset`. Every variable has
+`units` and a `long_name`. The attributes hold the text of your file, the versions of the packages, and the machine.
 
 ## Numbers of each contact
 

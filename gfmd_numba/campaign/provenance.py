@@ -12,8 +12,6 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 if TYPE_CHECKING:  # a worker has no use for it, and would take a third of its start to import it
     import xarray as xr
 
@@ -97,5 +95,5 @@ def content_digest(dataset: xr.Dataset) -> str:
         if values.dtype.kind in "OUS":
             digest.update("\0".join(map(str, values.ravel())).encode())
         else:
-            digest.update(np.ascontiguousarray(values, dtype=np.float64).tobytes())
+            digest.update(values.astype("float64", order="C").tobytes())
     return digest.hexdigest()

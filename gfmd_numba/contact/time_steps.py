@@ -83,4 +83,5 @@ def difference(coarse: Contact, fine: Contact) -> float:
     """
     springs = [each.after.memory["springs"] for each in (coarse, fine)]
     pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
-    return max(relative_difference(*both, most) for both, most in zip(pairs, springs[1].largest, strict=True))
+    of_all = zip(pairs, springs[1].largest, strict=True)
+    return max(relative_difference(one, other, most) for (one, other), most in of_all)

@@ -127,7 +127,7 @@ def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(varia
 def test_a_residual_that_is_too_large_for_the_error_is_told():
     dataset = noisy(campaign(realisations=12), np.random.default_rng(3))
     dataset["kappa_residual_error"] = 0.1 * dataset["kappa"]
-    assert "ask the solver for a smaller one" in fit_tfc(dataset, fixed=ALPHA)["message"].item()
+    assert "ask for a smaller numerics.residual" in fit_tfc(dataset, fixed=ALPHA)["message"].item()
 
 
 def test_a_dataset_without_residual_errors_and_times_says_nothing_of_them():

@@ -231,5 +231,6 @@ def test_a_shard_holds_its_steps(tmp_path):
     read = Finished(tmp_path).read(block.name)
     measures = load_path.measured(block.problem, range(block.first, block.stop))
     assert read.keys() == measures.keys() | {"seconds"}
-    assert all(np.array_equal(read[name], measures[name], equal_nan=True) for name in measures)
+    for name in measures.keys() - {"wall_time"}:
+        np.testing.assert_array_equal(read[name], measures[name])
     assert read["energy_lost"].shape == (1, 7)

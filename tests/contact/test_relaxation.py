@@ -188,16 +188,16 @@ def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e
 
 
 def test_steps_in_time_are_of_second_order():
-    """A dwell, and a load that falls: the error of divisions of time against 1024 of them falls as their square."""
+    """A dwell, and a load that falls: the error of divisions of time against 256 of them falls as their square."""
     for load in (0.05, 0.01):
         problem = rough_problem()
         state = solve(problem, begin(problem, range(1))).after
         step = problem.under(LoadStep(load, (0.0,), 2.0))
-        exact = time_steps._divided(step, state, 1024)[0]
-        errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16, 32, 64)]
+        exact = time_steps._divided(step, state, 256)[0]
+        errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16, 32)]
         orders = -np.diff(np.log2(errors))
         assert (orders > 1.5).all()
-        assert np.log2(errors[0] / errors[-1]) / 4 == pytest.approx(2.0, abs=0.25)
+        assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.25)
 
 
 def random_history(seed, tolerance):

@@ -3,12 +3,14 @@
 import numpy as np
 import pytest
 
+from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers.friction.guess import Found, FrictionGuess, middle_slip
 from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
 
 N, FRICTION = 64, 0.3
+COULOMB = kernels.Conditions(friction=FRICTION)
 BODIES = [ElasticBody(0.2, None), ElasticBody(0.4, 0.1), ElasticBody(0.5, 0.3)]
 
 
@@ -62,7 +64,7 @@ def test_a_guess_is_solved_like_its_dense_problem(body, loaded):
     wall, anchor = rng.normal(size=(2, N)) * 1e-2
     products = Products(stiffness, 1, (N,), sources=2)
     body = Body(
-        lambda f: products.deflect(0, f), NearTractions(stiffness, (N,)), FRICTION, load if loaded else None, drifts
+        lambda f: products.deflect(0, f), NearTractions(stiffness, (N,)), COULOMB, load if loaded else None, drifts
     )
     guess = FrictionGuess.sticking(contact, np.array([np.zeros(N), np.ones(N)]), wall)
     guess.direction[0] = slip
@@ -137,8 +139,8 @@ def test_a_guess_is_revised_as_node_by_node(components):
     guess = FrictionGuess.sticking(contact.copy(), np.array([*shear, pressure]), np.zeros(N))
     guess.direction = direction.copy()
     found = Found(np.array([*slid, -gap]), np.array([*shear, pressure]), np.zeros(N), np.zeros((components, N)))
-    revision = guess.revision(found, FRICTION, 0.05, 0.0)
-    guess.revise(revision, found, FRICTION, None)
+    revision = guess.revision(found, COULOMB, 0.05, 0.0)
+    guess.revise(revision, found, COULOMB, None)
     wrong = []
     for j in range(N):
         way, force, most = np.linalg.norm(slid[:, j]), np.linalg.norm(shear[:, j]), FRICTION * max(pressure[j], 0.0)

@@ -216,23 +216,27 @@ def summed(state: Eight, weights: Eight) -> float:
     return ((a * p + e * t) + (c * r + g * v)) + ((b * q + f * u) + (d * s + h * w))
 
 
-@jit
-def decay_product(
-    rows: Indices,
-    count: int,
-    powers: Reals,
-    weights: Reals,
-    white: float,
-    mean: float,
-    source: Reals,
-    product: Reals,
-) -> None:
-    """Product of the sum with a source on the first `count` nodes; `mean` is added for each pair of nodes.
+class DecaySum(NamedTuple):
+    """An accurate sum of decays: `near` `[row, decay]` has rows for the `powers` of long distances.
 
-    `rows` are those of `powers` `[row, decay]` that lead to each node from the one before, the first from the last
-    across the cut; the decays are in the order of their rates, a multiple of eight. `weights` is `[2, decay]`, the
-    second row 1 / (1 - base^n).
+    Decays are in the order of their rates, a multiple of eight. `weights` is `[2, decay]`, the second row
+    1 / (1 - base^n). `white` is what a node adds to itself, `mean` what is added for each pair of nodes.
     """
+
+    powers: Reals
+    near: Reals
+    weights: Reals
+    white: float
+    mean: float
+
+
+@jit
+def decay_product(rows: Indices, count: int, fine: DecaySum, source: Reals, product: Reals) -> None:
+    """Product of the sum with a source on the first `count` nodes.
+
+    `rows` are those of `near` that lead to each node from the one before, the first from the last across the cut.
+    """
+    _, powers, weights, white, mean = fine
     total = 0.0
     for i in range(count):
         total += source[i]
@@ -386,16 +390,6 @@ class Task(NamedTuple):
     target: float
     share: float
     wider: float
-
-
-class DecaySum(NamedTuple):
-    """An accurate sum of decays, as `decay_product` takes it: `near` has rows for the `powers` of long distances."""
-
-    powers: Reals
-    near: Reals
-    weights: Reals
-    white: float
-    mean: float
 
 
 class Lists(NamedTuple):
@@ -573,7 +567,7 @@ def _close_gap(
         for k in range(touching):
             t[k] = z[k] + beta * t[k] if last > 0.0 else z[k]
         last = energy
-        _multiply(level.lists.contact_rows, touching, level.fine, t, st)
+        decay_product(level.lists.contact_rows, touching, level.fine, t, st)
         curvature = 0.0
         for k in range(touching):
             curvature += t[k] * st[k]
@@ -603,11 +597,6 @@ def _steps_beyond(touching: int, inside: Indices, new: Reals, z: Reals) -> bool:
 
 
 @jit
-def _multiply(rows: Indices, count: int, fine: DecaySum, source: Reals, product: Reals) -> None:
-    decay_product(rows, count, fine.near, fine.weights, fine.white, fine.mean, source, product)
-
-
-@jit
 def _tension(touching: int, rounding: float, lists: Lists, values: Values) -> tuple[int, float]:
     """Number of nodes under tension in the contact, and the largest gap there."""
     leaving = 0
@@ -634,7 +623,7 @@ def _let_go(touching: int, hasty: bool, task: Task, level: Level) -> None:
         touches[i] = new[i] > 0.0
         new[i] = scale * new[i] if new[i] > 0.0 else 0.0
         t[k] += new[i]
-    _multiply(level.lists.contact_rows, touching, level.fine, t, st)
+    decay_product(level.lists.contact_rows, touching, level.fine, t, st)
     for k in range(touching):
         gap[inside[k]] = st[k] - r[k]
 
@@ -645,7 +634,7 @@ def _join(count: int, touching: int, misfit: float, task: Task, level: Level) ->
     new, old, opened, gap, _, z, _, _, _ = level.values
     for k in range(count):
         z[k] = new[k] - old[k]
-    _multiply(level.lists.rows, count, level.fine, z, gap)
+    decay_product(level.lists.rows, count, level.fine, z, gap)
     approach = 0.0
     for k in range(count):
         gap[k] += opened[k]

@@ -6,7 +6,6 @@ u[n+1] = u[n] + memory (u[n] - u[n-1]) + push F[n].
 
 import math
 from collections.abc import Callable
-from typing import Protocol
 
 import numpy as np
 
@@ -20,12 +19,6 @@ from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.truncated_newton import starting_displacement
 from gfmd_numba.theory.damping import critical_damping, stability_limit
-
-
-class Integrator(Protocol):
-    """One step of displacements under the tractions that nothing balances, as friction and the wall allow."""
-
-    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None: ...  # noqa: D102
 
 
 def verlet(batch: Batch, options: Options) -> "Dynamics":
@@ -112,7 +105,7 @@ class Dynamics:
 
     check_every = 10
 
-    def __init__(self, batch: Batch, integrator: Callable[[Reals], Integrator]) -> None:
+    def __init__(self, batch: Batch, integrator: "Callable[[Reals], Verlet | Fire]") -> None:
         interface, start, (rows, *shape) = batch.interface, batch.start, batch.punch.shape
         self._law, self._cohesive = interface.normal_law, interface.cohesive
         self._products = Products(batch.response, rows, tuple(shape))

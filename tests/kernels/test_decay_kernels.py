@@ -42,7 +42,8 @@ def test_a_product_with_decays_is_that_with_their_matrix_and_all_images(product,
     near = np.concatenate((powers[:POWERS], np.full((n // POWERS + 1, 16), np.nan)))
     assert far_powers(powers, near, distances, nodes.size, POWERS, rows) <= len(near)
     np.testing.assert_allclose(near[rows], bases ** distances[:, np.newaxis], rtol=1e-12)
-    product(rows, nodes.size, near, np.stack((weights, 1.0 / (1.0 - bases**n))), 1.5, 0.25, source, found)
+    fine = kernels.DecaySum(powers, near, np.stack((weights, 1.0 / (1.0 - bases**n))), 1.5, 0.25)
+    product(rows, nodes.size, fine, source, found)
     matrix = periodic_sum(bases, weights, 1.5, 0.25, n)[np.ix_(nodes, nodes)]
     np.testing.assert_allclose(found, matrix @ source, atol=1e-5 * abs(weights).sum())
 

@@ -149,6 +149,7 @@ def covering(choices):
         yield best
 
 
+@pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 @pytest.mark.filterwarnings("ignore:contacts are")  # a few nodes are enough here
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
 @pytest.mark.filterwarnings("ignore:pressures or residual displacements")

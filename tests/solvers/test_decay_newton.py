@@ -101,10 +101,8 @@ def test_decays_are_close_to_the_compliance_at_all_wave_numbers(n, free_mean):
     count = min(n, 4096)
     source, product = np.zeros((2, n))
     source[0] = 1.0
-    near = model.powers[: len(model.powers)]
-    kernels.decay_product(
-        np.ones(n, dtype=np.int64), n, near, model.weights, model.white, model.mean, source, product
-    )  # fmt: skip
+    fine = kernels.DecaySum(model.powers, model.powers, model.weights, model.white, model.mean)
+    kernels.decay_product(np.ones(n, dtype=np.int64), n, fine, source, product)
     symbol = np.fft.rfft(product).real[1:count]
     np.testing.assert_allclose(symbol * body[1:count], 1.0, atol=max(2.0 * model.error, 1e-5))
     assert model.error < 2e-3
@@ -125,8 +123,9 @@ def test_decays_in_a_window_are_those_of_the_half_space_itself(free_mean):
     response = free_body.response((n,), ElasticBody(None, None))
     model = decay_model(response.normal, (2 * n,), free_mean, response.window)
     products, next_nodes = np.empty((n, n)), np.ones(n, dtype=np.int64)
+    fine = kernels.DecaySum(model.powers, model.powers, model.weights, model.white, model.mean)
     for source, product in zip(np.eye(n), products, strict=True):
-        kernels.decay_product(next_nodes, n, model.powers, model.weights, model.white, model.mean, source, product)
+        kernels.decay_product(next_nodes, n, fine, source, product)
     kernel = grid.influence(1.0 / response.normal, 2 * n)
     exact = kernel[abs(np.arange(n)[:, np.newaxis] - np.arange(n))]
     some = np.linalg.svd(np.ones((1, n)))[2][1:] if free_mean else np.eye(n)

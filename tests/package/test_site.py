@@ -45,6 +45,7 @@ def opened(address, *options):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
+    pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
     folder = tmp_path_factory.mktemp("site")
     subprocess.run([sys.executable, str(ROOT / "docs/site/build.py"), str(folder)], check=True, timeout=300)
     return folder

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.limit_errors import rivals
+from gfmd_numba.analysis.limit_errors import expected_doubts, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
-from support.synthetic_campaigns import TFC, campaign, noisy
+from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
 COARSE, FINE = ([1 / (first * 4**level) for level in range(5)] for first in (4, 64))
 OF_TWO_POWERS = (0.3, 2.0)  # range of exponents that the user gives
@@ -160,3 +160,12 @@ def test_a_wrong_exponent_that_is_asserted_is_found_out_by_its_rival():
     assert part(wrong, "rivals") > 5 * part(right, "rivals")
     assert wrong["kappa_r_tfc_error"].item() >= part(wrong, "rivals")
     assert abs(wrong["kappa_r_tfc"].item() - TFC[0.8]) < 2 * wrong["kappa_r_tfc_error"].item()
+
+
+def test_a_finer_level_leaves_the_doubt_of_a_shorter_distance():
+    """A power law bridges a factor finer ** -alpha of the distance, and its doubt is in proportion to that."""
+    fit = fit_tfc(noisy(campaign(realisations=20, cross=CROSS), np.random.default_rng(0)), fixed=ALPHA)
+    for limit, finer in (("eps_f", 4.0), ("eps_c", 2.0)):
+        now = fit["extrapolation_error"].sel(limit=limit).values
+        assert (now > 0.0).all()
+        np.testing.assert_allclose(expected_doubts(fit, limit, finer), now * finer ** -ALPHA[limit])

@@ -1,5 +1,7 @@
 """Realisations of the next round for campaigns with cross levels: made-up results, no contact is solved."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -64,6 +66,24 @@ def test_the_order_of_cases_hardly_changes_the_price():
     one, other = (decided(each, 0.015) for each in (found, found.isel(case=order)))
     assert one.price == pytest.approx(other.price, rel=0.1)
     assert one.predicted_error == pytest.approx(other.predicted_error, rel=0.05)
+
+
+def test_a_round_makes_up_for_an_error_that_was_larger_than_predicted():
+    """Only after the pilot, whose error falls as laws are told apart."""
+    found = results(crossed(*CROSS))
+    judged = judge(found, fit_tfc(found, fixed=ALPHA), EXACT)
+    missed = replace(judged, predicted=0.7 * judged.sure_error)
+    pilot, later = (decide(found, missed, 0.8 * judged.error, EXACT, after_pilot=first) for first in (True, False))
+    assert later.predicted_error < 0.8 * pilot.predicted_error
+
+
+def test_a_round_is_judged_by_its_worst_group():
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    alone = [found.isel(case=found["hurst"].values == hurst) for hurst in (0.3, 0.8)]
+    both, first, second = (judge(each, fit_tfc(each, fixed=ALPHA), EXACT) for each in (found, *alone))
+    assert first.predicted != pytest.approx(second.predicted, rel=1e-2)
+    assert both.predicted == pytest.approx(max(first.predicted, second.predicted), rel=1e-2)
+    assert both.error == pytest.approx(max(first.error, second.error), rel=1e-2)
 
 
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():

@@ -16,7 +16,7 @@ from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_m
 
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Discretisation, Document, Random, Scene
-from gfmd_numba.scene.document import Location, dotted
+from gfmd_numba.scene.document import Location, allowed_at, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.quantities import (
@@ -40,7 +40,10 @@ _COORDINATES = {
 
 @cache
 def _types_of(record: type[BaseModel]) -> dict[str, Any]:
-    return get_type_hints(record, include_extras=True)
+    """Return the types of the fields and properties of a record."""
+    properties = {name: value for name, value in vars(record).items() if isinstance(value, property)}
+    found = {name: get_type_hints(value.fget)["return"] for name, value in properties.items()}
+    return found | get_type_hints(record, include_extras=True)
 
 
 def _records(kind: Any) -> list[Any]:
@@ -54,9 +57,10 @@ def _records(kind: Any) -> list[Any]:
 class Axis:
     """A parameter of a grid: its name, and the record of the scene that has it, whose type its values have.
 
-    `record` is a dotted path in the scene, and `key` the name of the field there if it is another. A discretisation
-    stands next to the scene and has no record; `limit` then names the limit in which it goes to 0. `symbol` heads a
-    column on the terminal, and `label` is its TeX. `unit` is a kind of unit, as the units of a scene are named.
+    `record` is a dotted path in the scene, through fields or through a property that finds the one that acts. `key` is
+    the name of the field there if it is another. A discretisation stands next to the scene and has no record; `limit`
+    then names the limit in which it goes to 0. `symbol` heads a column on the terminal, and `label` is its TeX. `unit`
+    is a kind of unit, as the units of a scene are named.
     """
 
     name: str
@@ -171,6 +175,15 @@ AXES = (
         key="coefficient",
     ),
     Axis(
+        "friction_limit",
+        "interface.friction",
+        "tau_max",
+        r"$\tau_{max}$",
+        "largest tangential traction that friction holds",
+        "pressure",
+        key="limit",
+    ),
+    Axis(
         "hardness",
         "interface.hard_wall",
         "p_H",
@@ -189,18 +202,18 @@ AXES = (
     ),
     Axis(
         "work_of_adhesion",
-        "interface.exponential",
+        "interface.law_of_the_gap",
         "w",
         r"$\Delta\gamma$",
-        "energy per area of the exponential law at zero gap, above 0 attractive",
+        "work of adhesion of the law of the gap, above 0 attractive",
         "energy",
     ),
     Axis(
         "interaction_range",
-        "interface.exponential",
+        "interface.law_of_the_gap",
         "z_r",
         "$z_r$",
-        "range of the exponential law",
+        "range of the law of the gap",
         "height",
         key="range",
     ),
@@ -245,7 +258,15 @@ def present(scene: Scene, discretisation: Discretisation | None) -> tuple[Axis, 
 
 def with_values(scene: Scene, values: Mapping[Place, Any]) -> Scene:
     """Return the scene with other values in some places, whose records it has."""
-    return scene.model_copy(update=_updates(scene, values))
+    return scene.model_copy(update=_updates(scene, {in_fields(scene, place): value for place, value in values.items()}))
+
+
+def in_fields(scene: Scene, place: Place) -> Place:
+    """Return a place by fields alone: a property finds a record that one of several fields may hold."""
+    if place[:-1] != ("interface", "law_of_the_gap"):
+        return place
+    law = scene.interface.law_of_the_gap
+    return ("interface", next(name for name, each in scene.interface.laws.items() if each is law), place[-1])
 
 
 def _updates(record: BaseModel, values: Mapping[Place, Any]) -> dict[str, Any]:
@@ -363,7 +384,7 @@ def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
         found |= dict.fromkeys(next((sentences for sentences in others if set(sentences) - found.keys()), ()))
     said = "\n".join(found)
     for axis in axes:
-        said = said.replace(f"{dotted(axis.place)} is ", f"grid.{axis.name} is ")
+        said = said.replace(f"{dotted(in_fields(scene, axis.place))} is ", f"grid.{axis.name} is ")
     return said
 
 
@@ -381,7 +402,8 @@ def _fault(record: BaseModel) -> tuple[str, str] | None:
         fault = error.errors(include_url=False)[0]
         context = fault.get("ctx", {})
         location = (*fault["loc"], *context.get("location", ()))
-        return str(location[-1]) if location else "", context.get("allowed", fault["msg"])
+        allowed = context["allowed"] if "allowed" in context else allowed_at(type(record), fault["loc"])
+        return str(location[-1]) if location else "", allowed
     return None
 
 
@@ -390,6 +412,8 @@ def _lack(scene: Scene, axis: Axis) -> str:
     record: Any = scene
     for name in axis.place[:-1]:
         record = getattr(record, name, None)
+    if record is None and axis.record == "interface.law_of_the_gap":
+        return "nothing without a law of the gap in scene.interface, whose values those of the grid then replace"
     *parts, key = axis.place
     home = ".".join(("scene", *parts))
     if isinstance(record, Random) and key not in type(record).model_fields:

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import psutil
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, doubt_of_numbers, values_of
+from gfmd_numba.campaign.axes import OF_THE_SCENE, doubt_of_numbers, in_fields, values_of
 from gfmd_numba.campaign.cases import (
     Block,
     Case,
@@ -100,7 +100,8 @@ def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]
 
     def locate(location: Location) -> Location:
         for axis in OF_THE_SCENE:
-            if ("scene", *axis.place) == location and (values := values_of(campaign.grid, axis.name)):
+            values = values_of(campaign.grid, axis.name)
+            if values and ("scene", *in_fields(campaign.scene, axis.place)) == location:
                 return ("grid", axis.name, values.index(axis.value(worst.scene, worst.discretisation)))
         return location
 

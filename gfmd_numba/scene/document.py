@@ -340,6 +340,12 @@ def _tagged(schema: dict[str, Any], reference: str | dict[str, Any]) -> dict[str
     return _resolved(schema, {"$ref": reference} if isinstance(reference, str) else reference)
 
 
+def allowed_at(model: type[BaseModel], location: Iterable[str | int]) -> str:
+    """Plain words for what a record admits at the location of an error of its validation."""
+    schema = _schema(model)
+    return _allowed(schema, _at(schema, location)[1])
+
+
 def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
     """Plain words for what a JSON Schema node admits."""
     if "allowed" in node:

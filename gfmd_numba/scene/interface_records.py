@@ -53,7 +53,9 @@ class LawOfTheGap(LawRecord):
     ability: ClassVar = "normal law"
     normal: ClassVar = True
     across_open_gap: ClassVar = True
-    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
+    work_of_adhesion: SignedWorkOfAdhesion = Field(
+        description="Energy per area in J/m^2 (E* L_x without moduli and length)"
+    )
     range: Length = Field(description="Interaction range, in m if the scene has a length, else in L_x")
     pattern: FileOfNodes | None = Field(
         None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
@@ -114,6 +116,7 @@ class Attraction(LawOfTheGap):
 
     needs_touching_nodes: ClassVar = True
     keeps_apart: ClassVar = False
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
 
 
 class SquaredExponential(Attraction):
@@ -147,6 +150,7 @@ class LennardJones(LawOfTheGap):
     known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
+    work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
 
 

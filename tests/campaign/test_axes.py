@@ -1,15 +1,17 @@
 """Every axis of the one table reaches the scene, is checked as the scene is, and is named in the results."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
 import gfmd_numba
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, with_values
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, in_fields, with_values
 from gfmd_numba.campaign.coordinates import coordinates, has_measured_slope_law
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.scene import Discretisation, Scene
+from gfmd_numba.scene import Discretisation, InputError, Scene
 from support.faulty_files import CAMPAIGN, changed, complaint
 
 LAW = "{hard_wall: {}, exponential: {work_of_adhesion: 1e-5, range: 2e-2}}"
@@ -34,7 +36,7 @@ FULL = Scene.model_validate(
         "interface": {
             "hard_wall": {},
             "exponential": {"work_of_adhesion": 1.0, "range": 1.0},
-            "friction": {"coefficient": 1.0},
+            "friction": {"coefficient": 1.0, "limit": 1.0},
         },
         "loading": {"displacement": 1.0},
     }
@@ -54,7 +56,7 @@ def test_a_value_of_an_axis_stands_in_its_place_of_the_scene_alone(axis):
     assert TypeAdapter(axis.type).validate_python(value) == value
     found = with_values(FULL, {axis.place: value})
     asked, changed_to = FULL.model_dump(), found.model_dump()
-    for part in axis.place[:-1]:
+    for part in in_fields(FULL, axis.place)[:-1]:
         asked, changed_to = asked[part], changed_to[part]
     assert changed_to == asked | {axis.place[-1]: value}
     assert axis.value(found, None) == value
@@ -93,7 +95,9 @@ def test_a_grid_over_what_the_scene_does_not_have_says_what_to_add(tmp_path, nam
     said = complaint(tmp_path, load_campaign, with_grid(name, VALUES[name]))
     assert said.startswith(f"bad.yaml:11:{8 + len(name) + 2}: grid.{name}: you gave [")
     (axis,) = (axis for axis in AXES if axis.name == name)
-    if axis.place[0] == "interface":
+    if "law_of_the_gap" in axis.place:
+        assert "nothing without a law of the gap in scene.interface" in said
+    elif axis.place[0] == "interface":
         home, key = ".".join(("scene", *axis.place[:-1])), axis.place[-1]
         assert f"nothing without {home}.{key}: add `{key}` to {home}" in said
     else:
@@ -132,6 +136,26 @@ def test_a_value_of_a_grid_keeps_the_rules_of_the_scene(tmp_path, name, values, 
     else:
         said = complaint(tmp_path, load_campaign, with_grid(name, values, SCENES[name]))
     assert f"grid.{name}{allowed}" in said
+
+
+@pytest.mark.parametrize("law", ["exponential", "squared_exponential", "power_law", "maugis_dugdale", "lennard_jones"])
+def test_the_law_of_the_gap_is_varied_whichever_acts(law):
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.5, "rms_gradient": 0.1},
+        "interface": {"hard_wall": {}, law: {"work_of_adhesion": 1e-5, "range": 0.02}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+    file = {"name": "law", "seed": 1, "realisations": 1, "reference": {"eps_c": 0.25, "eps_f": 0.25, "eps_t": 0.5}}
+    grid = {"work_of_adhesion": [1e-5, 2e-5], "interaction_range": [0.02, 0.03]}
+    cases = plan(file | {"scene": scene, "grid": grid}).cases
+    for case, (work, length) in zip(cases, product(*grid.values()), strict=True):
+        own = scene | {"interface": {"hard_wall": {}, law: {"work_of_adhesion": work, "range": length}}}
+        (alone,) = plan(file | {"scene": own}).cases
+        assert case.problem.identity == alone.problem.identity
+    if law not in ("exponential", "power_law"):
+        with pytest.raises(InputError, match="you gave -1e-05; gfmd allows a number from 1e-30"):
+            plan(file | {"scene": scene, "grid": {"work_of_adhesion": [-1e-5]}})
 
 
 def test_an_axis_without_values_has_no_coordinate(tmp_path):

@@ -13,6 +13,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
+from support.rough_windows import rough
 
 WALL = {"hard_wall": {}}
 SOFT, HARD = ({"youngs_modulus": 1.0, "poissons_ratio": 0.3}, {"youngs_modulus": 3.0, "poissons_ratio": 0.45})
@@ -25,15 +26,6 @@ DEEP = {
     "high slab": ElasticBody(0.3, 2.5),
     "high slab that keeps its volume": ElasticBody(0.5, 1.2),
 }
-
-
-def rough(n, dimension, seed=1):
-    """Rough heights `[(y,) x]` whose ends do not meet."""
-    shape = (2 * n,) * dimension
-    q = grid.magnitudes(shape)
-    waves = np.where((q > 8.0) & (q < 0.5 * np.pi * n), np.maximum(q, 1.0) ** (-0.8 - 0.5 * dimension), 0.0)
-    phases = np.exp(2j * np.pi * np.random.default_rng(seed).random(q.shape))
-    return grid.signal(waves * phases, *shape)[(slice(n),) * dimension]
 
 
 def measured(heights):

@@ -22,6 +22,7 @@ from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from support.adhesive_sphere import pull_off
 from support.cells import rubbed
+from support.rough_windows import rough
 
 WALL = {"hard_wall": {}}
 RADIUS = 4.0  # over L_x
@@ -42,15 +43,6 @@ def scene_of(heights, loading, **more):
 
 
 MODULUS = 1.0 / 0.75
-
-
-def rough(n, dimension, seed=1):
-    """Rough heights `[(y,) x]`, the ends of which do not meet."""
-    shape = (2 * n,) * dimension
-    q = grid.magnitudes(shape)
-    waves = np.where((q > 8.0) & (q < 0.5 * np.pi * n), np.maximum(q, 1.0) ** (-0.8 - 0.5 * dimension), 0.0)
-    phases = np.exp(2j * np.pi * np.random.default_rng(seed).random(q.shape))
-    return grid.signal(waves * phases, *shape)[(slice(n),) * dimension]
 
 
 def pressed(heights, pressure, solver="active_set_newton", **more):

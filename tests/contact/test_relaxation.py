@@ -18,7 +18,7 @@ from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.table import Options
-from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, modulus, relaxation
+from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, in_a_window, modulus, relaxation
 
 EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
 TIMES = (0.01, 0.1, 1.0, 10.0, 100.0)
@@ -106,25 +106,11 @@ def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_body(slab):
         np.testing.assert_allclose(found["pressure"][i], pressure, atol=1e-8 * float(pressure.max()))
 
 
-def ball(dimension, points, loading, path=(), **numerics):
-    """A ball, or a cylinder, of radius 4 in a window of length 1 with a node at its apex, on a standard solid."""
-    pressed = {
-        "dimension": dimension,
-        "periodic": False,
-        "length": 1.0,
-        "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": relaxation(STANDARD, 0.75)},
-        "form": {"radius": 4.0, "points": points},
-        "interface": {"hard_wall": {}},
-        "loading": loading,
-    }
-    return solved(pressed, path, **numerics)
-
-
 def test_a_cylinder_creeps_as_lee_and_radok_say():
     """The half-width of b^2 = 4 R F J / pi, E* = 1, in a step and a ramp."""
     load = 0.25 * np.pi * 0.25**2 / 4.0
-    step = ball(1, 1024, {"line_load": load}, dwells((0.5, 2.0)))
-    ramp = ball(1, 1024, {"line_load": 0.5 * load, "duration": 1.0}, [{"duration": 1.0, "line_load": load}])
+    step = in_a_window(1, 4.0, 1024, {"line_load": load}, dwells((0.5, 2.0)))
+    ramp = in_a_window(1, 4.0, 1024, {"line_load": 0.5 * load, "duration": 1.0}, [{"duration": 1.0, "line_load": load}])
     for found, expected in (
         (step, [load * compliance(STANDARD, time) for time in (0.0, 0.5, 2.0)]),
         (ramp, [equivalent_load(STANDARD, 0.0, 0.5 * load, time) for time in (1.0, 2.0)]),
@@ -137,7 +123,7 @@ def test_a_cylinder_creeps_as_lee_and_radok_say():
 def test_a_ball_creeps_as_lee_and_radok_say():
     """The approach a^2 / R, a^3 = 3 R F J / 4, which is known better than the radius of so few nodes."""
     load = 4.0 * 0.25**3 / (3.0 * 4.0)
-    found = ball(2, 32, {"force": load}, dwells((1.0, 4.0)))
+    found = in_a_window(2, 4.0, 32, {"force": load}, dwells((1.0, 4.0)))
     for i, time in enumerate((0.0, 1.0, 4.0)):
         radius = np.cbrt(3.0 * load * compliance(STANDARD, time))
         assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
@@ -145,7 +131,7 @@ def test_a_ball_creeps_as_lee_and_radok_say():
 
 def test_a_ball_under_a_load_that_grows_creeps_as_lee_and_radok_say():
     load = 4.0 * 0.25**3 / (3.0 * 4.0)
-    found = ball(2, 32, {"force": 0.5 * load, "duration": 1.0}, [{"force": load, "duration": 1.0}])
+    found = in_a_window(2, 4.0, 32, {"force": 0.5 * load, "duration": 1.0}, [{"force": load, "duration": 1.0}])
     for i, time in enumerate((1.0, 2.0)):
         radius = np.cbrt(3.0 * equivalent_load(STANDARD, 0.0, 0.5 * load, time))
         assert float(found["approach"][i]) == pytest.approx(radius**2 / 4.0, rel=2e-3)
@@ -172,7 +158,7 @@ def test_a_ball_is_unloaded_as_ting_says():
 
     path = [{"displacement": share * deepest, "duration": abs(share - 1.0)} for share in (0.9, 0.8)]
     path[1]["duration"] = 0.1
-    found = ball(2, 32, {"displacement": deepest, "duration": 1.0}, path)
+    found = in_a_window(2, 4.0, 32, {"displacement": deepest, "duration": 1.0}, path)
     for i, time in enumerate((1.0, 1.1, 1.2)):
         assert float(found["mean_pressure"][i]) == pytest.approx(force(time), rel=5e-3)
     radius = np.sqrt(4.0 * deepest * earlier(1.2))

@@ -17,7 +17,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.table import Options
-from support.viscoelastic import STANDARD, THREE, relaxation
+from support.viscoelastic import STANDARD, THREE, in_a_window, relaxation
 
 GRADIENT = 0.01
 
@@ -117,28 +117,12 @@ def test_a_cylinder_rolls_as_hunter_says(lag):
     assert float(found["hysteretic_friction"]) == pytest.approx(friction, rel=1e-2)
 
 
-def in_a_window(dimension, points, loading, path, tolerance):
-    """A cylinder, or a ball, of radius 1 in a window of length 1 on a standard solid with E* = 1."""
-    scene = {
-        "dimension": dimension,
-        "periodic": False,
-        "length": 1.0,
-        "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": relaxation(STANDARD, 0.75)},
-        "form": {"radius": 1.0, "points": points},
-        "interface": {"hard_wall": {}},
-        "loading": loading,
-    }
-    found = gfmd_numba.solve({"scene": scene, "path": path, "numerics": {"time_tolerance": tolerance}})
-    assert not found["status"].any()
-    return found
-
-
 def test_a_cylinder_that_sets_off_in_a_window_comes_to_roll_as_hunter_says():
     """Marched over nodes that rest, far from where it touched down; nothing of this is periodic."""
     radius, modulus, lag, load = 1.0, 3.0, 0.02, np.pi / 8.0**2 / 4.0
     width, _, friction = rolling(load, radius, modulus, lag)
     path = [{"duration": 20.0}, {"sliding": 0.2, "duration": 0.2 / lag}, {"sliding": 0.22, "duration": 0.02 / lag}]
-    found = in_a_window(1, 256, {"line_load": load}, path, 2e-2)
+    found = in_a_window(1, 1.0, 256, {"line_load": load}, path, time_tolerance=2e-2)
     assert float(found["contact_radius"][-1]) == pytest.approx(width, rel=3e-3)
     assert float(found["hysteretic_friction"][-1]) == pytest.approx(friction, rel=3e-3)
     work = friction * float(found["mean_pressure"][-1]) * 0.02
@@ -146,7 +130,8 @@ def test_a_cylinder_that_sets_off_in_a_window_comes_to_roll_as_hunter_says():
 
 
 def test_a_ball_that_jumps_in_a_window_finds_a_glassy_body_that_remembers_nothing_else():
-    found = in_a_window(2, 32, {"force": 4.0 * 0.15**3 / 3.0}, [{"sliding": 0.25, "sliding_y": -0.125}], 1e-2)
+    way = [{"sliding": 0.25, "sliding_y": -0.125}]
+    found = in_a_window(2, 1.0, 32, {"force": 4.0 * 0.15**3 / 3.0}, way, time_tolerance=1e-2)
     touching = found["pressure"][1].values > 0.0
     for name in ("pressure", "height"):
         landed, here = np.roll(found[name][0], (-4, 8), axis=(0, 1)), found[name][1].values

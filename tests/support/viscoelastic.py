@@ -4,6 +4,8 @@ import numpy as np
 from scipy.integrate import quad
 from scipy.linalg import expm
 
+import gfmd_numba
+
 STANDARD = ((3.0, 1.0),)  # moduli over the relaxed one, and times: a standard linear solid
 THREE = ((0.5, 10.0), (1.0, 1.0), (2.0, 0.05))
 
@@ -32,3 +34,19 @@ def equivalent_load(series, load, slope, time):
 def relaxation(series, modulus=1.0):
     """Key `relaxation` of a body."""
     return [{"modulus": m * modulus, "time": tau} for m, tau in series]
+
+
+def in_a_window(dimension, radius, points, loading, path=(), **numerics):
+    """A ball, or a cylinder, with a node at its apex, solved in a window of length 1 on a standard solid of E* = 1."""
+    scene = {
+        "dimension": dimension,
+        "periodic": False,
+        "length": 1.0,
+        "body": {"youngs_modulus": 0.75, "poissons_ratio": 0.5, "relaxation": relaxation(STANDARD, 0.75)},
+        "form": {"radius": radius, "points": points},
+        "interface": {"hard_wall": {}},
+        "loading": loading,
+    }
+    found = gfmd_numba.solve({"scene": scene, "path": list(path), "numerics": numerics})
+    assert not found["status"].any()
+    return found

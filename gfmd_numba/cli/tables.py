@@ -118,7 +118,7 @@ _KNOWN = 0.9  # of the standard deviation of a range, above which data say nothi
 _LONGEST_NAME = 40
 _SHOWN_OF_PATHS = (
     *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
-    *("contact_area_fraction", "mean_plastic_depth"),
+    *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
 )
 
 
@@ -492,10 +492,11 @@ def _of_form(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
     scene, of_roughness = json.loads(dataset.attrs["scene"])["scene"], {"reduced_pressure", "kappa", "kappa_r"}
     if scene["periodic"] is not False:
         return dataset, of_roughness
-    name, si, free = {1: ("line_load", "N m-1", "E* L_x"), 2: ("force", "N", "E* L_x2")}[scene["dimension"]]
+    name, si = {1: ("line_load", "N m-1"), 2: ("force", "N")}[scene["dimension"]]
     if name not in dataset.variables:
         pressure, length = dataset["mean_pressure"], scene["length"]
-        unit = si if pressure.attrs["units"] == "Pa" and length else free
+        is_si, area = pressure.attrs["units"] == "Pa", "L_x" if scene["dimension"] == 1 else "L_x2"
+        unit = si if is_si and length else f"{'Pa' if is_si else 'E*'} {area}"
         dataset = dataset.assign({name: (pressure * (length or 1.0) ** scene["dimension"]).assign_attrs(units=unit)})
     return dataset, of_roughness | {"mean_pressure"}
 

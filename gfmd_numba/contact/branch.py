@@ -90,12 +90,13 @@ class _Point:
 
     @property
     def adhesion(self) -> float:
-        """Work of adhesion that the surfaces have gained where they touch, or a law of gap and slip holds them."""
+        """Work of adhesion that the surfaces have gained: where they touch, unless the law itself keeps them apart."""
         laws, found = self.problem.interface, self.contact.equilibrium
-        if laws.normal_law is not None and not laws.hard_wall:
-            return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
         if laws.normal_law is not None:
-            return abs(float(laws.normal_law.energy(np.zeros(1))[0])) * float(found.touching.mean())
+            touching = float(laws.normal_law.energy(np.zeros(1))[0])
+            if not laws.hard_wall or touching > 0.0:
+                return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
+            return -touching * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
         assert found.tangential is not None
         apart, tangential = self.contact.punch - found.displacement, found.tangential

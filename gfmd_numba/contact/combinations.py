@@ -29,6 +29,7 @@ class Refusal:
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
 TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
+SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
 LOWEST = 0.2  # incompressible slab without a period, over that
 SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
 _NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
@@ -59,10 +60,12 @@ def _without_a_period() -> Iterator[Refusal]:
         "incompressible slab": f"a number below 0.5, a half-space, or a height of at least {LOWEST:g} times the length "
         "and no tangential tractions",
         "soft below stiff": f"at least {SOFTEST:g} times the modulus of the stiffest layer above it",
-        "higher topography_order": "0, or nothing,",
+        "higher topography_order": "0, or nothing",
     }
     for feature, allowed in not_yet.items():
-        yield Refusal("no period", feature, f"{allowed} without a period: this is not built yet", "not built yet")
+        yield Refusal(
+            "no period", feature, f"without a period only {allowed}: the rest is not built yet", "not built yet"
+        )
     yield Refusal(
         "dimension 1",
         "period along one axis",
@@ -299,7 +302,7 @@ PHRASES = {
     "hardness on inclined surfaces": "a hardness under a rough punch or between two elastic bodies",
     "campaign": "a campaign",
     "contact without drag": "no friction, no cohesive law and no wear",
-    "contact without reach": "no exponential and no cohesive law",
+    "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
     "layers": "`layers`",

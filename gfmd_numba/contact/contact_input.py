@@ -187,9 +187,9 @@ def _pattern(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> 
     if found is None:
         return None
     place, path = ("scene", "interface", found[0], "pattern"), Path(found[1])
-    values = read_nodes(document, place, path, file.scene.dimension, shape)
+    values = read_nodes(document, place, path, file.scene.dimension, shape, whole=True)
     if not (values >= 0.0).all() or not values.any():
-        given = f"{path.name} (numbers from {np.nanmin(values):g} to {np.nanmax(values):g})"
+        given = f"{path.name} (numbers from {values.min():g} to {values.max():g})"
         raise refused(document, place, given, "a number of at least 0 for every node, of which some are above 0")
     return values
 

@@ -247,14 +247,16 @@ def kappa_residual_error(contact: Contact) -> Reals:
     """What the solver's residual may change kappa by: as the pressure may, and nodes left open do `[realisation]`.
 
     With eps = residual times peak pressure, open are nodes of a pressure below 10 eps or a gap below 0.02 eps L_x / E*:
-    none that changed sides on the way to 1e-12 had more than 6 and 0.012 (`benchmarks/residual_and_kappa.py`). A law
-    that attracts pulls equally at all nodes that touch, which bear at least what they do above the least of them.
+    none that changed sides on the way to 1e-12 had more than 6 and 0.012 (`benchmarks/residual_and_kappa.py`). What a
+    law pulls does not part surfaces: the pressure of the wall alone counts. Under a cohesive law, which pulls by gap
+    and slip together, nodes bear at least what they do above the least of them.
     """
     now, pressure = touching(contact), contact.equilibrium.pressure
     along = tuple(range(1, now.ndim))
     violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
-    least = np.where(now, pressure, 0.0).min(axis=along, keepdims=True)
-    leaving = (now & (pressure - least <= _OPEN_PRESSURE * violated)).sum(axis=along)
+    wall = pressure + contact.pull
+    least = np.where(now, wall, 0.0).min(axis=along, keepdims=True, initial=0.0)
+    leaving = (now & (wall - least <= _OPEN_PRESSURE * violated)).sum(axis=along)
     joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
     # a node that fills a gap of one takes its edges with it, on maps four of at most as much as a profile's
     edges = 1.0 + 2.0 * (now.ndim - 1) * abs(edge(contact).excess)

@@ -5,7 +5,7 @@ from itertools import chain
 from math import inf, isinf
 from typing import Literal
 
-from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SOFTEST, TALLEST, Refusal
+from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SAMPLED, SOFTEST, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.body_record import Layer, Material
 from gfmd_numba.scene.document import Location
@@ -141,6 +141,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "rough bodies", ("scene", "body", "roughness")
     if scene.boundary is not None:
         yield "boundary", ("scene", "boundary")
+    if isinstance(scene.periodic, str):
+        yield "period along one axis", ("scene", "periodic")
     yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
     if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
         yield "slab", ("scene", "body")
@@ -255,8 +257,6 @@ def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     """What the table refuses or may refuse of a scene without a period."""
     yield "no period", ("scene", "periodic")
-    if scene.periodic is not False:
-        yield "period along one axis", ("scene", "periodic")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         yield from _body_without_a_period(name, body, scene, grid)
     for place, surface in scene.surfaces.items():
@@ -289,7 +289,7 @@ def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> I
     if any(rubs or height < LOWEST for height in slabs.values()):
         copies = {at: body.model_copy(update={"poissons_ratio": nu}) for at, nu in ratios.items()}
         yield from (("incompressible slab", at) for at, each in copies.items() if each.is_incompressible)
-    if max(heights.values()) > TALLEST:
+    if max(heights.values()) > SAMPLED:
         yield from (("soft below stiff", (*place, *at)) for at in _soft_below_stiff(body))
 
 

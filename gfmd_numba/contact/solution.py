@@ -79,7 +79,9 @@ def solve(problem: Problem, state: State | range) -> Contact:
         yielded = change.yields * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
         of_waves = partial(_stiffness_felt, problem, change)
-    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    law = problem.interface.normal_law
+    pull = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach, pull=pull)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 

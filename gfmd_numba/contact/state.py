@@ -203,7 +203,8 @@ class Contact:
     displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
     it is empty with a period. `time_error` is the relative error by the divisions of time of all steps so far, 0 where
     no step takes time. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite
-    without any. `found` is what observables have found.
+    without any. `pull` is what a law of the gap pulls at no gap `[(y,) x]`, 0 without one. `found` is what observables
+    have found.
     """
 
     heights: Reals
@@ -218,6 +219,7 @@ class Contact:
     ends: tuple[bool, ...] = ()
     time_error: float = 0.0
     least_pressure: float = np.inf
+    pull: Reals | float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @cached_property

@@ -62,7 +62,7 @@ def read_boundary(
     given = {name: value for name, value in boundary if value is not None}
     for name, value in given.items():
         if isinstance(value, str):
-            found[name] = read_nodes(document, ("scene", "boundary", name), Path(value), dimension, shape)
+            found[name] = read_nodes(document, ("scene", "boundary", name), Path(value), dimension, shape, whole=False)
             shape = found[name].shape
     assert shape is not None  # the records' promise
     arrays = {name: found[name] if name in found else np.full(shape, float(value)) for name, value in given.items()}
@@ -96,11 +96,13 @@ def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy:
     return {**arrays, name: values - mean}
 
 
-_FILES = {1: "one column of numbers", 2: "rows of numbers, one for each y"}
+_FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
 
 
-def read_nodes(document: Document, place: Location, path: Path, dimension: int, shape: tuple[int, ...] | None) -> Reals:
-    """Values `[(ny,) nx]` of a file that is named at a place, of which some may be not-a-number.
+def read_nodes(
+    document: Document, place: Location, path: Path, dimension: int, shape: tuple[int, ...] | None, whole: bool
+) -> Reals:
+    """Values `[(ny,) nx]` of a file that is named at a place, of which some may be not-a-number unless it is `whole`.
 
     Raises InputError for one that does not fit a grid of that shape (None: any), or has no number.
     """
@@ -108,10 +110,12 @@ def read_nodes(document: Document, place: Location, path: Path, dimension: int, 
         values = read_values(path, dimension)
     except ValueError as error:
         raise refused(document, place, f"{path.name} ({error})", _FILES[dimension]) from None
-    if (abs(values) > LARGEST).any():
-        where = int(np.argmax(abs(values) > LARGEST))
+    wrong = (abs(values) > LARGEST) | (whole & np.isnan(values))
+    if wrong.any():
+        where = int(np.argmax(wrong))
         at = f"{values.flat[where]} at index {_place(where, values.shape)}"
-        allowed = f"finite numbers of at most {LARGEST:g}, and not-a-number where nothing is prescribed"
+        holes = "" if whole else ", and not-a-number where nothing is prescribed"
+        allowed = f"finite numbers of at most {LARGEST:g}{holes}"
         raise refused(document, place, f"{path.name} ({at})", allowed)
     if not np.isfinite(values).any():
         raise refused(document, place, f"{path.name} (no number)", "a number for at least one node")

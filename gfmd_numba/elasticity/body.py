@@ -112,7 +112,7 @@ class ElasticBody:
         if self.stack is not None or found > _SURE:
             return found
         k, kolosov = min(2.0 * np.pi * height, 1e3), moduli.kolosov(self.nu)  # far beyond any effect at the latter
-        return (1.0 + kolosov**2 + 4.0 * k**2 + 4.0 * kolosov * k) * exp(-2.0 * k) / kolosov
+        return (1.0 + kolosov**2 + 4.0 * k**2 + 4.0 * k) * exp(-2.0 * k) / kolosov
 
     def response(self, shape: tuple[int, ...]) -> SpectralResponse:
         """Response of all displacements of a surface of (ny,) nx nodes, in E*/L_x (6.58), (6.83)."""

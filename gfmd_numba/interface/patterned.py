@@ -2,6 +2,7 @@
 
 import hashlib
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Self
 
 import numpy as np
@@ -65,13 +66,20 @@ class PatternedLaw(NormalLaw):
         acting = self.pattern[self.pattern > 0.0]
         return max(float(s * self.law.stiffest(pressure / s, hard_wall)) for s in (acting.min(), acting.max()))
 
+    @cached_property
+    def _around(self) -> Reals:
+        """The pattern on the padded grid."""
+        around = np.zeros(self.padded)
+        around[grid.corner(self.pattern.shape)] = self.pattern
+        return around
+
     def _on(self, gap: Reals) -> Reals | float:
         """Pattern on the nodes of gaps `[..., (y,) x]` or `[..., node]`, of the window or of the grid around it."""
         if gap.size == 1:
             return float(self.pattern.max())
-        for shape in (self.pattern.shape, self.padded):
-            if gap.shape[-len(shape) :] == shape or gap.shape[-1] == np.prod(shape):
-                around = np.zeros(shape)
-                around[grid.corner(self.pattern.shape)] = self.pattern
-                return around if gap.shape[-len(shape) :] == shape else around.ravel()
+        for shares in (self.pattern, self._around):
+            if gap.shape[-shares.ndim :] == shares.shape:
+                return shares
+            if gap.shape[-1] == shares.size:
+                return shares.ravel()
         raise ValueError(f"gaps of shape {gap.shape} under a pattern of {self.pattern.shape}")

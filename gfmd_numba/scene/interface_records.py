@@ -153,6 +153,11 @@ class LennardJones(LawOfTheGap):
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
 
+    @property
+    def pull(self) -> float:
+        """Nothing: the law repels at no gap."""
+        return 0.0
+
 
 class Cohesive(LawRecord):
     """Xu and Needleman's cohesive law of gap and slip together."""

@@ -88,7 +88,7 @@ def test_a_patterned_law_is_that_of_each_node():
         (np.ones(5), r"pattern.npy \(5 values\)'?; gfmd allows one value for each of the 128 nodes"),
         (-np.ones(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
         (np.zeros(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
-        (np.append(np.ones(N - 1), np.nan), "gfmd allows a number of at least 0 for every node"),
+        (np.append(np.ones(N - 1), np.nan), r"nan at index 127\)'?; gfmd allows finite numbers of at most"),
     ],
 )
 def test_a_pattern_that_is_no_share_is_refused(tmp_path, pattern, message):

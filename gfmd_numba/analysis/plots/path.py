@@ -26,7 +26,7 @@ _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure
 _LOADS = ("punch_displacement", "line_load", "force", "prescribed_pressure", "reduced_pressure")  # of one contact
 _OF_STEPS = (
     *("mean_pressure", "contact_area_fraction", "mean_tangential_traction", "mean_tangential_traction_y"),
-    *("stick_fraction", "energy_lost", "status"),
+    *("mean_worn_depth", "stick_fraction", "energy_lost", "status"),
 )
 
 
@@ -115,12 +115,16 @@ def _along(dataset: xr.Dataset) -> list[_Panel]:
         )
         panels.append(_Panel("step_load", *drawn))
     for y, along in (("", ""), ("_y", " along $y$")):
-        if f"step_sliding{y}" in dataset.variables and dataset[f"step_sliding{y}"].any():
-            label = f"Mean tangential traction{along}"
-            panels.append(_Panel(f"step_sliding{y}", f"mean_tangential_traction{y}", label, "E^*"))
+        x, traction = f"step_sliding{y}", f"mean_tangential_traction{y}"
+        if x in dataset.variables and dataset[x].any():
+            if traction in dataset:
+                panels.append(_Panel(x, traction, f"Mean tangential traction{along}", "E^*"))
+            if "mean_worn_depth" in dataset:
+                panels.append(_Panel(x, "mean_worn_depth", "Mean worn depth", "L_x"))
+                panels.append(_Panel(x, "contact_area_fraction", "Contact area", ""))
     if "stick_fraction" in dataset:
         panels.append(_Panel("step", "stick_fraction", "Sticking share of the contact", ""))
-    if "energy_lost" in dataset:
+    if "energy_lost" in dataset and dataset["energy_lost"].any():
         panels.append(_Panel("step", "energy_lost", "Energy lost so far per area", "E^*L_x"))
     return panels or [_Panel("step", "contact_area_fraction", "Contact area", "")]
 
@@ -145,7 +149,8 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
         if panel.x != "step":
             _mark_way(axis, across * values, up * mean.values[place], look["color"])
         if panel.x == "step_load":
-            _mark_jumps(axis, across * values, up * mean.values[place])
+            lost = dataset["energy_lost"][place].mean("realisation").values if "energy_lost" in dataset else None
+            _mark_jumps(axis, across * values, up * mean.values[place], lost)
     if panel.x == "step":
         axis.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
     else:
@@ -173,11 +178,12 @@ def _mark_way(axis: Axes, x: Reals, y: Reals, colour: str) -> None:
             axis.annotate("", head, tail, arrowprops=look)
 
 
-def _mark_jumps(axis: Axes, x: Reals, y: Reals) -> None:
-    """Name the steps in which a contact jumps: far more happens in them than in the step before and the one after."""
+def _mark_jumps(axis: Axes, x: Reals, y: Reals, lost: Reals | None) -> None:
+    """Name the steps in which a contact jumps: they lose energy, and far more happens than in both neighbours."""
     size = abs(np.diff(y))
-    before, after = np.r_[0.0, size[:-1]], np.r_[size[1:], 0.0]
-    for i in np.flatnonzero((size > _JUMP * np.ptp(y)) & (size > 3.0 * np.maximum(before, after))):
+    before, after = np.r_[np.inf, size[:-1]], np.r_[size[1:], np.inf]
+    jumps = (size > _JUMP * np.ptp(y)) & (size > 3.0 * np.maximum(before, after))
+    for i in np.flatnonzero(jumps if lost is None else jumps & (lost[1:] > 0.0)):
         axis.plot(x[i : i + 2], y[i : i + 2], ":", color="white", marker="")
         axis.annotate(
             "jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points", fontsize=small()

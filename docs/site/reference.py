@@ -20,11 +20,9 @@ _KEYS = """\
 # Keys of the YAML files
 
 This page is for those who write a file: it lists every key, with its unit, the values that are allowed, and the value
-that it has if you leave it out.
-Wherever the table names a unit, you may also write a number with a unit of your own, like `50 MPa`. Plain numbers are
-in the unit of the table. In a scene without a `length`, lengths are in L_x. In a scene without moduli, stresses are in
-E\\*.
-[Units and loads](../campaigns.md#units-and-loads) explains this.
+that it has if you leave it out. Wherever the table names a unit, you may also write a number with a unit of your own,
+like `50 MPa`. Plain numbers are in the unit of the table. In a scene without a `length`, lengths are in L_x. In a scene
+without moduli, stresses are in E\\*. [Units and loads](../campaigns.md#units-and-loads) explains this.
 
 `gfmd schema KIND` prints the same as JSON Schema, which many editors use to complete and check YAML.
 """
@@ -155,8 +153,8 @@ def files_page() -> str:
 # Variables of the results
 
 This page is for those who read results. Every file is netCDF-4 and follows the CF conventions. Read it with
-`xarray.open_dataset`. Every variable has
-`units` and a `long_name`. The attributes hold the text of your file, the versions of the packages, and the machine.
+`xarray.open_dataset`. Every variable has `units` and a `long_name`. The attributes hold the text of your file, the
+versions of the packages, and the machine.
 
 ## Numbers of each contact
 

@@ -341,6 +341,14 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
     for axis, location, varied in varied_scenes(scene, grid):
         if not axis.of_surface and (fault := _fault(varied)):
             raise document.refused(location, fault[1])
+    for record in dict.fromkeys(axis.record for axis in OF_THE_SCENE if not axis.of_surface):
+        axes = [axis for axis in OF_THE_SCENE if axis.record == record and values_of(grid, axis.name)]
+        if len(axes) < 2:
+            continue
+        for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
+            values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
+            if fault := _fault(with_values(scene, values)):
+                raise document.refused(("grid", axes[-1].name, chosen[-1][0]), fault[1])
 
 
 def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:

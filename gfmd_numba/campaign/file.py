@@ -10,7 +10,7 @@ import yaml
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.goal import Fit, Target, check_limit, check_recorded
+from gfmd_numba.campaign.goal import Fit, Target, check_fitted, check_limit, check_recorded
 from gfmd_numba.campaign.limits import (
     COUNT,
     CROSS,
@@ -261,6 +261,8 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     for fit, place in campaign.fits():
         if place[0] == "target":
             check_limit(document, campaign.scene, campaign.limits.varied, fit, place)
+        if place[0] == "target" or campaign.limits.varied or "variable" in campaign.fit.model_fields_set:
+            check_fitted(document, fit, place, scenes)
         check_recorded(document, fit, place, [(each, campaign.numerics.slope_order(each)) for each in scenes])
     _check_files(document, campaign)
     if document.path is None:

@@ -147,8 +147,6 @@ def to_do(left: list[Block], directory: Path, choice: Choice) -> list[Block]:
     return [block for block in left if failures.of(directory, block.name) is None][: choice.limit]
 
 
-_SECONDS_OF_A_FIRST_PILOT = 2.0  # to predict what the pilot itself costs
-
 Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, and how many simulations it has left
 
 
@@ -218,7 +216,7 @@ def first_decision(
 ) -> FirstDecision:
     """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
 
-    Raises as `run_until` does, but OSError if the disk or the cluster gives up, as nothing is kept.
+    Raises as `run_until` does. If the disk or the cluster gives up it raises OSError, because nothing is kept.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
         run = _prepared(source, goal, folder, workers, watch=watch, told=told)
@@ -348,7 +346,7 @@ def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     if all(case.limit == "reference" for case in planned.cases):
         raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
-        pilot = planned.predicted_cost(_SECONDS_OF_A_FIRST_PILOT).quantile(0.5)
+        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
         number = min(case.realisations for case in planned.cases)
         if pilot > goal.budget:
             raise InputError(

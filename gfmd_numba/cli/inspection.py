@@ -18,6 +18,7 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.tables import dimensions
 from gfmd_numba.cli.terminal import say, waiting, warn
 from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.numbers import counted
 from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
@@ -97,13 +98,13 @@ def _check_campaign(document: Document) -> tuple[str, str]:
             from gfmd_numba.campaign.plan import refused_limits
 
             doubts += refused_limits(planned.campaign, planned.cases)
-    kind = f"a campaign of {campaign.n_cases} cases"
+    kind = f"a campaign of {counted(campaign.n_cases, 'case')}"
     if is_without_levels(document, campaign):
         targets = " and ".join(f"{share:.2%} of {variable}" for variable, share in (campaign.target or {}).items())
-        kind = f"a campaign to {targets}, which begins with {campaign.n_cases} cases"
+        kind = f"a campaign to {targets}, which begins with {counted(campaign.n_cases, 'case')}"
     elif campaign.seed is not None:
         kind += f" x {campaign.realisations.reference} realisations"
-    kind += f" along a path of {len(campaign.path)} steps" if campaign.path else ""
+    kind += f" along a path of {counted(len(campaign.path), 'step')}" if campaign.path else ""
     return ", ".join(filter(None, (kind, dimensions(campaign.scene, campaign.grid)))), "\n".join(doubts)
 
 

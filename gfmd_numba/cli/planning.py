@@ -24,6 +24,7 @@ from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, dimensions, duration, said_of_error
 from gfmd_numba.cli.terminal import print_table, say, waiting, warn
+from gfmd_numba.text.numbers import counted
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
@@ -80,7 +81,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     if told:
         say("scene", told, width=14)
     if planned.campaign.path:
-        click.echo(f"path          {len(planned.campaign.path)} steps after the first loading")
+        click.echo(f"path          {counted(len(planned.campaign.path), 'step')} after the first loading")
     for doubt in (*planned.validity.splitlines(), *refused_limits(planned.campaign, planned.cases)):
         warn(doubt)
     well = True

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
-from gfmd_numba.text.numbers import si_prefix, typical, with_error
+from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error
 from gfmd_numba.text.recorded_scene import is_form_alone
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ def of_paths(dataset: xr.Dataset) -> Told:
         means[name], means[f"{name}_standard_error"] = ("case", mean, dataset[name].attrs), ("case", error)
     steps = dataset.sizes["step"] - 1
     yield from _of_means(
-        f"end of the path of {steps} steps", shown, dataset, dict(column(means, name) for name in names)
+        f"end of the path of {counted(steps, 'step')}", shown, dataset, dict(column(means, name) for name in names)
     )
 
 

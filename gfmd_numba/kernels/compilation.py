@@ -41,8 +41,15 @@ class _OnDisk:
         return None if code is None else CompileResult._rebuild(target, *pickle.loads(code))
 
     def save_overload(self, signature: Any, compiled: Any) -> None:
-        if not compiled.library.has_dynamic_globals:  # addresses of this process
-            kernel_cache.save(self._name(signature, compiled.codegen), dumps(compiled._reduce()))
+        if compiled.library.has_dynamic_globals:  # addresses of this process
+            return
+        try:
+            code = compiled._reduce()
+        except RuntimeError as error:  # LLVM's callback swallows Ctrl-C, and leaves no code
+            if "no compiled object" in str(error):
+                raise KeyboardInterrupt from None
+            raise
+        kernel_cache.save(self._name(signature, compiled.codegen), dumps(code))
 
     def flush(self) -> None:
         """Forget nothing: a kernel compiled anew takes the place of the old one."""

@@ -61,6 +61,7 @@ class LawOfTheGap(LawRecord):
         None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
     )
 
+    leaves_a_gap: ClassVar[bool] = False  # whether it repels so much that nothing touches
     known_from: ClassVar[float] = -inf  # gap, over the range, below which its traction goes on in a line
 
     @property
@@ -147,6 +148,7 @@ class LennardJones(LawOfTheGap):
     """Lennard-Jones attraction and repulsion of two half-spaces, integrated over their atoms."""
 
     title: ClassVar = "Lennard-Jones law"
+    leaves_a_gap: ClassVar = True
     known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
@@ -233,6 +235,12 @@ class Interface(BaseModel):
     def law_of_the_gap(self) -> LawOfTheGap | None:
         """The law of the gap alone that acts."""
         return next((law for law in self.laws.values() if isinstance(law, LawOfTheGap)), None)
+
+    @property
+    def touches(self) -> bool:
+        """Whether nodes can touch: under a pattern also those at which a law that leaves a gap does not act."""
+        law = self.law_of_the_gap
+        return law is None or not law.leaves_a_gap or law.pattern is not None
 
     @property
     def hardness(self) -> float | None:

@@ -16,7 +16,7 @@ _OF_RIDGES = (
     "The contact is that of a profile: its spots are ridges without end along y, and conduct as those do. For the "
     "spots of a rough surface, solve a scene with `dimension: 2`"
 )
-_ALLOWED = "what gfmd_numba.solve returns of a contact"
+_ALLOWED = "what `gfmd solve` leaves of a contact"
 
 
 def contact_conductance(contact: xr.Dataset) -> xr.Dataset:

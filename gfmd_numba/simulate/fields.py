@@ -215,7 +215,7 @@ def _dataset(
         quantity, kind = _QUANTITIES[name[:-1]]
         scaled = np.full_like(field, np.nan) if failed else field * units.worth[kind]
         if not failed and not np.isfinite(scaled).all():
-            raise InputError.of("contact", "a contact whose fields are not finite", "what gfmd_numba.solve returns")
+            raise InputError.of("contact", "a contact whose fields are not finite", "what `gfmd solve` leaves")
         dataset[f"{quantity}_{name[-1]}"] = dims, scaled, cf_attributes(long_names[name], units.names[kind])
     stresses = (dataset[f"stress_{i}"].values for i in range(1, 7) if f"stress_{i}" in dataset)
     attributes = cf_attributes("von Mises's equivalent stress", units.names["stress"])
@@ -316,8 +316,8 @@ def _add_peaks(dataset: xr.Dataset, largest: Largest, units: Units, failed: bool
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
 _ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
-_WHOLE = "all nodes of the period, as gfmd_numba.solve returns them; cut the fields inside afterwards"
-_ALTERED = "contact: you gave a contact that was altered; gfmd allows what gfmd_numba.solve returns"
+_WHOLE = "all nodes of the period, as `gfmd solve` leaves them; cut the fields inside afterwards"
+_ALTERED = "contact: you gave a contact that was altered; gfmd allows what `gfmd solve` leaves"
 _TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
 _PRESCRIBED, _COUNTER = "prescribed_", "counter_body_"
 _ON_EACH = ("pressure", *_TRACTIONS)
@@ -334,7 +334,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     found = contact.variables.keys()
     solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
-        raise InputError.of("contact", "no results of a contact", "what gfmd_numba.solve returns")
+        raise InputError.of("contact", "no results of a contact", "what `gfmd solve` leaves")
     if "normal_traction" in contact:
         file: BoundaryFile | SceneFile = _recorded(BoundaryFile, contact)
     else:
@@ -434,4 +434,4 @@ def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
     try:
         return record.model_validate_json(contact.attrs["scene"])
     except ValueError:
-        raise InputError.of("contact", "a contact whose scene is unreadable", "what gfmd_numba.solve returns") from None
+        raise InputError.of("contact", "a contact whose scene is unreadable", "what `gfmd solve` leaves") from None

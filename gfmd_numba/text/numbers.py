@@ -82,3 +82,8 @@ def with_error(value: float, error: float, digits: int = 4) -> str:
         shown[1] = f"{error:.1e}"
     both = "±".join(shown)
     return f"({both})e{power:+03d}" if power else both
+
+
+def counted(number: int, thing: str) -> str:
+    """Return a number of things, of which there may be one."""
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"

@@ -211,6 +211,11 @@ def test_a_node_on_the_brink_counts(leaves):
     assert changed <= here["kappa_residual_error"] <= 3.0 * changed
     assert measure(contact)["kappa_residual_error"] < 1e-3 * changed
 
+    # what a law pulls at no gap is borne by the wall too, so that no node is about to leave
+    pull = 0.5 * found.pressure.mean()
+    pulled = replace(found, pressure=found.pressure - pull * found.touching)
+    assert measure(replace(contact, equilibrium=pulled, pull=pull))["kappa_residual_error"] < 1e-2 * changed
+
 
 def test_a_residual_under_attraction_says_little_and_enough(tmp_path):
     scene = {

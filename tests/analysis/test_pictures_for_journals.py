@@ -7,13 +7,14 @@ from itertools import combinations, product
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.figure import Figure
 from matplotlib.legend import Legend
 from matplotlib.text import Text
 
 import gfmd_numba
 from gfmd_numba.analysis import plot_campaign, plot_conductance, plot_contact, plot_curve, plot_statistics
 from gfmd_numba.analysis.plots.kinds import KINDS
-from gfmd_numba.analysis.plots.path import plot_path
+from gfmd_numba.analysis.plots.path import _mark_jumps, plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
 from gfmd_numba.cli.tables import column
 from gfmd_numba.storage.atomic_file import write_picture
@@ -244,3 +245,30 @@ def test_the_hottest_spot_of_a_large_map_is_enlarged():
     assert y[0] < (row + 0.5) / 96 < y[1]
     assert plot_conductance(gfmd_numba.contact_conductance(large)).axes[0].child_axes
     assert not plot_contact(pressed(small, 4.0 / 3.0 * (3 / 24) ** 3 / 100.0)).axes[1].child_axes
+
+
+def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05},
+        "interface": {"hard_wall": {}, "wear": {"rate": 1e-4}},
+        "loading": {"reduced_pressure": 0.1},
+    }
+    file = {"scene": scene, "path": [{"sliding": 1.0}, {"sliding": 3.0}]}
+    eps = {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2}
+    whole = {"name": "worn", "seed": 1, "realisations": 2, "reference": eps}
+    for found in (gfmd_numba.solve(file | {"discretisation": eps}), gfmd_numba.run(file | whole, tmp_path / "out")):
+        depth, area = plot_path(found).axes
+        assert depth.get_ylabel().startswith("Mean worn depth")
+        assert area.get_ylabel() == "Contact area"
+
+
+def test_only_steps_that_lose_energy_between_two_others_jump():
+    x, y = np.arange(5.0), np.array([0.0, 0.1, 5.0, 5.1, 5.2])
+    for lost, names in ((None, ["jump"]), (np.array([0.0, 0.0, 1.0, 0.0, 0.0]), ["jump"]), (np.zeros(5), [])):
+        figure = Figure()
+        _mark_jumps(figure.subplots(), x, y, lost)
+        assert [each.get_text() for each in figure.axes[0].texts] == names
+    figure = Figure()
+    _mark_jumps(figure.subplots(), x[:2], y[1:3], None)  # a step alone has none beside it
+    assert not figure.axes[0].texts

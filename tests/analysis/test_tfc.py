@@ -261,3 +261,10 @@ def test_a_fit_in_python_takes_the_options_of_the_campaign_unless_others_are_giv
     )
     assert found.attrs["exponents"] == "free"
     assert gfmd_numba.fit_tfc(results, exponents="shared", fixed={}).attrs["fixed"] == "none"
+
+
+def test_python_fits_a_target_as_the_run_did():
+    results = noisy(campaign((0.3, 0.8), realisations=20), np.random.default_rng(1))
+    own = {"variable": "kappa", "exponents": "free", "fixed": ALPHA}
+    results.attrs |= {"fit": json.dumps(own | {"exponents": "shared"}), "fits_of_targets": json.dumps({"kappa": own})}
+    assert gfmd_numba.fit_tfc(results, "kappa").attrs["exponents"] == "free"

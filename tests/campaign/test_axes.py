@@ -158,6 +158,33 @@ def test_the_law_of_the_gap_is_varied_whichever_acts(law):
             plan(file | {"scene": scene, "grid": {"work_of_adhesion": [-1e-5]}})
 
 
+def test_values_of_one_record_are_checked_together():
+    scene = FULL.model_dump(exclude_none=True) | {
+        "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}},
+        "roughness": {"method": "psd", "hurst": 0.5, "rms_gradient": 0.1},
+    }
+    file = {"name": "pairs", "seed": 1, "realisations": 1, "reference": {"eps_c": 0.25, "eps_f": 0.25, "eps_t": 0.5}}
+    grid = {"friction_coefficient": [0.2, np.inf], "friction_limit": [0.1, 0.2]}
+    with pytest.raises(
+        InputError, match=r"grid.friction_limit\[0\]: you gave 0.1; gfmd allows no limit with an infinite"
+    ):
+        plan(file | {"scene": scene, "grid": grid})
+    assert len(plan(file | {"scene": scene, "grid": grid | {"friction_coefficient": [0.2, 0.3]}}).cases) == 4
+
+
+def test_what_touches_nowhere_has_no_contact_area_as_a_target():
+    scene = {
+        "body": {"poissons_ratio": 0.3},
+        "roughness": {"method": "psd", "hurst": 0.5, "rms_height": 0.01},
+        "interface": {"lennard_jones": {"work_of_adhesion": 1e-5, "range": 0.02}},
+        "loading": {"reduced_pressure": 0.05},
+    }
+    with pytest.raises(
+        InputError, match=r"target.kappa: .* mean_gap or elastic_energy: under this law nothing touches"
+    ):
+        plan({"name": "apart", "seed": 1, "scene": scene, "target": {"kappa": 0.1}})
+
+
 def test_an_axis_without_values_has_no_coordinate(tmp_path):
     (tmp_path / "plain.yaml").write_text(CAMPAIGN)
     found = coordinates(plan(tmp_path / "plain.yaml").cases)

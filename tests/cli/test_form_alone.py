@@ -66,3 +66,21 @@ def test_a_rough_ball_is_none():
     assert not is_form_alone(json.dumps(rough))
     assert is_form_alone(json.dumps({"scene": {"form": {"radius": 1.0}, "body": {}, "counter_body": None}}))
     assert not is_form_alone(json.dumps({"scene": {"roughness": {"method": "psd"}, "body": {}}}))
+
+
+def test_a_rough_counter_body_is_no_form_alone():
+    rough = {"form": {"radius": 1.0}, "body": {}, "counter_body": {"roughness": {"method": "psd"}}}
+    assert not is_form_alone(json.dumps({"scene": rough}))
+
+
+def test_a_form_with_a_period_has_a_mean_pressure(tmp_path):
+    said = told(tmp_path, "solve", periodic=True, loading={"pressure": "1 MPa"})
+    assert "mean pressure" in said
+    assert "p*" not in said
+    assert "\nforce" not in said
+
+
+def test_a_force_without_a_length_is_told_in_pascals_of_the_window(tmp_path):
+    said = told(tmp_path, "solve", length=None, form={"radius": 10.0, "points": 24}, loading={"displacement": 6.5e-3})
+    (line,) = (line for line in said.splitlines() if line.startswith("force"))
+    assert line.endswith("Pa L_x2")

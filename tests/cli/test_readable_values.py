@@ -45,6 +45,8 @@ def test_a_value_has_the_prefix_that_makes_it_short(value, unit, expected):
         ([1e5, 4e6], "MPa"),
         ([0.0, 3e6], "MPa"),
         ([1e-6, 2e8], "MPa"),  # what is nearly nothing does not make the others long
+        ([1.0, 1e9], "MPa"),
+        ([1e-6, 5e6], "MPa"),
         ([float("nan")], "Pa"),
     ],
 )

@@ -91,3 +91,28 @@ def test_steps_of_the_reference_solver_are_not_divided():
 def test_paths_without_attraction_are_not_divided(tmp_path):
     repulsion = {"work_of_adhesion": -1e-3, "range": LENGTH}
     assert "energy_lost" not in nearly_flat(tmp_path, [0.02], 0.01, exponential=repulsion)
+
+
+@pytest.mark.filterwarnings("ignore:waves longer than two fifths")
+def test_a_wall_that_nothing_reaches_changes_no_jump():
+    """Under a law that leaves a gap a hard wall is never touched, so the work of adhesion gained is the law's own."""
+    x = np.arange(128) / 128
+    heights = 2e-3 * np.cos(2 * np.pi * x) + 2e-4 * np.cos(18 * np.pi * x + 1)
+    law = {"lennard_jones": {"work_of_adhesion": 2.6e-7, "range": 1e-4}}
+    body = {"poissons_ratio": 0.3, "aspect_ratio": 1}
+    path = [2e-3, 1e-3, 0.0, -1e-3, -2e-3]
+    without, with_a_wall = (
+        gfmd_numba.solve(
+            {
+                "scene": {"body": body, "interface": each, "loading": {"displacement": path[0]}},
+                "path": [{"displacement": one} for one in path[1:]],
+            },
+            heights,
+        )
+        for each in (law, {"hard_wall": {}} | law)
+    )
+    jumped = ~np.isnan(without["jump_displacement"].values)
+    assert jumped.any()
+    assert (without["energy_lost"].values[jumped] > 1e-10).all()
+    for name in ("jump_displacement", "energy_lost"):
+        np.testing.assert_allclose(with_a_wall[name], without[name], rtol=1e-6)

@@ -1,5 +1,7 @@
 """Bodies that creep: what Lee and Radok, and Ting, know of them, their limits, the order of their steps and energy."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import quad
@@ -289,3 +291,21 @@ def test_an_elastic_body_has_no_memory_and_pays_nothing(monkeypatch):
 
 def _fields(problem):
     return {name: getattr(problem, name) for name in Problem.__dataclass_fields__ if name != "_identity"}
+
+
+def test_a_difference_is_the_larger_one_over_what_it_came_from():
+    def contact(pressure, stretch, largest=(0.0, 0.0)):
+        moved = np.array([stretch, np.zeros(2)])[:, np.newaxis, np.newaxis]
+        after = SimpleNamespace(memory={"springs": SimpleNamespace(stretch=moved, largest=largest)})
+        return SimpleNamespace(after=after, equilibrium=SimpleNamespace(pressure=np.array([pressure]), tangential=None))
+
+    coarse = contact([1.0, 1.0], [2.0, 2.0])
+    assert time_steps.difference(coarse, contact([1.0, 1.1], [2.0, 3.0], (21.0, 10.0))) == pytest.approx(0.1)
+    assert time_steps.difference(coarse, contact([1.0, 1.1], [2.0, 3.0], (0.2, 1e3))) == pytest.approx(0.1 / 2.1)
+
+
+def test_springs_remember_the_largest_load():
+    problem = rough_problem()
+    high = solve(problem, begin(problem, range(1))).after
+    low = solve(problem.under(LoadStep(1e-3, (0.0,), 2.0)), high).after
+    assert low.memory["springs"].largest[0] == pytest.approx(high.memory["springs"].largest[0])

@@ -5,6 +5,7 @@ import pytest
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
 
 BODIES = [ElasticBody(nu, a) for nu in (0.0, 0.33, 0.49) for a in (None, 0.1, 2.0)]
@@ -51,3 +52,11 @@ def test_two_equal_bodies_in_series_are_as_stiff_as_one_in_the_modulus_of_both()
     np.testing.assert_allclose(stiffness.in_series(own, own, 0.5), own)
     soft = stiffness.in_series(own, 2.0 * own, 0.25)
     np.testing.assert_allclose(1.0 / soft, 0.75 / own + 0.25 / (2.0 * own))
+
+
+def test_the_deviation_of_layers_is_that_of_their_worst_wave():
+    body = ElasticBody.layered((0.02, 0.05), (Material(1.0, 0.3), Material(10.0, 0.3)), Material(0.9, 0.3))
+    q = 2.0 * np.pi * np.arange(1.0, 400.0)
+    each = abs(body.condensed_stiffness(q) / (0.5 * q) - 1.0)
+    assert each.argmax() > 0
+    assert body.deviation() == pytest.approx(each.max(), rel=1e-2)

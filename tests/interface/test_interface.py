@@ -92,6 +92,29 @@ def test_the_record_of_a_law_knows_what_it_pulls_at_no_gap(name):
 
 
 @pytest.mark.filterwarnings("error")
+def test_the_pole_of_a_law_is_cut_off_where_its_record_says():
+    for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLaw)):
+        found, kink = law.scaled(record(work_of_adhesion=0.3, range=0.2), 1.0, 1.0), 0.2 * record.known_from
+        inside, outside = found.stiffness(np.array([kink - 1e-3, kink + 1e-3]))
+        assert inside == found.stiffness(np.array(kink - 0.05)) != outside
+        assert found.stiffness(np.array(kink + 1e-12)) == pytest.approx(inside)
+
+
+def test_a_pressure_bounds_how_stiff_a_law_gets():
+    law, gap = (
+        LennardJonesLaw.scaled(LennardJones(work_of_adhesion=0.3, range=0.2), 1.0, 1.0),
+        np.linspace(0.1, 0.4, 300001),
+    )
+    bears = -law.traction(gap) <= 5.0
+    assert law.stiffest(5.0, hard_wall=False) == pytest.approx(law.stiffness(gap)[bears].max(), rel=1e-3)
+
+
+def test_a_law_reaches_over_its_range_if_it_attracts():
+    asked = {"work_of_adhesion": 0.3, "range": 0.2}
+    assert ShiftedPowerLaw.scaled(PowerLaw(**asked | {"work_of_adhesion": -0.3}), 1.0, 1.0).reach == 0.0
+    assert MaugisDugdaleLaw(0.3, 0.2, 0.2).reach == LennardJonesLaw.scaled(LennardJones(**asked), 1.0, 1.0).reach == 0.2
+
+
 @of_each_law
 def test_the_change_of_energy_is_that_of_the_energy_near_and_far(law):
     gap = np.array([0.0, 0.5, 0.5, 0.5, 0.21, 400.0, 400.0, 1e3, 0.3, -0.1, -0.15, 0.05])

@@ -105,3 +105,52 @@ def test_a_pattern_is_a_file_and_needs_a_wall(tmp_path):
     law = {"work_of_adhesion": -1e-4, "range": 0.01, "pattern": str(tmp_path / "ones.npy")}
     with pytest.raises(InputError, match=r"pattern.* a hard_wall with it"):
         solve(tmp_path, None, (N,), interface={"exponential": law})
+
+
+def test_a_pattern_means_its_strongest_node():
+    repels = PatternedLaw.of(ExponentialLaw(-0.3, 0.2), np.array([1.0, 0.0, 0.3, 2.0]), (8,))
+    own = repels.law
+    assert repels.strength == pytest.approx(2.0 * own.strength)
+    assert repels.stiffest(0.2, hard_wall=False) == pytest.approx(
+        max(share * own.stiffest(0.2 / share, False) for share in (0.3, 2.0))
+    )
+    attracts = PatternedLaw.of(ExponentialLaw(0.3, 0.2), np.array([0.5, 2.0]), (4,))
+    assert attracts.traction(np.zeros(1)) == pytest.approx(2.0 * attracts.law.traction(np.zeros(1)))
+
+
+def test_patterns_tell_laws_apart():
+    one, other = (PatternedLaw.of(ExponentialLaw(0.3, 0.2), each, (8,)) for each in (np.ones(4), np.full(4, 0.5)))
+    assert one != other
+    assert repr(one) != repr(other)  # the identity of a problem
+
+
+@pytest.mark.filterwarnings(
+    "ignore:contacts are 1 node", "ignore:the grid has too few nodes", "ignore:the contact reaches"
+)
+def test_a_pattern_on_a_strip_that_ends_along_one_axis_acts_where_it_is(tmp_path):
+    np.save(tmp_path / "half.npy", np.full((32, 32), 0.5))
+    wave, found = np.cos(4 * np.pi * np.arange(32) / 32), []
+    heights = 0.02 * (wave[:, np.newaxis] + wave)
+    for law in (LAW | {"pattern": str(tmp_path / "half.npy")}, LAW | {"work_of_adhesion": 5e-5}):
+        scene = {
+            "dimension": 2,
+            "periodic": "x",
+            "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5},
+            "roughness": {"method": "measured", "heights": heights, "units": {"z": "L_x"}},
+            "interface": {"hard_wall": {}, "exponential": law},
+            "loading": {"displacement": 1e-3},
+        }
+        found.append(gfmd_numba.solve({"scene": scene})["pressure"].values)
+    np.testing.assert_allclose(*found, atol=1e-7 * abs(found[0]).max())
+
+
+def test_the_wall_alone_parts_nodes_under_a_pattern_and_in_full_contact(tmp_path):
+    """Where every node touches none is about to leave, however unlike the pressures are, or what pulls."""
+    np.save(tmp_path / "wave.npy", 1e-3 * np.cos(2 * np.pi * np.arange(64) / 64))
+    np.save(tmp_path / "pattern.npy", np.linspace(0.5, 1.5, 64))
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": {"method": "measured", "file": str(tmp_path / "wave.npy")}}
+    law = {"work_of_adhesion": 1e-6, "range": 0.01, "pattern": str(tmp_path / "pattern.npy")}
+    for interface in ({"hard_wall": {}}, {"hard_wall": {}, "exponential": law}):
+        found = gfmd_numba.solve({"scene": scene | {"interface": interface, "loading": {"reduced_pressure": 1.5}}})
+        assert found["contact_area_fraction"] == 1.0
+        assert found["kappa_residual_error"] < 1e-6

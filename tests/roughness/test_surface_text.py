@@ -7,7 +7,7 @@ import pytest
 
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.roughness.surface_text import read_table
+from gfmd_numba.roughness.surface_text import columns_by_label, read_table, stated_units
 
 X = 0.5 * np.arange(40)
 Z = np.random.default_rng(0).normal(size=40)
@@ -265,3 +265,9 @@ def test_the_unit_of_a_map_is_not_that_of_its_pixels(tmp_path, header, units):
 def test_entries_of_a_header_state_the_units_of_columns(tmp_path):
     table = read_table(written(tmp_path, np.column_stack([X, Z]), header="Profile\nX unit: mm\nZ unit: µm\n"))
     assert table.units == ("mm", "um")
+
+
+def test_columns_and_units_are_known_by_their_labels():
+    assert stated_units(["Profile", "Lateral unit: mm", "Z unit: um"], 2) == ("mm", "um")
+    assert columns_by_label(["Nr.;Weg [mm];Höhe [mil];Zeit"], 4)[0] == [1, 2]
+    assert columns_by_label(["Nr.;x;Weg [mm];Höhe [mil]"], 4) is None  # three may be positions or heights

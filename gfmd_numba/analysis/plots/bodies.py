@@ -168,7 +168,11 @@ def _thicknesses(middles: Reals) -> Reals:
 
 
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
-_OF_MAPS = (("normal", "", "out of the body"), ("tangential", "", "along $x$"), ("tangential", "_y", "along $y$"))
+_COMPONENTS_OF_MAPS = (
+    ("normal", "", "out of the body"),
+    ("tangential", "", "along $x$"),
+    ("tangential", "_y", "along $y$"),
+)
 _QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
 
 _ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
@@ -212,9 +216,9 @@ def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
     """Draw a column for each component; a row has one unit, so that components can be compared."""
     with sheet(6, 3, panel_of(dataset, 3.8), width, **OF_MAPS) as (figure, axes):
         for row, (quantity, natural) in zip((axes[:3], axes[3:]), _QUANTITIES.items(), strict=True):
-            every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _OF_MAPS]
+            every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _COMPONENTS_OF_MAPS]
             factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
-            for axis, (_, _, way), values in zip(row, _OF_MAPS, every, strict=True):
+            for axis, (_, _, way), values in zip(row, _COMPONENTS_OF_MAPS, every, strict=True):
                 label = f"{quantity.capitalize()} {way} ({unit})"
                 draw_image(
                     axis, dataset, factor * values.values, label, cmap="cividis", **_limits(every, values, factor)

@@ -1,0 +1,53 @@
+"""Friction that holds at most a shear strength: min(mu p, limit) at each node that slips, in Newton's method alone."""
+
+import numpy as np
+import pytest
+
+import gfmd_numba
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.load_path import solve_path
+from gfmd_numba.scene.scene_file import load_scene
+
+pytestmark = pytest.mark.filterwarnings("ignore")  # coarse steps and strains are enough here
+BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}
+SCENE = {
+    "body": BODY | {"aspect_ratio": 0.2},
+    "length": "1 mm",
+    "form": {"radius": "1 mm", "points": 64},
+    "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3, "limit": "5 MPa"}},
+    "loading": {"pressure": "2 MPa"},
+}
+
+
+@pytest.mark.parametrize("numerics", [{}, {"solver": "frictional_newton", "max_iterations": 60}])
+def test_a_punch_that_slides_bears_the_smaller_one_of_both_at_each_node(numerics):
+    path = [{"sliding": "0.5 um"}, {"sliding": "200 um"}]
+    found = gfmd_numba.solve({"scene": SCENE, "path": path, "numerics": numerics})
+    assert (found["status"] == 0).all()
+    pressure, traction = found["pressure"].values[-1], found["tangential_traction"].values[-1]
+    assert 0.3 * pressure.max() > 1.5 * 5e6  # the limit counts
+    np.testing.assert_allclose(abs(traction), np.minimum(0.3 * pressure, 5e6), atol=1e-6 * pressure.max())
+
+
+def test_a_half_space_without_a_drag_bears_no_more_than_the_shear_strength():
+    scene = SCENE | {
+        "body": BODY | {"poissons_ratio": 0.0},
+        "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1},
+        "interface": {"hard_wall": {}, "friction": {"coefficient": 0.1, "limit": "4 MPa"}},
+        "loading": {"pressure": "20 MPa"},
+    }
+    del scene["form"]
+    numerics = {"solver": "frictional_newton", "max_iterations": 100}
+    file = {"scene": scene, "seed": 1, "path": [{"pressure": "10 MPa"}], "numerics": numerics}
+    found = gfmd_numba.solve(file | {"discretisation": {"eps_c": 0.25, "eps_f": 1 / 16, "eps_t": 0.5}})
+    assert (found["status"] == 0).all()
+    traction = abs(found["tangential_traction"].values)
+    assert np.isclose(traction, 4e6, rtol=1e-6).any()
+    assert traction.max() <= 4e6 * (1 + 1e-6)
+
+
+def test_the_balance_of_energy_knows_the_shear_strength():
+    problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
+    (found,) = solve_path(problem, 0)
+    assert Balance.of(problem, found).rubbing.held.max() == pytest.approx(problem.interface.shear_limit)

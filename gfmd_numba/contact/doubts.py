@@ -68,7 +68,7 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
 def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
     laws, jump = given.file.scene.interface, next((name for name in dataset if str(name).startswith("jump_")), None)
-    loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.body.relaxation is not None
+    loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
     lost = dataset["energy_lost"].fillna(0.0)
@@ -268,6 +268,11 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
+    if "next_order" not in found:
+        return (
+            f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}: order 0 in the slope, at "
+            "which bodies that creep are pressed, leaves out relative errors of about that size"
+        )
     error, unit = float(found["next_order"].max()), found["next_order"].units
     largest = float(abs(found[displacement]).max()) or 1.0
     off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"

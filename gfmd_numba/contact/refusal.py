@@ -137,6 +137,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     yield from _of_time(scene, path)
     if scene.counter_body is not None:
         yield "rough bodies", ("scene", "counter_body")
+        if scene.creeps and not _give_way_alike(scene, grid):
+            yield "unlike bodies", ("scene", "counter_body")
     elif scene.follows_topography:
         yield "rough bodies", ("scene", "body", "roughness")
     if scene.boundary is not None:
@@ -155,6 +157,18 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None and not any(scene.ends):
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _give_way_alike(scene: Scene, grid: Grid) -> bool:
+    """Whether the compliances of two bodies, to pressures alone, have one ratio for all waves."""
+    if scene.interface.couples or any(axis in grid for axis in _ASPECT_RATIO.values()):
+        return False
+    if all(body.is_half_space and body.layers is None for body in scene.deformable):
+        return True
+    from gfmd_numba.contact.scales import elastic_body  # numbers, which the tables do without
+
+    one, other = (elastic_body(body, scene.length) for body in scene.deformable)
+    return one == other and not any(axis in grid for axis in _POISSONS_RATIO.values())
 
 
 def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:

@@ -16,12 +16,14 @@ from gfmd_numba.contact.scales import relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import TIME_TOLERANCE
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
+RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
@@ -45,6 +47,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _few_nodes,
         _at_the_edge,
         _past_asperities,
+        _weak_interface,
         _overlap,
         _closer_than_known,
     )
@@ -155,7 +158,7 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     if scene.interface.reaches_across:
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    bears = dataset["pressure"] > 0.0
+    bears = (dataset["pressure"] > 0.0) & (dataset["status"] == Status.ok)  # else it is where a step failed
     counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
         extents = [bears.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
@@ -237,6 +240,21 @@ def _closer_than_known(given: ContactInput, dataset: xr.Dataset) -> str:
     return (
         f"the surfaces come as close as {nearest / law.range:.3g} times the range of the {law.title}, whose traction "
         f"goes on in a line below {law.known_from:g} times it: the law itself repels more, so check load and range"
+    )
+
+
+def _weak_interface(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a shear strength that is hardly above what the residual leaves open, nothing for others.
+
+    The residual counts in the largest pressure.
+    """
+    friction, residual = given.file.scene.interface.friction, given.file.numerics.residual
+    peak = float(dataset["pressure"].max())
+    if friction is None or friction.limit is None or not friction.limit < RESOLVED_LIMIT * residual * peak:
+        return ""
+    return (
+        f"the residual leaves open tractions of {residual * peak / friction.limit:.2g} times the limit of friction: "
+        f"take a numerics.residual of at most {friction.limit / (RESOLVED_LIMIT * peak):.1g}"
     )
 
 

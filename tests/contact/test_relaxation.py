@@ -11,6 +11,8 @@ from scipy.optimize import brentq
 
 import gfmd_numba
 from gfmd_numba.contact import time_steps
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.doubts import FEWEST
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.relaxation import Relaxation
@@ -20,6 +22,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene.scene_file import load_scene
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, in_a_window, modulus, relaxation
 
@@ -371,3 +375,25 @@ def test_springs_remember_the_largest_load():
     high = solve(problem, begin(problem, range(1))).after
     low = solve(problem.under(LoadStep(1e-3, (0.0,), 2.0)), high).after
     assert low.memory["springs"].largest[0] == pytest.approx(high.memory["springs"].largest[0])
+
+
+def test_where_a_division_of_time_fails_nothing_is_said_of_the_end_of_the_step(monkeypatch):
+    """The contact is then one on the way, of fewer nodes, and its error in time is unknown."""
+    solve_one, loading = solve, {"line_load": 0.25 * np.pi * 0.25**2 / 4.0, "duration": 1.0}
+
+    def failing(problem, state):
+        found = solve_one(problem, state)
+        found.equilibrium.status[:] = Status.stagnated if problem.duration < 1.0 else Status.ok
+        return found
+
+    scene = {"periodic": False, "length": 1.0, "form": {"radius": 4.0, "points": 26}, "interface": {"hard_wall": {}}}
+    scene |= {"body": {"poissons_ratio": 0.5, "youngs_modulus": 0.75, "relaxation": relaxation(STANDARD, 0.75)}}
+    file = {"scene": scene | {"loading": loading}}
+    assert not gfmd_numba.solve(file | {"numerics": {"time_tolerance": 0.1}}).validity
+    monkeypatch.setattr(time_steps.solution, "solve", failing)
+    found = gfmd_numba.solve(file)
+    assert int(found["status"]) == Status.stagnated
+    assert 0 < int((found["pressure"] > 0.0).sum()) < FEWEST
+    assert not found.validity
+    problem, _ = read_contact(*load_scene(file)).reduced
+    assert np.isnan(next(solve_path(problem, 0)).time_error)

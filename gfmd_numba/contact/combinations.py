@@ -99,7 +99,7 @@ def _in_time() -> Iterator[Refusal]:
         "hardness": "a hard_wall without hardness",
         "accuracy": "no `gfmd accuracy`",
     }
-    of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
+    of_laws = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone"}
     of_bodies = {
         "hardness": not_yet["hardness"],
         "accuracy": not_yet["accuracy"],
@@ -109,12 +109,12 @@ def _in_time() -> Iterator[Refusal]:
         "unlike bodies": "a counter_body that gives way as the body does (two half-spaces of one material each, or the "
         "same heights, Poisson's ratios and ratios of moduli; neither friction nor a cohesive law)",
     }
-    for feature, allowed in (not_yet | of_punches).items():
+    for feature, allowed in (not_yet | of_laws).items():
         yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
     for feature, allowed in of_bodies.items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"wear": "no wear", "rough bodies": not_yet["rough bodies"]} | of_punches
+    of_sliding = {"wear": "no wear", "rough bodies": not_yet["rough bodies"], "friction": "no friction"} | of_laws
     told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
     yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
     for feature, allowed in of_sliding.items():
@@ -129,9 +129,11 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
-    for feature in ("duration", "speed", "time_tolerance"):
+    for feature in ("duration", "speed"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
         yield Refusal("elastic bodies", feature, nothing, "without effect")
+    nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
+    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 
@@ -318,6 +320,7 @@ PHRASES = {
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "threads": "more than one of the `threads`",
+    "undivided steps": "bodies without `relaxation`, and no wear under friction",
     "unlike bodies": "two bodies that give way differently to a wave, or that rub",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",

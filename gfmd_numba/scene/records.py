@@ -161,6 +161,11 @@ class Scene(BaseModel):
         return self.creeps and self.interface.wear is None and not self.interface.couples
 
     @property
+    def wears_by_slip(self) -> bool:
+        """Whether each node wears by its own slip, as under friction."""
+        return self.interface.wear is not None and self.interface.friction is not None
+
+    @property
     def has_moduli(self) -> bool:
         """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each."""
         return self.counter_body is not None or self.body.has_modulus

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from gfmd_numba.analysis import UnusableDataError, fit_tfc, predictions
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom
 from support.expected_interactions import drawn
+from support.pilots import predictions
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}

@@ -14,6 +14,7 @@ from gfmd_numba.campaign.next_round import (
     Known,
     UnknownExponentsError,
     _Doubt,
+    _doubts,
     _hopeless,
     after,
     decide,
@@ -85,6 +86,18 @@ def test_a_round_is_judged_by_its_worst_group():
     assert first.predicted != pytest.approx(second.predicted, rel=1e-2)
     assert both.predicted == pytest.approx(max(first.predicted, second.predicted), rel=1e-2)
     assert both.error == pytest.approx(max(first.error, second.error), rel=1e-2)
+
+
+def test_laws_are_judged_at_the_worst_step_of_a_path():
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["extrapolation_error"].loc[{"limit": "eps_f"}] = [0.1, 0.05]
+    steps = [_doubts(fitted.isel(group=[group]), 1)[0] for group in range(2)]
+    (path,) = _doubts(fitted, 1)
+    assert steps[0].size != pytest.approx(steps[1].size, rel=1e-2)
+    worst = max(steps, key=lambda step: step.size)
+    assert path == replace(worst, error=max(step.error for step in steps))
+    assert _doubts(fitted, 2) == steps
 
 
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():

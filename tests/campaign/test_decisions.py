@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.campaign import next_round
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import (
     Fit,
@@ -98,6 +99,18 @@ def test_laws_are_judged_at_the_worst_step_of_a_path():
     worst = max(steps, key=lambda step: step.size)
     assert path == replace(worst, error=max(step.error for step in steps))
     assert _doubts(fitted, 2) == steps
+
+
+def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    fitted, known, aims = fit_tfc(found, fixed=ALPHA), Known(found, EXACT), []
+    monkeypatch.setattr(next_round, "_with_another", lambda state, group, aim, of_laws: aims.append((aim, of_laws)))
+    doubts = [_Doubt(size, "eps_f", size, 0.1) for size in (0.01, 0.03)]
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.05}), campaign_sha256="", rounds=(first,))
+    standing = next_round._Standing(known, fitted, 0.05, judge(known, fitted), doubts, None)
+    next_round._decided(state, standing, 1.0, may_refine=False)
+    assert aims == [(pytest.approx(0.04), 0.03)]
 
 
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():

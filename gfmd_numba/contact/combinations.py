@@ -313,7 +313,6 @@ PHRASES = {
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
-    "layers": "`layers`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",
     "sliding over creep": "`sliding` over a viscoelastic body",

@@ -118,8 +118,6 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         if body.plasticity is not None:
             yield "plasticity", ("scene", name, "plasticity")
-        if body.layers is not None:
-            yield "layers", ("scene", name, "layers")
     for place, surface in scene.surfaces.items():
         if getattr(surface, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", *place, "anisotropy")

@@ -177,7 +177,7 @@ def cheapest_design(
     """
     found, number = ensembles(pilot, variable, fixed or {}), level_of_case(pilot)
     if len(seconds) != len(number):
-        raise InputError(f"seconds: you gave {len(seconds)} numbers; gfmd allows one for each of {len(number)} cases")
+        raise InputError.of("seconds", f"{len(seconds)} numbers", f"one for each of {len(number)} cases")
     price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
     fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
     price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
@@ -319,7 +319,7 @@ def predictions(
     """
     number = level_of_case(results)
     if len(counts) != len(number):
-        raise InputError(f"counts: you gave {len(counts)} numbers; gfmd allows one for each of {len(number)} cases")
+        raise InputError.of("counts", f"{len(counts)} numbers", f"one for each of {len(number)} cases")
     of_level = np.zeros(number.max() + 1)
     np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
     found = []

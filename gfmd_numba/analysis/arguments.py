@@ -35,7 +35,7 @@ class Kind:
         try:
             return self._adapter.validate_python(given)
         except ValidationError:
-            raise InputError(f"{argument}: you gave {brief(given)}; gfmd allows {self.allowed}") from None
+            raise InputError.of(argument, brief(given), self.allowed) from None
 
 
 def _row(value: object) -> object:

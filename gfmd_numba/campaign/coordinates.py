@@ -147,7 +147,7 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             named = {axis.coordinate: key for key, axis in keys.items()}
             names = [named.get(coordinate, coordinate) for coordinate in columns]
             hint = nearest(name, names)
-            raise InputError(f"--only: you gave {name}; gfmd allows {', '.join(names)}{f'; {hint}' if hint else ''}")
+            raise InputError.of("--only", name, f"{', '.join(names)}{f'; {hint}' if hint else ''}")
         axis = next((axis for axis in keys.values() if name in (axis.name, axis.coordinate)), None)
         unit = "1" if axis is None else Units.of(cases[0].scene).names[axis.unit]
         value = given if isinstance(column[0], str) else _number(name, given, axis.name if axis else "", unit)
@@ -156,12 +156,12 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             found = {i for i, held in enumerate(column) if isclose(held, value, rel_tol=_ROUNDING)}
         if not found:
             there = ", ".join(_readable(list(dict.fromkeys(column))[:_MOST_VALUES], unit))
-            raise InputError(f"--only: you gave {name}={given}; gfmd allows a value of the campaign, like {there}")
+            raise InputError.of("--only", f"{name}={given}", f"a value of the campaign, like {there}")
         chosen = [i for i in chosen if i in found]
     if not chosen:
         given = " ".join(f"--only {name}={value}" for name, value in conditions.items())
         allowed = "conditions that at least one case meets"
-        raise InputError(f"--only: you gave {given}, and no case meets all of these; gfmd allows {allowed}")
+        raise InputError.of("--only", f"{given}, and no case meets all of these", allowed)
     return [cases[i] for i in chosen]
 
 
@@ -174,9 +174,9 @@ def _number(name: str, given: str, key: str, unit: str) -> Any:
     except PydanticCustomError as error:
         said = {"allowed": "", "suggestion": "", **(error.context or {})}
         hint = f"; {said['suggestion']}" if said["suggestion"] else ""
-        raise InputError(f"--only: you gave {name}={given}; gfmd allows {said['allowed']}{hint}") from None
+        raise InputError.of("--only", f"{name}={given}", f"{said['allowed']}{hint}") from None
     if isinstance(value, WithUnit) and unit == "1":
-        raise InputError(f"--only: you gave {name}={given}; gfmd allows a number without a unit, as the scene has none")
+        raise InputError.of("--only", f"{name}={given}", "a number without a unit, as the scene has none")
     try:
         return value if isinstance(value, bool) or value is None else float(value)
     except ValueError:

@@ -345,15 +345,16 @@ class _Run:
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
     if all(case.limit == "reference" for case in planned.cases):
-        raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
+        raise InputError.of("until", "a campaign without a limit", "one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
         pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
         number = min(case.realisations for case in planned.cases)
         if pilot > goal.budget:
-            raise InputError(
-                f"budget: you gave {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
-                f"the finest level, and more of the others, takes about {pilot:.3g} s; gfmd allows more, or a campaign "
-                "with fewer or coarser levels"
+            raise InputError.of(
+                "budget",
+                f"{goal.budget:.3g} s of processor time, where the pilot of {number} realisations of the finest level, "
+                f"and more of the others, takes about {pilot:.3g} s",
+                "more, or a campaign with fewer or coarser levels",
             )
 
 

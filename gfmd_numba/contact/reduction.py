@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies, Tractions
 from gfmd_numba.contact.scales import (
     Scales,
     plasticity,
@@ -22,7 +22,6 @@ from gfmd_numba.contact.scales import (
     wear_rate,
 )
 from gfmd_numba.contact.surfaces import Surface
-from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions

@@ -93,7 +93,7 @@ def test_a_measure_of_a_path_needs_one():
         plan({key: value for key, value in of(step=0).items() if key != "path"})
 
 
-MOST, SEEDS = 2000, 20
+MOST, SEEDS = 2000, 10
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
 
 
@@ -136,5 +136,5 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
         distances.append((fitted["kappa_tfc"].values - TFC[0.8]) / fitted["kappa_tfc_error"].values)
     assert len(distances) >= 0.9 * SEEDS
     scatter = np.sqrt(np.mean(np.square(distances), axis=0))
-    assert (scatter > 0.57).all()
-    assert (scatter < 1.43).all()  # 2.7 standard errors of so many runs
+    assert (scatter > 0.4).all()
+    assert (scatter < 1.6).all()  # 2.7 standard errors of so many runs

@@ -264,7 +264,7 @@ def random_history(seed, tolerance):
 
 
 def worst_of(seed, tolerance, monkeypatch):
-    """Largest error of a random history against ten times finer divisions, and the largest that is reported."""
+    """Largest error of a random history against four times finer divisions, and the largest that is reported."""
     problem, counts = random_history(seed, tolerance), []
     divided = time_steps._divided
 
@@ -279,7 +279,7 @@ def worst_of(seed, tolerance, monkeypatch):
     state, errors = begin(problem, range(1)), []
     for step, contact in zip((problem.step, *problem.path), found, strict=True):
         one = problem.under(step)
-        fine = divided(one, state, 10 * taken[step] if step.duration else 1)[0]
+        fine = divided(one, state, 4 * taken[step] if step.duration else 1)[0]
         assert contact.equilibrium.status[0] == fine.equilibrium.status[0] == 0
         errors.append(time_steps.difference(contact, fine))
         state = fine.after

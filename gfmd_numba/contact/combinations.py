@@ -46,10 +46,10 @@ def _laws_with_each_other() -> Iterator[Refusal]:
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:
             other = second if whole == first else first
-            allowed = f"one law of normal and tangential tractions, not {other} with {whole}, which does both itself"
+            allowed = f"one law of normal and tangential tractions: {whole} does both itself"
             yield Refusal(whole, other, allowed, "physics")
         elif LAWS[first].ability == LAWS[second].ability:
-            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} with {first}", "solver")
+            yield Refusal(first, second, f"one {LAWS[first].ability} in place of several", "solver")
 
 
 def _without_a_period() -> Iterator[Refusal]:
@@ -185,7 +185,7 @@ REFUSALS = (
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_with_each_other(),
     *(
-        Refusal("hardness", law, f"a hard_wall without hardness for {law}, {_JUNCTIONS_GROW}", "physics")
+        Refusal("hardness", law, f"a hard_wall without hardness, {_JUNCTIONS_GROW}", "physics")
         for law in LAWS
         if LAWS[law].tangential
     ),
@@ -268,8 +268,8 @@ REFUSALS = (
 _INTRODUCTION = """\
 # What can be combined
 
-This page is for those who combine several effects in a scene, or whose scene `gfmd` has refused. `gfmd schema
-combinations` prints it from the tables that `gfmd` itself reads.
+This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
+prints it.
 
 Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
 all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
@@ -389,9 +389,12 @@ def _section(reason: str) -> str:
         if row.because == reason:
             allowed = f" Allowed: {row.allowed}.".replace("*", r"\*") if has_substitute(row) else ""
             groups.setdefault((row.present, allowed), []).append(_phrase(row.refused))
+    entries: dict[tuple[str, str], list[str]] = {}
+    for (present, allowed), refused in groups.items():
+        entries.setdefault(("; ".join(refused), allowed), []).append(_phrase(present))
     items = (
-        _item(f"**{_capital(_phrase(present))}** with {'; '.join(refused)}.{allowed}")
-        for (present, allowed), refused in groups.items()
+        _item(f"**{_capital('; '.join(present))}** with {refused}.{allowed}")
+        for (refused, allowed), present in entries.items()
     )
     return "\n".join((_REASONS[reason], *items, ""))
 

@@ -234,7 +234,7 @@ def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
         f"{label}, contact in orange" if touching.any() else label,
         "both",
         cmap=colours,
-        norm=decades(values),
+        norm=decades(values) if touching.any() else None,
     )
 
 

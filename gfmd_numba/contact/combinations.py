@@ -131,6 +131,8 @@ def _in_time() -> Iterator[Refusal]:
         yield Refusal("elastic bodies", feature, nothing, "without effect")
     nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
     yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
+    told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
+    yield Refusal("sticking", "wear", told, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 

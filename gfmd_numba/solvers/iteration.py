@@ -91,6 +91,11 @@ class Batch:
         made[grid.corner(self.punch.shape[1:])] = self.punch
         return made
 
+    def coarsened(self, shape: tuple[int, ...]) -> "Batch":
+        """The same at rest on a coarser grid of a shape, with the waves that this grid holds."""
+        smooth = np.concatenate([grid.resample(row[np.newaxis], shape) for row in self.punch])  # whatever the others
+        return replace(self, punch=smooth, response=self.response.coarsened(shape), begun=None, room=None)
+
     @cached_property
     def start(self) -> Start:
         """Initial state, which not every solver asks for: it takes as much memory as the punch."""

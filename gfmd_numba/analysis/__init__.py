@@ -1,6 +1,5 @@
 """Analysis of campaign datasets: reads plain xarray Datasets and knows nothing of the solver."""
 
-from gfmd_numba.analysis.allocation import Design, Prediction, cheapest_design, predictions
 from gfmd_numba.analysis.channels import gap_percolation, leakage
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
@@ -18,10 +17,7 @@ from gfmd_numba.analysis.smooth_function import smooth_function
 from gfmd_numba.analysis.tfc import fit_tfc
 
 __all__ = [
-    "Design",
-    "Prediction",
     "UnusableDataError",
-    "cheapest_design",
     "contact_statistics",
     "contact_stiffness",
     "ensemble_mean",
@@ -41,7 +37,6 @@ __all__ = [
     "plot_rounds",
     "plot_statistics",
     "plot_surface",
-    "predictions",
     "select_limit",
     "smooth_function",
 ]

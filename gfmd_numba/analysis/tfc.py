@@ -11,6 +11,7 @@ from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
@@ -335,18 +336,16 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     counts = weight > 1e-12
     weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
-    def beyond(end: float) -> float:
-        return float(weight @ stdtr(freedom, (end - value) / deviation))
+    def beyond(end: float, share: float) -> float:
+        return float(weight @ stdtr(freedom, (end - value) / deviation)) - share
 
-    ends = []
-    for share in (_TAIL, 1.0 - _TAIL):
-        reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
-        low, high = float((value - reach).min()), float((value + reach).max())
-        for _ in range(60):
-            middle = (low + high) / 2.0
-            low, high = (middle, high) if beyond(middle) < share else (low, middle)
-        ends.append((low + high) / 2.0)
-    return ends[0], ends[1]
+    reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
+    furthest = float((value - reach).min()), float((value + reach).max())
+    width = furthest[1] - furthest[0]
+    if width <= 1e-9 * abs(furthest[0]):  # nothing scatters but by rounding
+        return furthest
+    low, high = (brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL))
+    return low, high
 
 
 def _misfit(

@@ -80,7 +80,7 @@ def has_measured_slope_law(scene: Scene) -> bool:
     self_affine = isinstance(surface, SelfAffine) and surface.plateau and scene.dimension == 1
     alone = len(scene.surfaces) == 1 and scene.form is None and scene.boundary is None
     hard = set(scene.interface.laws) == {"hard_wall"} and scene.interface.hardness is None
-    remembers = scene.body.relaxation is not None or scene.interface.wear is not None
+    remembers = scene.creeps or scene.interface.wear is not None
     return self_affine and alone and hard and scene.periodic is True and not remembers
 
 
@@ -124,7 +124,7 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
     attributes = load_attributes(scene)
     loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
     found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
-    if scene.body.relaxation is not None:
+    if scene.creeps:
         found["step_time"] = dims, [times_of(changed for changed, _ in each) for each in steps], attributes["time"]
     if scene.interface.couples or scene.interface.wear is not None:
         for i, way in enumerate(SLIDING[: scene.dimension]):

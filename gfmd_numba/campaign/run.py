@@ -20,7 +20,7 @@ from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kern
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, after
+from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, Known, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.results import read_results
@@ -325,7 +325,8 @@ class _Run:
         for variable in self.goal.targets:
             fit = of_variable[variable]
             judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
-            fits.append(Fitted(judged, fit_tfc(results, **fit.options), Fit(variable, fit.options["fixed"])))
+            known = Known(judged, Fit(variable, fit.options["fixed"]))
+            fits.append(Fitted(known, fit_tfc(results, **fit.options)))
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
         return after(state, fits, may_refine)
 

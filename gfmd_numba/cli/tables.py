@@ -524,13 +524,17 @@ def of_steps(dataset: xr.Dataset) -> Told:
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
+    import numpy as np
+
+    from gfmd_numba.analysis import contact_stiffness
+
     interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
-    if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
+    only_wall = [name for name, law in interface.items() if law is not None] == ["hard_wall"]
+    if not only_wall or dataset.sizes["step"] < 2:
         return dataset
-    closed = dataset["approach"] if "approach" in dataset else -dataset["mean_gap"]
-    rise, fall = dataset["mean_pressure"].diff("step"), closed.diff("step")
-    stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
-    return dataset.assign(contact_stiffness=stiffness)
+    between = contact_stiffness(dataset)["stiffness"].values
+    since = np.append(np.nan, np.where(np.isfinite(between), between, np.nan))
+    return dataset.assign(contact_stiffness=("step", since))
 
 
 def of_curve(dataset: xr.Dataset) -> Told:

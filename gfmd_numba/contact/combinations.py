@@ -101,16 +101,20 @@ def _in_time() -> Iterator[Refusal]:
     }
     of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
     of_bodies = {
+        "hardness": not_yet["hardness"],
+        "accuracy": not_yet["accuracy"],
         "prescribed": "a contact",
         "boundary": "no boundary",
-        "layers": "a body of one material",
+        "higher topography_order": "0, or nothing,",
+        "unlike bodies": "a counter_body that gives way as the body does (two half-spaces of one material each, or the "
+        "same heights, Poisson's ratios and ratios of moduli; neither friction nor a cohesive law)",
     }
     for feature, allowed in (not_yet | of_punches).items():
         yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
-    for feature, allowed in (not_yet | of_bodies).items():
+    for feature, allowed in of_bodies.items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"wear": "no wear"} | of_punches
+    of_sliding = {"wear": "no wear", "rough bodies": not_yet["rough bodies"]} | of_punches
     told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
     yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
     for feature, allowed in of_sliding.items():
@@ -118,6 +122,8 @@ def _in_time() -> Iterator[Refusal]:
         yield Refusal("speed", feature, told, "not built yet")
     told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
     yield Refusal("normal law", "sliding over creep", told, "not built yet")
+    told = "no sliding over a viscoelastic body, or a rigid punch on one smooth body: this is not built yet"
+    yield Refusal("rough bodies", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
     told = "nothing where the surface ends, but under a form alone: nobody knows what of a roughness would slide in"
     yield Refusal("no period", "roughness over an end", told, "physics")
@@ -305,13 +311,13 @@ PHRASES = {
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
-    "layers": "`layers`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",
     "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "threads": "more than one of the `threads`",
+    "unlike bodies": "two bodies that give way differently to a wave, or that rub",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",
     "dimension 1": "a profile (`dimension: 1`)",

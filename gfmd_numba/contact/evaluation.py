@@ -285,6 +285,7 @@ def rms_gradient(contact: Contact) -> Reals:
     return np.sqrt(_moment(contact, 2))
 
 
+@once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)

@@ -315,13 +315,12 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
-    slow = any(body.relaxation is not None for body in scene.deformable)
     has = {
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
         "loss": scene.loading.speed is None and not attracts
-        if slow
+        if scene.creeps
         else ((interface.couples or attracts) and not higher_orders)
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,

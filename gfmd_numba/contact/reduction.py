@@ -59,6 +59,8 @@ def reduce(
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
+    if memory is not None:  # of two bodies that give way alike, the one stands for both; slopes are followed nowhere
+        facing = rough = None
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
     body, elasticity = _body(given, interface, mean_matters, needs_nu, tolerance)
@@ -100,7 +102,7 @@ def reduce(
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
     """What became of the effects that remember the past."""
     asked = {
-        "relaxation": scene.body.relaxation,
+        "relaxation": scene.creeps or None,
         "wear": scene.interface.wear,
         "plastic flow": scene.body.plasticity,
     }

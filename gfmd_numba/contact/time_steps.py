@@ -8,7 +8,7 @@ the punch passes over the body, all are alike.
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import expm1, inf, log1p
+from math import expm1, inf, log1p, nan
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
@@ -25,7 +25,8 @@ _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     """Equilibrium at the end of a step, reached from a state with an error by its divisions of at most a tolerance.
 
-    `time_error` adds the error to that of the steps before. After the most halvings it may be above the tolerance.
+    `time_error` adds the error to that of the steps before; not-a-number where a division fails. After the most
+    halvings it may be above the tolerance.
     """
     before = 0.0 if state.last is None else state.last.time_error
     found, spent = _divided(problem, state, 1)
@@ -33,10 +34,12 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     error = 0.0
     for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
         if found.equilibrium.status[0] != Status.ok:
+            error = nan
             break
         coarse, (found, more) = found, _divided(problem, state, 2**halvings)
         spent += more
         if found.equilibrium.status[0] != Status.ok:
+            error = nan
             break
         changes.append(difference(coarse, found))
         error = left_open(changes)

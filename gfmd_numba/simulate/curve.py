@@ -113,7 +113,7 @@ def read_curve(
     """
     file = _without_path(file, document)
     asked = Document(None, "", {over: _listed(values), "realisations": realisations})
-    if (over == "loads") != (file.scene.body.relaxation is None):
+    if (over == "loads") != (not file.scene.creeps):
         raise asked.refused((over,), _OF_ELASTIC if over == "loads" else _OF_VISCOELASTIC)
     prescribed = _control(file.scene, asked.value((over,))) if over == "loads" else over.removesuffix("s")
     checked = validate(asked, _record(over, prescribed)).model_dump()

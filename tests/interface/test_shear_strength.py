@@ -79,3 +79,16 @@ def test_the_balance_of_energy_knows_the_shear_strength():
     problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
     (found,) = solve_path(problem, 0)
     assert Balance.of(problem, found).rubbing.held.max() == pytest.approx(problem.interface.shear_limit)
+
+
+@pytest.mark.parametrize(("limit", "residual"), [(200.0, 1e-8), (20e3, 1e-6)])
+def test_a_shear_strength_that_the_residual_hides_is_warned_of(limit, residual):
+    def validity(limit, residual):
+        laws = {"hard_wall": {}, "friction": {"coefficient": 0.3, "limit": limit}}
+        file = {"scene": SCENE | {"interface": laws}, "path": [{"sliding": "0.5 um"}]}
+        return gfmd_numba.solve(file | {"numerics": {"residual": residual}}).validity
+
+    said = validity(limit, residual)
+    assert "times the limit of friction: take a numerics.residual of at most" in said
+    enough = float(said.rpartition("at most ")[2])
+    assert "limit of friction" not in validity(limit, 0.9 * enough)

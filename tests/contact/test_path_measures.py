@@ -1,6 +1,5 @@
 """The balance of energy along a path, compared with what slipping nodes take and with the energy of a branch."""
 
-
 import numpy as np
 import pytest
 

@@ -1,6 +1,5 @@
 """Units of measured surfaces: none is invented, and none but m and L_x is taken for one of them."""
 
-
 import numpy as np
 import pytest
 import xarray as xr

@@ -307,21 +307,21 @@ def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Rea
 
 
 @jit
-def restore_map(pressure: Reals, tiles: Indices, nx: int, mean: float, rows: Reals) -> None:
-    """Complete what restores a displacement of nx columns: `mean` everywhere, less the pressure on the tiles.
+def restore_map(pressure: Reals, tiles: Indices, rows: Reals, mean: float, restoring: Reals) -> None:
+    """Fill what restores a displacement `[y, x]`: `mean` everywhere, less the pressure on the tiles.
 
-    `rows` hold what restores what `close_map` has added.
+    `rows`, which may be longer, hold what restores what `close_map` has added.
     """
+    ny, nx = restoring.shape
     across = nx // TILE
-    for y in range(rows.shape[0]):
-        row = rows[y]
+    for y in range(ny):
         for x in range(nx):
-            row[x] += mean
+            restoring[y, x] = rows[y, x] + mean
     for k in range(tiles.size):
         top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
         for y in range(TILE):
             for x in range(TILE):
-                rows[top + y, left + x] -= pressure[k, y, x]
+                restoring[top + y, left + x] -= pressure[k, y, x]
 
 
 @jit
@@ -335,16 +335,6 @@ def tractions_around(rows: Reals, ny: int, nx: int, width: int, traction: float)
             largest = max(largest, abs(traction - row[x]))
             total += traction - row[x]
     return largest, total
-
-
-@jit
-def pack_rows(rows: Reals, nx: int) -> None:
-    """Move the first nx columns of all rows together, to the beginning of the memory of `rows`."""
-    packed = rows.reshape(-1)
-    for y in range(1, rows.shape[0]):
-        row = rows[y]
-        for x in range(nx):
-            packed[y * nx + x] = row[x]
 
 
 @jit

@@ -27,6 +27,7 @@ _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that i
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
 _DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
+_SAMPLES, _MORE = 256, 1.1  # nodes in each direction that feel one node; all feel less than this times more
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
@@ -70,6 +71,13 @@ class Level:
     def far(self) -> SplitCompliance:
         """Compliance between few tiles, which is closer to the exact one."""
         return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FAR)
+
+    @cached_property
+    def largest_traction(self) -> float:
+        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node."""
+        few = tuple(min(n, _SAMPLES) for n in self.shape)
+        influence = grid.influence(self.stiffness[grid.some_waves(self.shape, few)], *few)
+        return _MORE * float(abs(influence).sum())
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
@@ -273,6 +281,12 @@ class MapContact:
             return np.inf if overlap > self._rounding else 0.0
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
+    def bound(self) -> float:
+        """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
+        gap, contact = self._gap[:-1], self.contact[:-1]
+        wrong = max(float(abs(gap[contact]).max(initial=0.0)), -float(gap[~contact].min(initial=0.0)))
+        return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
+
     def _zeros(self) -> Reals:
         return np.zeros((self.tiles.size + 1, TILE, TILE))
 
@@ -366,12 +380,13 @@ class TileNewton:
     An iteration closes the gap on the tiles of the map that the contact may reach, by a compliance between them that
     is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
     of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
-    from a cascade of coarser grids. The certificate costs two transforms more, and is looked at once the error of the
-    pressure is that small; until then `residual` is that error. What restores the displacement that a pressure causes
-    is that pressure, so that only what closing the gap adds to it is transformed.
+    from a cascade of coarser grids. The certificate is looked at once the error of the pressure is that small; until
+    then `residual` is that error. What restores the displacement that a pressure causes is that pressure, so that only
+    what closing the gap adds to it restores more. A bound of that costs nothing; where it is too large, that is
+    transformed.
 
-    Of the size of the map are the displacement, which is the gap until the certificate needs it, and the memory of the
-    transform, which is the restoring traction afterwards; pressures live on tiles. Without a period the map is the
+    Of the size of the map are the displacement, which is the gap until the certificate needs it, the memory of the
+    transform, and the pressure, which takes memory only where it has been touched. Without a period the map is the
     window of the punch, and only the transform is larger.
     """
 
@@ -385,9 +400,12 @@ class TileNewton:
         self.field = Held(math.prod(held), held)
         room = batch.room if batch.room is not None and batch.room.shape == wall.shape else np.empty(wall.shape)
         self.wall, self.displacement = wall.reshape(rows, -1), room.reshape(rows, -1)
-        self.load, self._transform = batch.loads, grids[0].transform(rows)
-        self.state = kernels.State.of_normal(self.displacement, self._transform.result, self.wall, self.load)
+        borne = batch.room_of_pressure
+        borne = borne if borne is not None and borne.shape == wall.shape else np.zeros(wall.shape)
+        self.load, self._transform, self._pressure = batch.loads, grids[0].transform(rows), borne.reshape(rows, -1)
+        self.state = kernels.State.of_normal(self.displacement, self._pressure, self.wall, self.load)
         self.certificate = batch.certificate()
+        self._bears = self.certificate.bears = np.zeros(rows, dtype=np.bool_)
         if batch.around is not None:
             self.certificate.mean_displacement = np.zeros(rows)
         self._stiffness, self._residual = stiffness, options.residual
@@ -418,25 +436,31 @@ class TileNewton:
         return np.array([self._violation(i) for i in active])
 
     def _violation(self, i: int) -> float:
-        contact, row, (ny, nx) = self._contacts[i], np.array([i]), self.field.shape
+        contact, (ny, nx) = self._contacts[i], self.field.shape
         if contact.error > self._residual and self._left[i] > 0:
             return contact.error
         gap = self.displacement[i].reshape(ny, nx)
         transform, memory, stiffest = contact.transform, contact.transform.memory[0], float(self._stiffness[0, 0])
         held = 0.0 < stiffest < np.inf
         mean = float(contact.pressure.sum()) / transform.n
+        bound = np.inf if self.certificate.rigid_mean is not None else contact.bound()
         kernels.close_map(contact.wall, gap, contact.contact, contact.tiles, memory)
         if self.certificate.mean_displacement is not None:
             added = float(memory[:ny, :nx].sum()) / transform.n
             self.certificate.mean_displacement[i] = contact.approach + added - (mean / stiffest if held else 0.0)
+        borne = self._pressure[i].reshape(ny, nx)
+        if bound <= self._residual:
+            kernels.put_tiles(contact.pressure, contact.tiles, borne, nx)
+            self._bears[i] = True
+            imbalance = 0.0 if held else abs(mean - float(self.load[i]))
+            return self.certificate.bounded(i, self.load, bound, float(contact.pressure.max(initial=0.0)), imbalance)
         transform.stiffen(self._stiffness)
         shift = 0.0 if held else mean  # nothing restores a mean displacement, or it is rigid
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = mean
         largest, total = kernels.tractions_around(memory, ny, nx, transform.shape[1], float(self.load[i]) - shift)
-        kernels.restore_map(contact.pressure, contact.tiles, nx, shift, contact.rows)
-        kernels.pack_rows(contact.rows, nx)
-        self.certificate.look(self.state, row, self.field.n)
+        kernels.restore_map(contact.pressure, contact.tiles, contact.rows, shift, borne)
+        self.certificate.look(self.state, np.array([i]), self.field.n)
         share = self.field.n / transform.n
         return self.certificate.with_surroundings(i, self.load, largest, total / transform.n, share)
 

@@ -363,7 +363,8 @@ def test_a_difference_is_the_larger_one_over_what_it_came_from():
     def contact(pressure, stretch, largest=(0.0, 0.0)):
         moved = np.array([stretch, np.zeros(2)])[:, np.newaxis, np.newaxis]
         after = SimpleNamespace(memory={"springs": SimpleNamespace(stretch=moved, largest=largest)})
-        return SimpleNamespace(after=after, equilibrium=SimpleNamespace(pressure=np.array([pressure]), tangential=None))
+        equilibrium = SimpleNamespace(pressure=np.array([pressure]), tangential=None, displacement=None)
+        return SimpleNamespace(after=after, equilibrium=equilibrium)
 
     coarse = contact([1.0, 1.0], [2.0, 2.0])
     assert time_steps.difference(coarse, contact([1.0, 1.1], [2.0, 3.0], (21.0, 10.0))) == pytest.approx(0.1)

@@ -67,10 +67,12 @@ def fit_tfc(
     if step is not None or {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
+    ends = np.array([given.get(name, (np.nan, np.nan)) for name in LIMITS])
+    ranges: GroupFit = {"alpha_low": ends[:, 0], "alpha_high": ends[:, 1]}
     members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
-        fits = [fit for family in families for fit in _fit_family(family, variable, given)]
+        fits = [fit | ranges for family in families for fit in _fit_family(family, variable, given)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in given.items()]
     return fit_dataset(dataset, variable, members, fits).assign_attrs(
         variable=variable,

@@ -63,7 +63,7 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
     if not error > tolerance:
         return ""
     return (
-        f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
+        f"the divisions of steps leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
         f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
     )
 

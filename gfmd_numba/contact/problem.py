@@ -130,6 +130,11 @@ class Problem:
         return ends_of(self.periodic, len(self.surface.shape))
 
     @property
+    def wears_by_slip(self) -> bool:
+        """Whether each node wears by its own slip, so that steps are divided as those that take time."""
+        return self.wear_rate is not None and self.interface.friction is not None
+
+    @property
     def n_loads(self) -> int:
         """Number of loads that are solved one after another: one without a path."""
         return 1 + len(self.path)

@@ -91,7 +91,7 @@ def reduce(
         duration=reduced_duration(scene),
         speed=reduced_speed(scene),
         relaxation=memory,
-        time_tolerance=None if memory is None else numerics.time_tolerance or TIME_TOLERANCE,
+        time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if memory is not None or scene.wears_by_slip else None,
         wear_rate=wear_rate(scene, rms_gradient),
         plasticity=plasticity(scene, rms_gradient),
     )

@@ -113,6 +113,8 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
     if not of_time:
         yield "elastic bodies", ("scene", "body")
+        if isinstance(scene, LoadedBody) or not scene.wears_by_slip:
+            yield "undivided steps", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         if body.plasticity is not None:
             yield "plasticity", ("scene", name, "plasticity")
@@ -238,7 +240,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
             yield load, ("scene", "loading", load)
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
-        drags = ("sliding",) if scene.interface.wear is None else ()
+        drags = ("sliding",) if scene.interface.wear is None or scene.wears_by_slip else ()
         if scene.passes:
             drags = ("sliding over creep",)
         for name, end in zip(("sliding", "sliding_y"), (*scene.ends[::-1], False), strict=False):

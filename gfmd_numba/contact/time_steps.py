@@ -32,7 +32,7 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     found, spent = _divided(problem, state, 1)
     changes: list[float] = []
     error = 0.0
-    for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
+    for halvings in range(1, HALVINGS + 1) if is_divided(problem, state) else ():
         if found.equilibrium.status[0] != Status.ok:
             error = nan
             break
@@ -46,6 +46,11 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
         if error <= tolerance:
             break
     return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
+
+
+def is_divided(problem: Problem, state: State) -> bool:
+    """Whether a step that begins in a state takes time, or wears nodes by their own slip."""
+    return problem.duration > 0.0 or (problem.wears_by_slip and state.last is not None)
 
 
 def left_open(changes: Sequence[float]) -> float:
@@ -65,9 +70,8 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     start = state.step_before(problem.step)
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
-    assert series is not None
-    slides = problem.passing is not None and start.sliding != problem.step.sliding
-    growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
+    slides = (problem.passing is not None or problem.wears_by_slip) and start.sliding != problem.step.sliding
+    growth = _EVENLY if slides or series is None else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
@@ -82,9 +86,18 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
 def difference(coarse: Contact, fine: Contact) -> float:
     """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
 
-    The larger of both counts. Of what falls again errors stay, and are measured by what they came from.
+    Or of what has worn; the largest counts. Of what falls again errors stay, and are measured by what they came from,
+    which bodies that creep remember.
     """
-    springs = [each.after.memory["springs"] for each in (coarse, fine)]
-    pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
-    of_all = zip(pairs, springs[1].largest, strict=True)
-    return max(relative_difference(one, other, most) for (one, other), most in of_all)
+    memories = [each.after.memory for each in (coarse, fine)]
+    fields = [[tractions_of(each), each.equilibrium.displacement] for each in (coarse, fine)]
+    most = [0.0, 0.0]
+    if "springs" in memories[1]:
+        most = list(memories[1]["springs"].largest)
+        for memory, own in zip(memories, fields, strict=True):
+            own[1] = memory["springs"].stretch[0]
+    if "worn" in memories[1]:
+        most.append(0.0)
+        for memory, own in zip(memories, fields, strict=True):
+            own.append(memory["worn"])
+    return max(map(relative_difference, *fields, most))

@@ -161,6 +161,11 @@ class Scene(BaseModel):
         return self.creeps and self.interface.wear is None and not self.interface.couples
 
     @property
+    def wears_by_slip(self) -> bool:
+        """Whether each node wears by its own slip, as under friction."""
+        return self.interface.wear is not None and self.interface.friction is not None
+
+    @property
     def has_moduli(self) -> bool:
         """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each."""
         return self.counter_body is not None or self.body.has_modulus
@@ -339,8 +344,8 @@ class Numerics(BaseModel):
         None,
         gt=0,
         le=0.1,
-        description="Largest relative error of pressures and displacements by the divisions of time along a path over "
-        f"a viscoelastic body; None: {TIME_TOLERANCE:g}",
+        description="Largest relative error of pressures and displacements by the divisions of steps along a path, of "
+        f"a viscoelastic body or of wear under friction; None: {TIME_TOLERANCE:g}",
     )
     damping: Damping | None = Field(
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"

@@ -9,7 +9,6 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.fourier.grid import resample
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate, refine
@@ -163,9 +162,7 @@ class ActiveSetNewton(PressureIterate):
         """Begin with the pressure of the waves that a coarser grid holds."""
         n, fine_shape = self.field.n, self.field.shape
         shape = tuple(-(-nodes // self._tuning.coarsening) for nodes in fine_shape)
-        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
-        fewer = replace(batch, punch=smooth, response=batch.response.coarsened(shape))
-        coarse = type(self)(fewer, replace(options, residual=_SETTLED))
+        coarse = type(self)(batch.coarsened(shape), replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from gfmd_numba.arrays import Complexes, Flags, Indices, Reals
-from gfmd_numba.fourier.grid import relative_cost, resample
+from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.pressures import PressureIterate, refine
 from gfmd_numba.solvers.table import Options
@@ -85,10 +85,7 @@ class SlidingNewton(PressureIterate):
         """Begin with the pressure on a coarser grid."""
         n, fine = self.field.n, self.field.shape
         shape = tuple(-(-nodes // _COARSER) for nodes in fine)
-        smooth = np.concatenate([resample(row[np.newaxis], shape) for row in batch.punch])  # whatever the others
-        response = batch.response.coarsened(shape)
-        fewer = replace(batch, punch=smooth, response=response, begun=None, room=None)
-        coarse = type(self)(fewer, replace(options, residual=_ROUGH))
+        coarse = type(self)(batch.coarsened(shape), replace(options, residual=_ROUGH))
         for _ in range(_COARSE_STEPS):
             coarse.advance(np.flatnonzero(~coarse._solved))
         self._weights[:] = coarse._weights

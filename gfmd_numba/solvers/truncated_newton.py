@@ -15,10 +15,12 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.normal_law import NormalLaw
+from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
 from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
-from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.iteration import Batch, Start, tangential_shape
+from gfmd_numba.solvers.pressures import refine
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 
@@ -131,6 +133,10 @@ _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _HELD = 10.0  # stiffness that holds a mean over the largest of the body, where no law softens
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
+_STILL_STEEP = 0.5  # slope at the end of a step over that at its start from which on a longer one is tried
+_COARSEST = 64  # nodes along the shorter side of a map up to which bodies begin at rest
+_SETTLED = 1e-2  # residual with which a coarser grid is left
+_COARSE_STEPS = 60  # Newton steps there, at most
 
 
 @dataclass(frozen=True)
@@ -186,6 +192,9 @@ class TruncatedNewton:
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
 
+    Bodies at rest that a load presses on a map begin with the equilibrium on a grid half as fine, and so on down. A
+    state that a path has left is a start of its own, as it tells which branch the contact is on.
+
     Under a hardness penetration adds the hardness times its depth to the energy, which has a kink where a node touches
     the wall. So each Newton step leaves every node on its side: nodes that yield, as they penetrate or press on the
     wall by more than the hardness, are pushed back by the hardness and stop at the wall from behind; the others stop at
@@ -199,6 +208,7 @@ class TruncatedNewton:
         interface, (rows, *shape) = batch.interface, batch.punch.shape
         if batch.response.components > 1 and (interface.cohesive is None or interface.friction is not None):
             raise ValueError("this solver of all displacements knows a cohesive law alone")
+        batch, self._coarse_transforms = _on_coarser_grids(batch, options)
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)
         self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
@@ -234,8 +244,8 @@ class TruncatedNewton:
 
     @property
     def n_transforms(self) -> Indices:
-        """Transforms made so far for each realisation."""
-        return self._products.n_transforms
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        return self._products.n_transforms + self._coarse_transforms
 
     def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions `[active]`; costs no transform.
@@ -383,6 +393,7 @@ class TruncatedNewton:
         i, direction = row[0], self._nodes(self._direction)
         step = self._law.longest(lambda: (self._gap(i), self._slip(i)), direction)
         change, slope = self._trial(row, step)
+        steep = slope / step
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
             if step < _SHORTEST:
@@ -393,9 +404,16 @@ class TruncatedNewton:
                 return
             change, slope = self._trial(row, step)
         self._accept(i)
-        while bends_down and 1.0 <= step < _LONGEST and _decreases(*self._trial(row, step)):
+        while bends_down and 1.0 <= step < _LONGEST and self._slope(i) < _STILL_STEEP * steep:
+            if not _decreases(*self._trial(row, step)):
+                break
             self._accept(i)
             step *= 2.0
+
+    def _slope(self, i: int) -> float:
+        """Slope of a row's energy along its direction; costs no transform."""
+        goes_on = self._u[i] < self._bound[i]
+        return float(((self._restoring[i] - self._load[i]) * self._direction).sum(where=goes_on))
 
     def _trial(self, row: Indices, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""
@@ -447,6 +465,33 @@ class TruncatedNewton:
         self._nodes(self._load[i])[-1] = load - self._borne(i)
         for bound in bounds:
             bound[:] = np.where(yields, np.inf, np.minimum(bound, punch))
+
+
+def _on_coarser_grids(batch: Batch, options: Options) -> tuple[Batch, Indices]:
+    """Batch begun with its equilibrium on a coarser grid where that is known to help; the transforms that took."""
+    (rows, *fine), slides = batch.punch.shape, np.shape(batch.sliding)
+    at_rest = batch.begun is None and batch.load is not None and batch.response.window is None
+    alike = batch.interface.hardness is None and not isinstance(batch.interface.normal_law, PatternedLaw)
+    if not at_rest or not alike or math.prod(slides[1:]) > 1 or len(fine) < 2 or min(fine) <= _COARSEST:
+        return batch, np.zeros(rows, dtype=np.int64)
+    shape, active = tuple(-(-nodes // 2) for nodes in fine), np.arange(rows)
+    fewer = batch.coarsened(shape)
+    coarse = TruncatedNewton(fewer, replace(options, residual=_SETTLED))
+    for _ in range(_COARSE_STEPS):
+        active = active[~(coarse.residual(active) <= _SETTLED)]
+        if not active.size:
+            break
+        coarse.advance(active)
+    u = coarse.state.u[..., : coarse.field.n].reshape(rows, -1, *shape)
+    finer = np.concatenate([grid.resample(row[np.newaxis], tuple(fine)) for row in u])
+    displacement, tangential = np.minimum(finer[:, -1], batch.punch), np.zeros(tangential_shape(batch.punch))
+    tangential[:, : len(finer[0]) - 1] = finer[:, :-1]
+    for of_row, wall, touches in zip(displacement, batch.punch, u[:, -1] >= fewer.punch, strict=True):
+        share = np.empty(fine)
+        refine(touches.astype(np.float64), share)
+        np.copyto(of_row, wall, where=share == 1.0)  # between nodes that touch
+    cost = grid.relative_cost(coarse.field.n, math.prod(fine))
+    return replace(batch, begun=Start(displacement, tangential)), np.ceil(coarse.n_transforms * cost).astype(np.int64)
 
 
 def starting_displacement(batch: Batch, traction: Callable[[Reals], Reals]) -> Reals:

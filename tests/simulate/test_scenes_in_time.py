@@ -74,9 +74,13 @@ REFUSED = {
         "numerics.time_tolerance: you gave 0.001; gfmd allows nothing without a relaxation",
     ),
     "wear without a way": (changed(WEAR, path=[{"pressure": "10 kPa"}]), "scene.interface.wear: you gave"),
-    "wear with friction": (
+    "wear with friction that drags a half-space along": (
         changed(WEAR, "scene", "interface", friction={"coefficient": 0.3}),
-        "scene.interface.friction: you gave ... gfmd allows no friction with wear: this is not built yet",
+        "path[0].sliding: you gave '5 mm'; gfmd allows nothing without a finite aspect_ratio",
+    ),
+    "wear of nodes that stick": (
+        changed(changed(WEAR, "scene", "interface", friction={"coefficient": np.inf}), "scene", "body", aspect_ratio=1),
+        "scene.interface.wear: you gave ... gfmd allows nothing with an infinite coefficient of friction",
     ),
     "a speed with friction": (
         changed(changed(CREEP, "scene", "loading", speed="1 mm/s"), "scene", "interface", friction={"coefficient": 0.3})
@@ -251,7 +255,7 @@ def test_a_pressure_that_changes_at_a_rate_takes_the_time_that_it_takes():
 
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
     monkeypatch.setattr(time_steps, "HALVINGS", 1)
-    with pytest.warns(UserWarning, match="the divisions of time leave an error of"):
+    with pytest.warns(UserWarning, match="the divisions of steps leave an error of"):
         found = gfmd_numba.solve(CREEP)
     assert float(found["time_error"].max()) > 1e-3
 

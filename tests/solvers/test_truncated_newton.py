@@ -11,6 +11,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.status import Status
@@ -157,6 +159,24 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
     for other in (dynamics, found):
         assert (other.status == 0).all()
         np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
+
+
+def test_a_map_at_rest_begins_on_coarser_grids_and_ends_on_the_branch_of_a_path():
+    """Where the law is resolved, x = 0.2: a start says that there is a path, and takes no coarser grid."""
+    waves = RandomSurface(SelfAffineWaves(0.8, 5, 16), 128, 2024, dimension=2)
+    heights = waves.heights(range(2))
+    punch = heights.max(axis=(1, 2), keepdims=True) - heights
+    body = SpectralResponse.of_normal(stiffness.half_space(grid.magnitudes((128, 128))))
+    options, laws = Options("truncated_newton"), Interactions(True, ExponentialLaw(2e-5, 6.6e-4))
+    coarse = equilibrate(punch, body, 0.02, options, laws)
+    path = [equilibrate(punch, body, 0.004, options, laws, Start.at_rest(punch))]
+    for load in (0.009, 0.02):
+        path.append(equilibrate(punch, body, load, options, laws, following(path[-1], punch, 0.0)))
+    assert (coarse.status == Status.ok).all()
+    np.testing.assert_array_equal(coarse.touching, path[-1].touching)
+    np.testing.assert_allclose(coarse.pressure, path[-1].pressure, rtol=0, atol=1e-6 * coarse.pressure.max())
+    at_rest = equilibrate(punch, body, 0.02, options, laws, Start.at_rest(punch))
+    assert (coarse.n_transforms < 0.9 * at_rest.n_transforms).all()
 
 
 def test_a_start_in_which_the_law_repels_beyond_all_measure_is_moved_back():

@@ -105,7 +105,11 @@ def _value(axis: xr.DataArray, value: float) -> str:
     unit = axis.attrs.get("units", "1")
     factor, unit = (1.0, unit) if unit == "1" else si_prefix(abs(value), unit)
     symbol = str(axis.attrs.get("label", axis.name)).strip("$")
-    return f"{symbol} = {factor * value:g}".replace("inf", r"\infty") + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
+    number = f"{factor * value:g}".replace("inf", r"\infty")
+    if "e" in number:
+        mantissa, exponent = number.split("e")
+        number = rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}"
+    return f"{symbol} = {number}" + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
 
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic

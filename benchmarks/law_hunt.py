@@ -19,6 +19,9 @@ from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
+from gfmd_numba.interface.maugis_dugdale import MaugisDugdaleLaw
+from gfmd_numba.interface.power_laws import LennardJonesLaw, ShiftedPowerLaw
+from gfmd_numba.interface.squared_exponential import SquaredExponentialLaw
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.equilibrium import following
 from gfmd_numba.solvers.status import Status
@@ -114,6 +117,27 @@ def random_scene(kind, seed):
     }
 
 
+def attraction(law, gap):
+    """Traction at gaps by the closed form of each law, on a line beyond the gap to which that holds."""
+    length = law.length
+    if isinstance(law, ExponentialLaw):
+        return law.work / length * np.exp(-gap / length)
+    if isinstance(law, SquaredExponentialLaw):
+        return law.work * gap / length**2 * np.exp(-0.5 * (gap / length) ** 2)
+    if isinstance(law, MaugisDugdaleLaw):
+        return law.work / length * np.clip((1.0 - gap / length) / law.taper + 0.5, 0.0, 1.0)
+    if isinstance(law, LennardJonesLaw):
+        work, kink = 3.0 * law.works[1], 0.5 * length
+        x = length / np.maximum(gap, kink)
+        pull, rise = x**3 - x**9, 9.0 * x**10 - 3.0 * x**4
+        return 8.0 * work / (3.0 * length) * (pull + rise * np.minimum(gap - kink, 0.0) / length)
+    assert isinstance(law, ShiftedPowerLaw)
+    (power,), work, kink = law.powers, -law.works[0], -0.9 * length
+    x = 1.0 + np.maximum(gap, kink) / length
+    line = 1.0 - (power + 1.0) * np.minimum(gap - kink, 0.0) / (length * x)
+    return work * power / length * x ** -(power + 1.0) * line
+
+
 def unbalanced(bears, gap, touching, hardness):
     """Largest traction that the wall cannot bear: from 0 to the hardness, and just that where it is penetrated."""
     least, most = np.where(touching & (gap < 0.0), hardness, 0.0), np.where(touching, hardness, 0.0)
@@ -149,9 +173,7 @@ def violation(problem, contact, sliding, before):
     hardness = np.inf if laws.hardness is None else laws.hardness
     if laws.normal_law is not None:
         gap = punch - u if laws.hardness is None else np.maximum(punch - u, 0.0)
-        law = laws.normal_law
-        is_known = not isinstance(law, ExponentialLaw)
-        pull = law.traction(gap) if is_known else law.work / law.length * np.exp(-gap / law.length)
+        pull = attraction(laws.normal_law, gap)
     if laws.cohesive is not None:
         g, s = (punch - u) / laws.cohesive.normal, (sliding - u1) / laws.cohesive.tangential
         decay = laws.cohesive.work * np.exp(-np.maximum(g, 0.0) - s * s)

@@ -10,9 +10,8 @@ import numpy as np
 PAGE = """\
 # Compared with other codes
 
-This page is for whoever has to choose a code for frictionless contacts of rough surfaces. It says how long other
-public Python codes take for the same contacts, to the same accuracy, and what those codes can do that gfmd-numba
-cannot. The command `python benchmarks/peers.py --page docs/peers.md` measured everything and wrote the page.
+This page is for whoever has to choose a code for frictionless contacts of rough surfaces. The command
+`python benchmarks/peers.py --page docs/peers.md` measured everything and wrote the page.
 
 ## How long they take
 
@@ -47,17 +46,13 @@ that is left is {worst}. {agreement}
   which analyses measured surfaces.
 
 In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
-materials. The [README](../README.md#how-it-compares) has a table of both sides.
-
-## Contacts without a period
-
-[Their page](free_contacts.md#other-codes) compares areas and times (`python benchmarks/free_peers.py`).
+materials. [Contacts without a period](free_contacts.md#other-codes) are compared elsewhere
+(`python benchmarks/free_peers.py`).
 
 ## Programs that stop at an error
 
-QMCPy and drivers of multilevel and multi-index Monte Carlo also add samples, and finer levels, until a tolerance is
-met. A run of gfmd-numba knows more of its three limits: their laws, their interactions, and the distance from the
-finest level.
+QMCPy and drivers of multilevel Monte Carlo also add samples, and finer levels, until a tolerance is met. gfmd-numba
+knows more of its three limits: their laws, their interactions, and the distance from the finest level.
 """
 
 

@@ -2,12 +2,17 @@
 
 from pathlib import Path
 
+from docutils.nodes import SkipNode
+from latex2mathml.converter import convert
+
 import gfmd_numba
 
 project = "gfmd-numba"
 author = "gfmd-numba maintainers"
 version = release = gfmd_numba.__version__
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx.ext.viewcode"]
+myst_enable_extensions = ["dollarmath"]
+html_math_renderer = "mathml"  # browsers draw it themselves: no script, no network
 napoleon_google_docstring = False
 html_theme = "furo"
 html_title = f"gfmd-numba {release}"
@@ -26,8 +31,20 @@ exclude_patterns = ["docs/site"]
 
 
 def setup(app):
-    """Keep the bars of docstrings, which are absolute values and no substitutions."""
+    """Write formulas as MathML; keep the bars of docstrings, which are absolute values and no substitutions."""
+    app.add_html_math_renderer("mathml", (_write_formula("inline"), None), (_write_formula("block"), None))
     app.connect("autodoc-process-docstring", _escape_bars)
+
+
+def _write_formula(display):
+    """Return a visitor that writes a formula within a line, or on a line of its own."""
+
+    def visit(translator, node):
+        formula = convert(node.astext(), display=display)
+        translator.body.append(formula if display == "inline" else f'<div class="formula">{formula}</div>')
+        raise SkipNode
+
+    return visit
 
 
 def _escape_bars(app, what, name, obj, options, lines):

@@ -3,7 +3,6 @@
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from gfmd_numba.analysis.allocation import Design, Prediction, cheapest_design, predictions
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.forms import UnusableDataError
@@ -35,10 +34,7 @@ _LATER = {  # by their module, which is loaded with the first that is asked for:
 }
 
 __all__ = [
-    "Design",
-    "Prediction",
     "UnusableDataError",
-    "cheapest_design",
     "contact_statistics",
     "contact_stiffness",
     "ensemble_mean",
@@ -58,7 +54,6 @@ __all__ = [
     "plot_rounds",
     "plot_statistics",
     "plot_surface",
-    "predictions",
     "select_limit",
     "smooth_function",
 ]

@@ -2,22 +2,20 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Annotated
+from typing import Self
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
-from gfmd_numba.analysis.arguments import Counts, Fixed, Seconds, Target, Variable, checked
-from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
-from gfmd_numba.text.input_error import InputError
 
 FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: errors of fits have noise, too
@@ -27,8 +25,8 @@ _REFERENCE: Level = ("reference", ())
 
 
 @dataclass(frozen=True)
-class Ensemble:
-    """What a pilot, or results with fewer realisations of some levels, says of one group."""
+class _Ensemble:
+    """What results say of one group, or of one step of its path."""
 
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, coefficient) of the fit at the likeliest laws
@@ -40,16 +38,10 @@ class Ensemble:
     freedom: float  # degrees of freedom of the variance of kappa
 
 
-def levels_of(pilot: xr.Dataset) -> list[Level]:
+def _levels_of(pilot: xr.Dataset) -> list[Level]:
     """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
     order = [_REFERENCE[0], *LIMITS, CROSS]
     return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
-
-
-def level_of_case(pilot: xr.Dataset) -> NDArray[np.intp]:
-    """Return the number of each case's level (case), 0 for the reference."""
-    numbers = {level: number for number, level in enumerate(levels_of(pilot))}
-    return np.array([numbers[level] for level in _level_of_each(pilot)], dtype=np.intp)
 
 
 def _level_of_each(pilot: xr.Dataset) -> list[Level]:
@@ -62,20 +54,19 @@ def _level_of_each(pilot: xr.Dataset) -> list[Level]:
     return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
 
 
-def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> list[Ensemble]:
+def _ensembles(pilot: xr.Dataset, number: NDArray[np.intp], variable: str, given: Given) -> list[_Ensemble]:
     """Return what results say of each group, along a path at every step; UnusableDataError where they do not tell."""
     steps = steps_of(pilot, variable)
-    found: list[Ensemble] = []
+    found: list[_Ensemble] = []
     for step, one in enumerate(steps if len(steps) > 1 else ()):
         try:
-            found += ensembles(one, variable, fixed)
+            found += _ensembles(one, number, variable, given)
         except UnusableDataError as error:
             advice = "`fit: {step: ...}` names a step that is fitted alone, and `fit: {variable: ...}` something else"
             raise UnusableDataError(f"{variable} at step {step} of the path: {error}; {advice}") from None
     if len(steps) > 1:
         return found
     (pilot,) = steps
-    given = {limit: exponent_range(value) for limit, value in fixed.items()}
     for group in groups_to_fit(pilot, variable, omit_nyquist=True):
         values = group.values[group.complete]
         if not group.levels:
@@ -87,18 +78,18 @@ def ensembles(pilot: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequ
             raise UnusableDataError(f"you gave a pilot of {fewest} good realisations; gfmd allows at least {FEWEST}")
         if why := inseparable(group):
             raise UnusableDataError(why)
-        found.append(_ensemble(group, values, level_of_case(pilot)[group.cases], variable, given))
+        found.append(_ensemble(group, values, number[group.cases], variable, given))
     return found
 
 
-def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> Ensemble:
+def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: str, given: Given) -> _Ensemble:
     means = means_of(group, values)
     found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
     columns, slopes, known, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)
     freedom = degrees_of_freedom(values, covariance, columns)
-    return Ensemble(
+    return _Ensemble(
         covariance=covariance,
         columns=columns,
         slopes=slopes,
@@ -111,7 +102,7 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
     )
 
 
-def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
+def _relative_errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
     """Return the relative error of the TFC limit of nested realisations, and what it were at exponents well known."""
     asked = counts[ensemble.level]
     information = np.zeros_like(ensemble.covariance)
@@ -131,6 +122,41 @@ def relative_errors(ensemble: Ensemble, counts: Reals) -> tuple[float, float]:
         variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
     of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
     return float(error), float(of_surfaces)
+
+
+_WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
+_OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
+
+
+@dataclass(frozen=True)
+class Prediction:
+    """Relative error of the TFC limit to expect of one group, times the `factor`.
+
+    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
+    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
+    `cheapest_design` promises: a design is chosen once, where a run can go on.
+    """
+
+    error: float
+    exponents: float
+    interactions: float
+    factor: float
+    caution: float
+
+
+def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
+    """Error of one group for numbers of realisations (level)."""
+    factor = float(np.sqrt(ensemble.freedom / chdtri(ensemble.freedom, _OF_THE_FACTOR)))
+    # the doubt is about the scatter of surfaces, not about what is known before
+    sober = replace(ensemble, doubt=factor**2)
+    error, of_surfaces = _relative_errors(sober, counts)
+    caution = _relative_errors(ensemble, counts)[0] / error
+    known = ensemble.known.copy()
+    coefficients = known[: ensemble.columns.shape[1]]
+    coefficients[coefficients > 0] = _WELL_KNOWN
+    additive = _relative_errors(replace(sober, known=known), counts)[0]  # with the interactions known
+    exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
+    return Prediction(error, exponents, interactions, factor, caution)
 
 
 _MOST = 10**6  # realisations: more are no plan
@@ -153,35 +179,52 @@ class Design:
 class _Choice:
     """Of what a design is chosen: the groups, the levels, and the seconds of one realisation of each level."""
 
-    ensembles: list[Ensemble]
+    ensembles: list[_Ensemble]
     levels: list[Level]
     price: Reals
 
     def error(self, counts: Reals) -> float:
         """Relative error of the group that has the largest."""
-        return max(relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
+        return max(_relative_errors(ensemble, counts)[0] for ensemble in self.ensembles)
 
 
-@checked
-def cheapest_design(
-    pilot: Annotated[xr.Dataset, CAMPAIGN],
-    seconds: Seconds,
-    target: Target,
-    variable: Variable = "kappa",
-    fixed: Fixed | None = None,
-) -> Design:
-    """Return the cheapest realisations by which every group's relative error of the TFC limit is below a target.
+@dataclass(frozen=True)
+class Pilot:
+    """What results say of each group, with as many realisations of every case or fewer of the dear ones."""
 
-    `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
-    UnusableDataError where a million realisations do not reach it.
-    """
-    found, number = ensembles(pilot, variable, fixed or {}), level_of_case(pilot)
-    if len(seconds) != len(number):
-        raise InputError(f"seconds: you gave {len(seconds)} numbers; gfmd allows one for each of {len(number)} cases")
-    price = np.bincount(number, np.asarray(seconds, dtype=float)).astype(np.float64)
-    fitted = np.unique(np.concatenate([ensemble.level for ensemble in found]))
-    price[np.setdiff1d(number, fitted)] = np.inf  # at eps_c = 1
-    choice = _Choice(found, levels_of(pilot), price)
+    ensembles: list[_Ensemble]
+    levels: list[Level]
+    number: NDArray[np.intp]  # of each case's level (case), 0 for the reference
+
+    @classmethod
+    def of(cls, results: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> Self:
+        """What results say with some exponents known; UnusableDataError for results that do not tell."""
+        levels = _levels_of(results)
+        numbers = {level: number for number, level in enumerate(levels)}
+        number = np.array([numbers[level] for level in _level_of_each(results)], dtype=np.intp)
+        given = {limit: exponent_range(value) for limit, value in fixed.items()}
+        return cls(_ensembles(results, number, variable, given), levels, number)
+
+    def predictions(self, counts: Sequence[int] | NDArray[np.intp]) -> list[Prediction]:
+        """Error of each group, along a path of each step, for numbers of realisations (case)."""
+        of_level = np.zeros(len(self.levels))
+        np.maximum.at(of_level, self.number, np.asarray(counts, dtype=float))
+        return [_predicted(ensemble, of_level) for ensemble in self.ensembles]
+
+    def cheapest_design(self, seconds: Reals, target: float) -> Design:
+        """Return the cheapest realisations by which every group's relative error of the TFC limit is below a target.
+
+        `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
+        UnusableDataError where a million realisations do not reach it.
+        """
+        price = np.bincount(self.number, seconds).astype(np.float64)
+        fitted = np.unique(np.concatenate([ensemble.level for ensemble in self.ensembles]))
+        price[np.setdiff1d(self.number, fitted)] = np.inf  # at eps_c = 1
+        return _cheapest(_Choice(self.ensembles, self.levels, price), self.number, target)
+
+
+def _cheapest(choice: _Choice, number: NDArray[np.intp], target: float) -> Design:
+    """Return the cheapest realisations of levels that meet a target; `number` is the level of each case (case)."""
     least = choice.error(np.full(len(choice.levels), float(_MOST)))
     if least >= target:
         raise UnusableDataError(
@@ -284,55 +327,3 @@ def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:
     limit = choice.levels[level][0]
     left = [other for other, (name, _) in enumerate(choice.levels) if name == limit and shares[other] > 0]
     return limit == CROSS or (limit in LIMITS and (shares[level] == 0 or len(left) > 2))
-
-
-_WELL_KNOWN = 1e8  # one over the variance of an interaction, in units of its likely scatter
-_OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the one it says times the factor
-
-
-@dataclass(frozen=True)
-class Prediction:
-    """Relative error of the TFC limit to expect of one group, times the `factor`.
-
-    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
-    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
-    `cheapest_design` promises: a design is chosen once, where a run can go on.
-    """
-
-    error: float
-    exponents: float
-    interactions: float
-    factor: float
-    caution: float
-
-
-@checked
-def predictions(
-    results: Annotated[xr.Dataset, CAMPAIGN],
-    counts: Counts,
-    variable: Variable = "kappa",
-    fixed: Fixed | None = None,
-) -> list[Prediction]:
-    """Predict the error of each group for `counts` (case) of realisations from the results of as many or fewer.
-
-    UnusableDataError for results that do not tell.
-    """
-    number = level_of_case(results)
-    if len(counts) != len(number):
-        raise InputError(f"counts: you gave {len(counts)} numbers; gfmd allows one for each of {len(number)} cases")
-    of_level = np.zeros(number.max() + 1)
-    np.maximum.at(of_level, number, np.asarray(counts, dtype=float))
-    found = []
-    for ensemble in ensembles(results, variable, fixed or {}):
-        factor = float(np.sqrt(ensemble.freedom / chdtri(ensemble.freedom, _OF_THE_FACTOR)))
-        # the doubt is about the scatter of surfaces, not about what is known before
-        sober = replace(ensemble, doubt=factor**2)
-        error, of_surfaces = relative_errors(sober, of_level)
-        caution = relative_errors(ensemble, of_level)[0] / error
-        known = ensemble.known.copy()
-        coefficients = known[: ensemble.columns.shape[1]]
-        coefficients[coefficients > 0] = _WELL_KNOWN
-        additive = relative_errors(replace(sober, known=known), of_level)[0]  # with the interactions known
-        exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
-        found.append(Prediction(error, exponents, interactions, factor, caution))
-    return found

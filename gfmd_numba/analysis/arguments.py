@@ -35,7 +35,7 @@ class Kind:
         try:
             return self._adapter.validate_python(given)
         except ValidationError:
-            raise InputError(f"{argument}: you gave {brief(given)}; gfmd allows {self.allowed}") from None
+            raise InputError.of(argument, brief(given), self.allowed) from None
 
 
 def _row(value: object) -> object:
@@ -63,19 +63,11 @@ _FIXED = (
 )
 
 
-def _each_case(most: float) -> Any:
-    return Annotated[tuple[Annotated[float, Field(ge=0, le=most)], ...], BeforeValidator(_row)]
-
-
 Limit = Annotated[str, Kind(_Limit, _NAMES)]
 Variable = Annotated[str, Kind(str, "the name of a variable of the dataset, like 'kappa'")]
 Exponents = Annotated[Literal["shared", "free"], Kind(Literal["shared", "free"], "'shared' or 'free'")]
 Fixed = Annotated[Mapping[str, float | Sequence[float]], Kind(Mapping[_Limit, _Exponent | _Range], _FIXED)]
 Flag = Annotated[bool, Kind(bool, "True or False")]
-Seconds = Annotated[Sequence[float], Kind(_each_case(1e15), "a time in s for each case")]
-Counts = Annotated[Sequence[float], Kind(_each_case(1e9), "a number of realisations for each case, at most 1e9")]
-TARGET = Kind(Annotated[float, Field(gt=0, lt=1)], "a relative error above 0 and below 1, like 0.01 for 1 %")
-Target = Annotated[float, TARGET]
 _TARGETS = Kind(
     Annotated[dict[str, Annotated[float, Field(gt=0, lt=1)]], Field(min_length=1)],
     'a JSON text of relative errors above 0 and below 1, like {"kappa": 0.01}',

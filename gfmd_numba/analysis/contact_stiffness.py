@@ -12,6 +12,7 @@ from gfmd_numba.analysis.forms import CAMPAIGN, LOADS, UnusableDataError
 from gfmd_numba.analysis.selection import axes, good, table
 
 _LOAD = "reduced_pressure"
+_SAME_LOAD = 1e-9  # relative difference of mean pressures that is rounding, as where a load dwells
 _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows from
 
 
@@ -23,11 +24,11 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     paths, perhaps of several realisations. Without a period the approach of the punch takes the place of the gap. K, in
     Pa/m (E*/L_x without units), leaves out the uniform compression of the bodies. It is the difference of the mean
     pressures over that of the mean gaps. Its standard error (nan for one surface) is that of these differences over the
-    realisations that are ok at both loads. K stands at the logarithmic mean of the two loads, where it is exact if K is
-    proportional to p, as at light loads (Akarapu, Sharp and Robbins, PRL 106, 204301, 2011; Campana, Persson and
-    Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)). If the dataset has heights over x, or an
-    `rms_height`, `stiffness_reduced` is K h_rms / p, with the h_rms of each surface. Raises UnusableDataError for
-    results without two loads of the same surfaces.
+    realisations that are ok at both loads, nan where these are the same. K stands at the logarithmic mean of the two
+    loads, where it is exact if K is proportional to p, as at light loads (Akarapu, Sharp and Robbins, PRL 106, 204301,
+    2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)). If the
+    dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p, with the h_rms of each surface.
+    Raises UnusableDataError for results without two loads of the same surfaces.
     """
     along = "case" if "case" in dataset.dims else "step"
     if along not in dataset.dims:
@@ -42,7 +43,9 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     others = [str(dim) for dim in dataset["mean_gap"].dims if dim != along]
     usable = (lower["status"] == 0) & (upper["status"] == 0)
     usable = usable & np.isfinite(lower["mean_gap"]) & np.isfinite(upper["mean_gap"])
-    rise = (upper["mean_pressure"] - lower["mean_pressure"]).where(usable)
+    rise = upper["mean_pressure"] - lower["mean_pressure"]
+    usable = usable & (abs(rise) > _SAME_LOAD * abs(upper["mean_pressure"]))
+    rise = rise.where(usable)
     if "approach" in dataset:
         approach = (upper["approach"] - lower["approach"]).where(usable)
     else:
@@ -106,7 +109,7 @@ _LONG_NAMES = {
     "stiffness_error": "standard error of the contact stiffness",
     "stiffness_reduced": "contact stiffness times rms height over pressure",
     "stiffness_reduced_error": "standard error of that",
-    "n_realisations": "surfaces that are ok at both loads",
+    "n_realisations": "surfaces that are ok at both loads, which differ",
 }
 
 

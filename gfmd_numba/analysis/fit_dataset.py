@@ -50,6 +50,8 @@ _VARIABLES = {  # dims, unit and long name
     "C_error": (_L, _OF_THE_VARIABLE, "standard error of the coefficient of eps^alpha"),
     "alpha": (_L, "1", "exponent"),
     "alpha_error": (_L, "1", "standard error of the exponent"),
+    "alpha_low": (_L, "1", "lower end of the exponents that were given"),
+    "alpha_high": (_L, "1", "upper end of the exponents that were given"),
     "correction": (_L, _OF_THE_VARIABLE, "correction of {variable} by the limit at the reference discretisation"),
     "correction_error": (_L, _OF_THE_VARIABLE, "standard error of the correction"),
     "interaction": (_P, _OF_THE_VARIABLE, "what two corrections together differ by from their sum, at the reference"),

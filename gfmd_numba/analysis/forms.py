@@ -39,7 +39,7 @@ class Form:
     def checked(self, given: object, argument: str) -> xr.Dataset:
         """Return a dataset of this form, its dims in order; InputError for anything else."""
         if not isinstance(given, xr.Dataset):
-            raise InputError(f"{argument}: you gave {brief(given)}; gfmd allows an xarray.Dataset, {self.maker}")
+            raise InputError.of(argument, brief(given), f"an xarray.Dataset, {self.maker}")
         if not self.needed.keys() <= given.variables.keys():
             raise UnusableDataError(f"you gave no {self.name}; gfmd allows {self.maker}")
         if fault := self._fault(given):

@@ -124,13 +124,13 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
     nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
 
     def excess(eps: Reals, parameters: Reals) -> Reals:
-        once, same = np.unique(parameters, axis=0, return_inverse=True)  # nodes of other limits repeat them
-        half, steepness = np.log(once[:, :1, np.newaxis]), once[:, 1:, np.newaxis]
+        once, same = np.unique(parameters @ [1.0, 1.0j], return_inverse=True)  # nodes of other limits repeat them
+        half, steepness = np.log(once.real[:, np.newaxis, np.newaxis]), once.imag[:, np.newaxis, np.newaxis]
         octaves = -np.log(eps)
         index = octaves[:, np.newaxis] * (1.0 + nodes) / 2.0  # logarithms of the wave index (level, point)
         slope = weights * np.exp((2.0 - 2.0 * hurst) * (index - octaves[:, np.newaxis]))
         unseen = (slope / (1.0 + np.exp(steepness * (index - half)))).sum(axis=-1) / slope.sum(axis=-1)
-        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0)
+        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same]) - 1.0)
 
     factor_of_cuts, factor_of_tails = _FACTORS[is_measured]
     cut = Parameter("eps_f", *_CUTS, logarithmic=True)

@@ -11,6 +11,7 @@ from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from scipy.optimize import brentq
 from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
@@ -66,10 +67,12 @@ def fit_tfc(
     if step is not None or {"case", "step"} <= set(dataset.dims):
         steps = steps_of(dataset, variable, step)
         return joined([fit_tfc(one, variable, exponents, fixed, omit_nyquist) for one in steps])
+    ends = np.array([given.get(name, (np.nan, np.nan)) for name in LIMITS])
+    ranges: GroupFit = {"alpha_low": ends[:, 0], "alpha_high": ends[:, 1]}
     members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
-        fits = [fit for family in families for fit in _fit_family(family, variable, given)]
+        fits = [fit | ranges for family in families for fit in _fit_family(family, variable, given)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in given.items()]
     return fit_dataset(dataset, variable, members, fits).assign_attrs(
         variable=variable,
@@ -335,18 +338,16 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     counts = weight > 1e-12
     weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
-    def beyond(end: float) -> float:
-        return float(weight @ stdtr(freedom, (end - value) / deviation))
+    def beyond(end: float, share: float) -> float:
+        return float(weight @ stdtr(freedom, (end - value) / deviation)) - share
 
-    ends = []
-    for share in (_TAIL, 1.0 - _TAIL):
-        reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
-        low, high = float((value - reach).min()), float((value + reach).max())
-        for _ in range(60):
-            middle = (low + high) / 2.0
-            low, high = (middle, high) if beyond(middle) < share else (low, middle)
-        ends.append((low + high) / 2.0)
-    return ends[0], ends[1]
+    reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
+    furthest = float((value - reach).min()), float((value + reach).max())
+    width = furthest[1] - furthest[0]
+    if width <= 1e-9 * abs(furthest[0]):  # nothing scatters but by rounding
+        return furthest
+    low, high = (brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL))
+    return low, high
 
 
 def _misfit(

@@ -13,8 +13,8 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
-from gfmd_numba.contact.contact_input import with_measured
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, given_surface
+from gfmd_numba.contact.contact_input import read_boundary, tractions_on_the_body, with_measured
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, Tractions, given_surface
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import (
     MeasuredSurfaces,
@@ -27,7 +27,6 @@ from gfmd_numba.contact.scales import passing, reduced_step, steps_of
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
-from gfmd_numba.contact.tractions import Tractions, read_boundary, tractions_on_the_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content
@@ -163,7 +162,7 @@ def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> t
 
 
 def _refused(document: Document, given: str, allowed: str) -> InputError:
-    return InputError(document.line(("scene", *FILE), given, allowed))
+    return document.fault(("scene", *FILE), given, allowed)
 
 
 _BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
@@ -298,7 +297,7 @@ def _surface(
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
         given = f"method {roughness.method}{''.join(values)}"
-        raise InputError(f"scene.roughness: you gave {given}; gfmd allows a usable surface, not {error}") from None
+        raise InputError.of("scene.roughness", given, f"a usable surface, not {error}") from None
 
 
 class _RoughBodies:
@@ -354,7 +353,7 @@ def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[Loa
 def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:
     """Return the error of a load that cannot be reduced."""
     control = scene.loading.control
-    return InputError(f"{place}.{control}: you gave {getattr(scene.loading, control)}; gfmd allows {error}")
+    return InputError.of(f"{place}.{control}", getattr(scene.loading, control), error)
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

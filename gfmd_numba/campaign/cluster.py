@@ -163,9 +163,7 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
     if address is None:
         if client.asynchronous or client.status != "running":
             given = "asynchronous" if client.asynchronous else client.status
-            raise InputError(
-                f"workers: you gave a dask client that is {given}; gfmd allows a connected, synchronous one"
-            )
+            raise InputError.of("workers", f"a dask client that is {given}", "a connected, synchronous one")
         yield client
         return
     from distributed import Client
@@ -177,9 +175,10 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
     except (OSError, ValueError, KeyError) as error:
         raise _unreachable(address, error) from None
     if not (private or insecure):
-        raise InputError(
-            f"--scheduler: you gave {address}, on which anyone on the way can read and change the work; "
-            "gfmd allows a tls:// address, one of this machine, or --insecure with it"
+        raise InputError.of(
+            "--scheduler",
+            f"{address}, on which anyone on the way can read and change the work",
+            "a tls:// address, one of this machine, or --insecure with it",
         )
     try:
         own = Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
@@ -190,25 +189,20 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
 
 
 def _unreachable(address: str, error: Exception) -> InputError:
-    return InputError(
-        f"--scheduler: you gave {address} ({error}); "
-        "gfmd allows the address of a running dask scheduler, like tcp://127.0.0.1:8786"
+    return InputError.of(
+        "--scheduler", f"{address} ({error})", "the address of a running dask scheduler, like tcp://127.0.0.1:8786"
     )
 
 
 def check_workers(client: Any, option: str) -> None:
     """Raise InputError unless there are workers, with the same packages as here."""
     if not client.nthreads():
-        raise InputError(
-            f"{option}: you gave a cluster without workers; gfmd allows one with `dask worker`s connected to it"
-        )
+        raise InputError.of(option, "a cluster without workers", "one with `dask worker`s connected to it")
     ours = versions()
     try:
         theirs = client.run(versions)
     except ImportError as error:
-        raise InputError(
-            f"{option}: you gave workers without gfmd-numba ({error}); gfmd allows the same installation as here"
-        ) from None
+        raise InputError.of(option, f"workers without gfmd-numba ({error})", "the same installation as here") from None
     for worker, installed in theirs.items():
         if wrong := difference(installed, ours):
             raise InputError(f"{option}: you gave {worker} with {wrong}")

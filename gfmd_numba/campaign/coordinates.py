@@ -80,7 +80,7 @@ def has_measured_slope_law(scene: Scene) -> bool:
     self_affine = isinstance(surface, SelfAffine) and surface.plateau and scene.dimension == 1
     alone = len(scene.surfaces) == 1 and scene.form is None and scene.boundary is None
     hard = set(scene.interface.laws) == {"hard_wall"} and scene.interface.hardness is None
-    remembers = scene.body.relaxation is not None or scene.interface.wear is not None
+    remembers = scene.creeps or scene.interface.wear is not None
     return self_affine and alone and hard and scene.periodic is True and not remembers
 
 
@@ -124,7 +124,7 @@ def steps_of_paths(cases: list[Case], path: Sequence[Step]) -> dict[str, Describ
     attributes = load_attributes(scene)
     loads = [[float(getattr(changed.loading, name)) for changed, _ in each] for each in steps]
     found: dict[str, Described] = {"step_load": (dims, loads, attributes[PRESCRIBED.get(name, name)])}
-    if scene.body.relaxation is not None:
+    if scene.creeps:
         found["step_time"] = dims, [times_of(changed for changed, _ in each) for each in steps], attributes["time"]
     if scene.interface.couples or scene.interface.wear is not None:
         for i, way in enumerate(SLIDING[: scene.dimension]):
@@ -147,7 +147,7 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             named = {axis.coordinate: key for key, axis in keys.items()}
             names = [named.get(coordinate, coordinate) for coordinate in columns]
             hint = nearest(name, names)
-            raise InputError(f"--only: you gave {name}; gfmd allows {', '.join(names)}{f'; {hint}' if hint else ''}")
+            raise InputError.of("--only", name, f"{', '.join(names)}{f'; {hint}' if hint else ''}")
         axis = next((axis for axis in keys.values() if name in (axis.name, axis.coordinate)), None)
         unit = "1" if axis is None else Units.of(cases[0].scene).names[axis.unit]
         value = given if isinstance(column[0], str) else _number(name, given, axis.name if axis else "", unit)
@@ -156,12 +156,12 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
             found = {i for i, held in enumerate(column) if isclose(held, value, rel_tol=_ROUNDING)}
         if not found:
             there = ", ".join(_readable(list(dict.fromkeys(column))[:_MOST_VALUES], unit))
-            raise InputError(f"--only: you gave {name}={given}; gfmd allows a value of the campaign, like {there}")
+            raise InputError.of("--only", f"{name}={given}", f"a value of the campaign, like {there}")
         chosen = [i for i in chosen if i in found]
     if not chosen:
         given = " ".join(f"--only {name}={value}" for name, value in conditions.items())
         allowed = "conditions that at least one case meets"
-        raise InputError(f"--only: you gave {given}, and no case meets all of these; gfmd allows {allowed}")
+        raise InputError.of("--only", f"{given}, and no case meets all of these", allowed)
     return [cases[i] for i in chosen]
 
 
@@ -174,9 +174,9 @@ def _number(name: str, given: str, key: str, unit: str) -> Any:
     except PydanticCustomError as error:
         said = {"allowed": "", "suggestion": "", **(error.context or {})}
         hint = f"; {said['suggestion']}" if said["suggestion"] else ""
-        raise InputError(f"--only: you gave {name}={given}; gfmd allows {said['allowed']}{hint}") from None
+        raise InputError.of("--only", f"{name}={given}", f"{said['allowed']}{hint}") from None
     if isinstance(value, WithUnit) and unit == "1":
-        raise InputError(f"--only: you gave {name}={given}; gfmd allows a number without a unit, as the scene has none")
+        raise InputError.of("--only", f"{name}={given}", "a number without a unit, as the scene has none")
     try:
         return value if isinstance(value, bool) or value is None else float(value)
     except ValueError:

@@ -238,9 +238,8 @@ def workers_of(given: object) -> Workers:
         return Workers(client=given)
     if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
         return Workers(cluster=cluster.load_cluster(given))
-    raise InputError(
-        f"workers: you gave {brief(given)}; gfmd allows a number of processes from 0, a dask.distributed.Client, or a "
-        "cluster file"
+    raise InputError.of(
+        "workers", brief(given), "a number of processes from 0, a dask.distributed.Client, or a cluster file"
     )
 
 

@@ -69,16 +69,17 @@ def goal_of(until: object, budget: object = None) -> Goal:
         hint = nearest(unknown[0], observables.LIMITED)
         why = observables.why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
         clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
-        raise InputError(f"until: you gave {brief(unknown[0])}; gfmd allows {A_VARIABLE}{clauses}")
+        raise InputError.of("until", brief(unknown[0]), f"{A_VARIABLE}{clauses}")
     shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real)}
     if not targets or shares.keys() != targets.keys() or not all(0.0 < share < 1.0 for share in shares.values()):
-        raise InputError(
-            f"until: you gave {brief(until)}; gfmd allows {A_VARIABLE}, or several, each with a relative error above 0 "
-            'and below 1, like {"kappa": 0.01}'
+        raise InputError.of(
+            "until",
+            brief(until),
+            f'{A_VARIABLE}, or several, each with a relative error above 0 and below 1, like {{"kappa": 0.01}}',
         )
     seconds = None if budget is None else seconds_of(budget)
     if budget is not None and seconds is None:
-        raise InputError(f"budget: you gave {brief(budget)}; gfmd allows {A_TIME}")
+        raise InputError.of("budget", brief(budget), A_TIME)
     return Goal(targets=shares, budget=seconds)
 
 

@@ -81,12 +81,13 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
                 "login node of a cluster does"
             )
     if not _PLAIN.fullmatch(str(directory.resolve())):
-        raise InputError(
-            f"--output: you gave {brief(str(directory.resolve()))} with --cluster; gfmd allows a path of letters, "
-            "digits and ._/@+,:~- alone, as scripts of jobs name it"
+        raise InputError.of(
+            "--output",
+            f"{brief(str(directory.resolve()))} with --cluster",
+            "a path of letters, digits and ._/@+,:~- alone, as scripts of jobs name it",
         )
     if cluster.interface not in (None, *(here := psutil.net_if_addrs())):
-        raise InputError(f"--cluster: you gave the interface {cluster.interface}; gfmd allows one of {', '.join(here)}")
+        raise InputError.of("--cluster", f"the interface {cluster.interface}", f"one of {', '.join(here)}")
     job = SLURMJob("tls://192.0.2.1:8786", name="test", **_options(cluster, "gfmd-test"))
     with job.job_file() as script:
         try:
@@ -101,9 +102,10 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
         if _UNREACHABLE.search(said):
             raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
-        raise InputError(
-            f"--cluster: you gave jobs that SLURM refuses ({said}); gfmd allows cores, memory, walltime, partition, "
-            "account and directives that `sinfo` and your site's rules permit"
+        raise InputError.of(
+            "--cluster",
+            f"jobs that SLURM refuses ({said})",
+            "cores, memory, walltime, partition, account and directives that `sinfo` and your site's rules permit",
         )
 
 

@@ -8,7 +8,8 @@ biases a mean (Collier, Haji-Ali, Nobile, von Schwerin & Tempone 2015 lower thei
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from functools import cached_property
+from itertools import chain, pairwise
 from math import hypot, inf, nan, sqrt
 from typing import Any
 
@@ -16,7 +17,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis import UnusableDataError, cheapest_design, predictions
+from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.analysis.allocation import Pilot, Prediction
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.limit_errors import expected_doubts
 from gfmd_numba.analysis.selection import LIMITS, groups
@@ -47,6 +49,63 @@ class Fit:
 
 
 @dataclass(frozen=True)
+class _Group:
+    """A group of equal physics: where its cases stand, its parameters, its problems, and what its results say."""
+
+    where: Counts
+    parameters: Mapping[str, float]
+    problems: tuple[str, ...]
+    pilot: Pilot
+
+
+@dataclass(frozen=True)
+class Known:
+    """What is known of a variable after a round: its results, and the exponents that were known before."""
+
+    results: xr.Dataset
+    fit: Fit
+
+    @cached_property
+    def held(self) -> Counts:
+        """Realisations (case) so far."""
+        return self.results["realisations"].values.astype(np.intp)
+
+    @cached_property
+    def price(self) -> Reals:
+        """Price of a realisation of each case (case): its mean number of transforms times the price of one."""
+        nodes = self.results["nx"].values.astype(float) ** self.results["dimension"].values
+        transforms = self.results["n_transforms"].where(self.results["status"] == 0).mean("realisation").values
+        known = np.isfinite(transforms)
+        if not known.any():
+            raise UnusableDataError("you gave no good realisation; gfmd allows some of every case")
+        return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
+
+    @cached_property
+    def groups(self) -> list[_Group]:
+        """The groups; those of the same problems share their results. Raises UnusableDataError if these do not tell."""
+        found: dict[tuple[str, ...], Pilot] = {}
+        listed = []
+        for parameters, cases in groups(self.results.assign_coords(case=np.arange(self.results.sizes["case"]))):
+            problems = tuple(cases["case_id"].values.tolist())
+            if problems not in found:
+                found[problems] = Pilot.of(cases, self.fit.variable, self.fit.fixed)
+            listed.append(_Group(cases["case"].values, parameters, problems, found[problems]))
+        return listed
+
+    def whole_price(self, counts: Counts) -> float:
+        """Return the price of some realisations (case); equal problems count once."""
+        of_problem: dict[str, float] = {}
+        for identity, each in zip(self.results["case_id"].values, (self.price * counts).tolist(), strict=True):
+            of_problem[identity] = max(each, of_problem.get(identity, 0.0))
+        return sum(of_problem.values())
+
+    def predictions(self, counts: Counts) -> list[Prediction]:
+        """Errors to expect of some realisations (case), of all groups at one step of a path after the other."""
+        steps = zip(*(group.pilot.predictions(counts[group.where]) for group in self.groups), strict=True)
+        return list(chain.from_iterable(steps))
+
+
+@dataclass(frozen=True)
 class Judgement:
     """Errors of the worst group after a round, relative to the limit.
 
@@ -70,9 +129,9 @@ class Judgement:
         return self.sure_error / self.error if 0.0 < self.error < inf else self.factor
 
 
-def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
+def judge(known: Known, fitted: xr.Dataset) -> Judgement:
     """Return the errors of the worst group; raises UnusableDataError for results that do not tell."""
-    expected = predictions(results, results["realisations"].values.tolist(), fit.variable, fit.fixed)
+    expected = known.predictions(known.held)
     limit, error = in_the_limit(fitted)
     errors = (error / abs(limit)).fillna(inf).values
     sampling = (fitted["error_budget"].sel(source="sampling") / abs(limit)).fillna(0.0).values
@@ -83,18 +142,14 @@ def judge(results: xr.Dataset, fitted: xr.Dataset, fit: Fit) -> Judgement:
     return max(found, key=lambda each: each.sure_error)
 
 
-def decide(
-    results: xr.Dataset, found: Judgement, target: float, fit: Fit, most: float = inf, after_pilot: bool = True
-) -> Round | None:
+def decide(known: Known, found: Judgement, target: float, most: float = inf, after_pilot: bool = True) -> Round | None:
     """Return the next round at the same levels, for a price of at most `most` in all; None if that allows no more.
 
     The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. If a later
     error is larger than predicted, the next may be so again, and the round makes up for it. Raises UnusableDataError
     if no number of realisations reaches the target.
     """
-    held = results["realisations"].values.astype(np.intp)
-    price = price_of_realisations(results)
-    spent = whole_price(results, price, held)
+    spent = known.whole_price(known.held)
     limit = min(most, _GROWTH * spent)
     if most < _LEAST_GROWTH * spent:
         return None
@@ -102,81 +157,59 @@ def decide(
     if not after_pilot and target < found.sure_error < inf:
         goal = target * min(1.0, found.predicted / found.sure_error)
     try:
-        wanted, asked = _wanted(results, held, price, goal, fit), goal
+        wanted, asked = _wanted(known, goal), goal
     except UnusableDataError:
         # it seems out of reach, but a few results tell only roughly how large the corrections are
-        wanted, asked = _wanted(results, held, price, _LOOSER * goal, fit), _LOOSER * goal
-        if whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
-            _wanted(results, held, price, goal, fit)  # which says why
-    while whole_price(results, price, wanted) < _LEAST_GROWTH * spent:
+        wanted, asked = _wanted(known, _LOOSER * goal), _LOOSER * goal
+        if known.whole_price(wanted) < _LEAST_GROWTH * spent:
+            _wanted(known, goal)  # which says why
+    while known.whole_price(wanted) < _LEAST_GROWTH * spent:
         goal = asked = 0.9 * asked
-        wanted = _wanted(results, held, price, asked, fit)
-    total = whole_price(results, price, wanted)
+        wanted = _wanted(known, asked)
+    total = known.whole_price(wanted)
     target_price = total if asked == goal else None
     if total > limit:
-        asked, wanted, total = _within(limit, results, held, price, asked, fit)
-    expected = max(each.error for each in predictions(results, wanted.tolist(), fit.variable, fit.fixed))
+        asked, wanted, total = _within(limit, known, asked)
+    expected = max(each.error for each in known.predictions(wanted))
     return Round(
         realisations=tuple(wanted.tolist()),
         is_last=min(asked / goal, expected / target) <= 1.0 or limit == most,
-        variable=fit.variable,
+        variable=known.fit.variable,
         predicted_error=expected,
         price=total,
         target_price=target_price,
     )
 
 
-def price_of_realisations(results: xr.Dataset) -> Reals:
-    """Return the price of a realisation of each case (case): its mean number of transforms times the price of one."""
-    nodes = results["nx"].values.astype(float) ** results["dimension"].values
-    transforms = results["n_transforms"].where(results["status"] == 0).mean("realisation").values
-    known = np.isfinite(transforms)
-    if not known.any():
-        raise UnusableDataError("you gave no good realisation; gfmd allows some of every case")
-    return np.asarray(np.where(known, transforms, np.mean(transforms[known])).clip(1) * price_of_transform(nodes))
-
-
-def whole_price(results: xr.Dataset, price: Reals, counts: Counts) -> float:
-    """Return the price of some realisations (case); equal problems count once."""
-    of_problem: dict[str, float] = {}
-    for identity, each in zip(results["case_id"].values.tolist(), (price * counts).tolist(), strict=True):
-        of_problem[identity] = max(each, of_problem.get(identity, 0.0))
-    return sum(of_problem.values())
-
-
-def _wanted(results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit) -> Counts:
+def _wanted(known: Known, target: float) -> Counts:
     """Return the realisations (case) with which every group meets a target, none fewer than it has."""
-    counts = held.copy()
-    results = results.assign_coords(case=np.arange(results.sizes["case"]))
-    known: dict[tuple[str, ...], Counts] = {}  # groups of the same problems have the same results
-    for parameters, cases in groups(results):
-        where, identities = cases["case"].values, tuple(cases["case_id"].values.tolist())
-        if identities not in known:
-            expected = predictions(cases, held[where].tolist(), fit.variable, fit.fixed)  # along a path of every step
+    counts = known.held.copy()
+    designs: dict[tuple[str, ...], Counts] = {}
+    for group in known.groups:
+        if group.problems not in designs:
+            expected = group.pilot.predictions(known.held[group.where])
             promise = target * min(each.caution for each in expected)
             try:
-                design = cheapest_design(cases, price[where].tolist(), promise, fit.variable, fit.fixed)
+                design = group.pilot.cheapest_design(known.price[group.where], promise)
             except UnusableDataError:
-                raise _out_of_reach(cases, _group_of(results, parameters), target, fit) from None
-            known[identities] = design.realisations
-        counts[where] = np.maximum(held[where], known[identities])
+                raise _out_of_reach(known, group, target) from None
+            designs[group.problems] = design.realisations
+        counts[group.where] = np.maximum(counts[group.where], designs[group.problems])
     return counts
 
 
-def _within(
-    limit: float, results: xr.Dataset, held: Counts, price: Reals, target: float, fit: Fit
-) -> tuple[float, Counts, float]:
+def _within(limit: float, known: Known, target: float) -> tuple[float, Counts, float]:
     """Return the least error above a target that a limit on the price allows, its realisations (case), their price."""
-    tight, loose, found = target, target, held
+    tight, loose, found = target, target, known.held
     total = inf
     while total > limit:
         tight, loose = loose, 1.3 * loose
-        found = _wanted(results, held, price, loose, fit)
-        total = whole_price(results, price, found)
+        found = _wanted(known, loose)
+        total = known.whole_price(found)
     for _ in range(_HALVINGS):
         middle = sqrt(tight * loose)
-        trial = _wanted(results, held, price, middle, fit)
-        trial_price = whole_price(results, price, trial)
+        trial = _wanted(known, middle)
+        trial_price = known.whole_price(trial)
         if trial_price <= limit:
             loose, found, total = middle, trial, trial_price
         else:
@@ -184,10 +217,11 @@ def _within(
     return loose, found, total
 
 
-def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> UnusableDataError:
+def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataError:
     """Return the error that says why the most realisations do not reach a target, and what helps."""
+    whom = _group_of(known.results, group.parameters)
     least, further = (
-        max(predictions(cases, [number] * cases.sizes["case"], fit.variable, fit.fixed), key=lambda each: each.error)
+        max(group.pilot.predictions(np.full(group.where.size, number)), key=lambda each: each.error)
         for number in (MOST, 100 * MOST)
     )
     if least.error <= target:
@@ -204,7 +238,7 @@ def _out_of_reach(cases: xr.Dataset, whom: str, target: float, fit: Fit) -> Unus
     if 3.0 * least.exponents**2 > least.error**2:
         return UnknownExponentsError(
             f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
-            f"{_narrower(cases, fit)}"
+            f"{_narrower(known.results.isel(case=group.where), known.fit)}"
         )
     return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
 
@@ -239,11 +273,10 @@ _MOST = 10  # rounds after the pilot: each may have four times the price of all 
 
 @dataclass(frozen=True)
 class Fitted:
-    """What is known of a variable after a round: the results, their fit to its limit, and what was known before."""
+    """What is known of a variable after a round, and the fit of its results to their limit."""
 
-    results: xr.Dataset
+    known: Known
     fitted: xr.Dataset
-    fit: Fit
 
 
 def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Rounds:
@@ -253,16 +286,16 @@ def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Ro
     levels than the last.
     """
     now = state.now
-    state = state.with_now(cpu_seconds=float(fits[0].results.attrs["cpu_seconds"]))
+    state = state.with_now(cpu_seconds=float(fits[0].known.results.attrs["cpu_seconds"]))
     standing, price = [], 0.0
     for of_target in fits:
-        results = of_target.results
+        known = of_target.known
         try:
-            price = whole_price(results, price_of_realisations(results), results["realisations"].values)
+            price = known.whole_price(known.held)
             standing.append(_standing(state, of_target, may_refine))
         except UnusableDataError as error:
-            return _named(state.ending(f"not {REACHED}: {error}"), of_target.fit)
-    errors = {each.fit.variable: each.error for each in standing}
+            return _named(state.ending(f"not {REACHED}: {error}"), known.fit)
+    errors = {each.known.fit.variable: each.error for each in standing}
     state = state.with_now(errors=errors, price=price if now.price is None else now.price)
     missed = [each for each in standing if not each.error.reached]
     if not missed:
@@ -270,7 +303,7 @@ def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Ro
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
     furthest = max(missed, key=lambda each: each.found.sure_error / each.target)
-    return _named(_decided(state, furthest, price, may_refine), furthest.fit)
+    return _named(_decided(state, furthest, price, may_refine), furthest.known.fit)
 
 
 @dataclass(frozen=True)
@@ -285,14 +318,14 @@ class _Standing(Fitted):
 
 def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
-    results, fitted, fit = of_target.results, of_target.fitted, of_target.fit
-    now, target = state.now, state.goal.targets[fit.variable]
-    found, doubts = judge(results, fitted, fit), _doubts(fitted, max(1, len(now.levels)))
+    known, fitted = of_target.known, of_target.fitted
+    now, target = state.now, state.goal.targets[known.fit.variable]
+    found, doubts = judge(known, fitted), _doubts(fitted, max(1, len(now.levels)))
     described = all(doubt.size < inf for doubt in doubts)
-    expected = _was_to_reach(now, fit) or found.predicted <= target or may_refine
+    expected = _was_to_reach(now, known.fit) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
     error = TargetError(error=found.error if found.error < inf else None, factor=found.sure_factor, reached=reached)
-    return _Standing(results, fitted, fit, target, found, doubts, error)
+    return _Standing(known, fitted, target, found, doubts, error)
 
 
 def _was_to_reach(now: Round, fit: Fit) -> bool:
@@ -310,7 +343,7 @@ def _named(state: Rounds, fit: Fit) -> Rounds:
 
 def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool) -> Rounds:
     """Return the rounds with one more, which brings a target nearer, or `ended`; `price` is that of all so far."""
-    fitted, fit, target = furthest.fitted, furthest.fit, furthest.target
+    fitted, fit, target = furthest.fitted, furthest.known.fit, furthest.target
     doubts, is_last = furthest.doubts, _was_to_reach(state.now, fit)
     large = _SHARE_OF_DOUBTS * target
     contradiction = abs(fitted["contradiction"] / in_the_limit(fitted)[0]).max("group")
@@ -422,7 +455,8 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
 
     Of the other groups, those that miss the target get more surfaces in the same round.
     """
-    now, results = state.now, of_target.results
+    now, known = state.now, of_target.known
+    results = known.results
     dimension = int(results["dimension"].values[0])
     levels: list[tuple[Level, ...]] = []
     for of_group, doubt in zip(now.levels, of_target.doubts, strict=True):
@@ -431,9 +465,9 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     if tuple(levels) == now.levels:
         return None
     held = dict(zip(now.cases, now.realisations, strict=True))
-    prices = dict(zip(now.cases, price_of_realisations(results).tolist(), strict=True))
+    prices = dict(zip(now.cases, known.price.tolist(), strict=True))
     first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
-    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=of_target.fit.variable)
+    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=known.fit.variable)
     counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
     alike = _alike(now, results["case_id"].values.tolist())
     priced: dict[tuple[int, Level], float] = {}
@@ -462,8 +496,8 @@ def _for_the_others(
     state: Rounds, of_target: _Standing, levels: Sequence[tuple[Level, ...]], most: float
 ) -> tuple[dict[tuple[int, Level], int], float]:
     """Return realisations by case for the groups that keep their levels and miss the target, and what these add."""
-    now, results, fitted, fit = state.now, of_target.results, of_target.fitted, of_target.fit
-    doubts, n_groups = of_target.doubts, len(now.levels)
+    now, fitted, doubts = state.now, of_target.fitted, of_target.doubts
+    n_groups = len(now.levels)
     others = [
         group
         for group in range(n_groups)
@@ -472,13 +506,12 @@ def _for_the_others(
     here = [index for index, (group, _) in enumerate(now.cases) if group in others]
     if not here:
         return {}, 0.0
-    results = results.isel(case=here)
+    known = Known(of_target.known.results.isel(case=here), of_target.known.fit)
     fitted = fitted.isel(group=[index for index in range(fitted.sizes["group"]) if index % n_groups in others])
     aim = sqrt(of_target.target**2 - max(doubts[group].size for group in others) ** 2)
     try:
-        spent = whole_price(results, price_of_realisations(results), results["realisations"].values)
-        found = judge(results, fitted, fit)
-        decision = _decision(state, replace(of_target, results=results, found=found), aim, most + spent)
+        spent = known.whole_price(known.held)
+        decision = _decision(state, replace(of_target, known=known, found=judge(known, fitted)), aim, most + spent)
     except UnusableDataError:
         return {}, 0.0
     if decision is None:
@@ -515,7 +548,7 @@ def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> R
     """Return the realisations that bring what surfaces can mend to an `aim`, for a price of at most `most` in all."""
     found = of_target.found
     mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
-    return decide(of_target.results, mendable, aim, of_target.fit, most, after_pilot=len(state.rounds) == 1)
+    return decide(of_target.known, mendable, aim, most, after_pilot=len(state.rounds) == 1)
 
 
 def _widest(fitted: xr.Dataset) -> str:

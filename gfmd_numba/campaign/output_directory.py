@@ -44,16 +44,18 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
                 break
             except (BlockingIOError, PermissionError):
                 if attempt == 4:
-                    raise InputError(
-                        f"{directory}: you gave an output directory in which another run is at work; "
-                        "gfmd allows one run at a time (wait for it, or choose another with --output)"
+                    raise InputError.of(
+                        directory,
+                        "an output directory in which another run is at work",
+                        "one run at a time (wait for it, or choose another with --output)",
                     ) from None
                 time.sleep(0.05)
         owner = json_file.read(directory / MARK).get("campaign", name)
         if owner != name:
-            raise InputError(
-                f"{directory}: you gave the output directory of campaign {brief(owner)}; gfmd allows a new directory "
-                f"or one of campaign '{name}' (choose with --output)"
+            raise InputError.of(
+                directory,
+                f"the output directory of campaign {brief(owner)}",
+                f"a new directory or one of campaign '{name}' (choose with --output)",
             )
         _label(directory, name, text, folder)
         for left_in in (directory, directory / shards.FOLDER):
@@ -87,9 +89,7 @@ def check_label(directory: Path) -> None:
     mark, label = directory / MARK, directory / LABEL
     for file in (mark, label):
         if not os.path.lexists(file):
-            raise InputError(
-                f"{directory}: you gave a directory without {file.name}; gfmd allows one that `gfmd run` made"
-            )
+            raise InputError.of(directory, f"a directory without {file.name}", "one that `gfmd run` made")
     _check_mark(directory)
     present = atomic_file.read(label)
     if present is None or _digest(present) not in _labels(directory):
@@ -125,9 +125,10 @@ def _check_content(directory: Path, text: bytes) -> None:
             found = shards.Finished(directory)
             if any(map(found.is_sound, found)):
                 return
-    raise InputError(
-        f"{directory}: you gave a path that holds something else; gfmd allows a new or empty directory, "
-        f"or one that `gfmd run` made and marked with a file {MARK} (choose with --output)"
+    raise InputError.of(
+        directory,
+        "a path that holds something else",
+        f"a new or empty directory, or one that `gfmd run` made and marked with a file {MARK} (choose with --output)",
     )
 
 
@@ -155,9 +156,7 @@ def _make(directory: Path) -> None:
     else:
         reason = "" if os.access(directory, os.W_OK) else "it may not be written"
     if reason:
-        raise InputError(
-            f"--output: you gave {directory} ({reason}); gfmd allows a directory that may be made and written"
-        )
+        raise InputError.of("--output", f"{directory} ({reason})", "a directory that may be made and written")
 
 
 def _label(directory: Path, name: str, text: str, folder: Path) -> None:
@@ -170,10 +169,11 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
     present = atomic_file.read(label)
     equal = _is_text(present, content)
     if not equal and atomic_file.foreign(label, ours):
-        raise InputError(
-            f"{label}: you gave a copy of the campaign file that somebody has changed, and that differs from the "
-            f"file to run; gfmd allows the copy that `gfmd run` left (`gfmd run {word(label)} --output "
-            f"{word(directory)}` runs the changed one; or move it away)"
+        raise InputError.of(
+            label,
+            "a copy of the campaign file that somebody has changed, and that differs from the file to run",
+            f"the copy that `gfmd run` left (`gfmd run {word(label)} --output {word(directory)}` runs the changed one; "
+            "or move it away)",
         )
     known = {_digest(text) for text in (present, content) if text is not None}  # a kill leaves either
     mark = {"campaign": name, "labels": sorted(known), _HOME: os.path.abspath(folder)}

@@ -267,9 +267,11 @@ def check_memory(todo: Iterable[Block], workers: int) -> None:
         remedy = "0, this process alone"
     else:
         remedy = f"a machine with {(block + PROGRAM_BYTES) / 1e9:.1f} GB free"
-    raise InputError(
-        f"--workers: you gave {workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} "
-        f"GB in all, where {available / 1e9:.1f} GB of memory are free; gfmd allows {remedy}, or {smaller}"
+    raise InputError.of(
+        "--workers",
+        f"{workers}, each with up to {block / 1e9:.1f} GB, {max(1, workers) * block / 1e9:.1f} GB in all, where "
+        f"{available / 1e9:.1f} GB of memory are free",
+        f"{remedy}, or {smaller}",
     )
 
 
@@ -277,9 +279,11 @@ def check_memory_of_jobs(todo: Iterable[Block], cluster: Cluster) -> None:
     """Raise InputError unless the workers of a job can solve blocks in its memory."""
     needed = cluster.cores * (_largest(todo) + PROGRAM_BYTES)
     if needed > cluster.memory:
-        raise InputError(
-            f"--cluster: you gave jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers; gfmd allows a "
-            f"memory of at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or eps_t"
+        raise InputError.of(
+            "--cluster",
+            f"jobs of {cluster.memory / 1e9:.3g} GB for {cluster.cores} workers",
+            f"a memory of at least {needed / 1e9:.2g} GB, fewer cores, or a coarser grid: a larger eps_c, eps_f or "
+            "eps_t",
         )
 
 

@@ -22,9 +22,10 @@ def results_file(path: Path) -> Path:
         return named
     files = sorted(path.glob("*.nc"))
     if len(files) != 1:
-        raise InputError(
-            f"{path}: you gave a directory with {len(files)} netCDF files; "
-            "gfmd allows the output directory of a finished `gfmd run`, or a netCDF file"
+        raise InputError.of(
+            path,
+            f"a directory with {len(files)} netCDF files",
+            "the output directory of a finished `gfmd run`, or a netCDF file",
         )
     return files[0]
 
@@ -45,7 +46,7 @@ def read_results(path: Path) -> xr.Dataset:
     try:
         check_regular(file, most_numbers() * _SHARE)
     except ValueError as error:
-        raise InputError(f"{file}: you gave {error}; gfmd allows a netCDF file that gfmd has written") from None
+        raise InputError.of(file, error, "a netCDF file that gfmd has written") from None
     try:
         content = file.read_bytes()
         if not (mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())):
@@ -55,4 +56,4 @@ def read_results(path: Path) -> xr.Dataset:
         return dataset.assign({name: each.astype(str) for name, each in dataset.variables.items() if each.dtype == "O"})
     except (OSError, ValueError, RuntimeError):
         given = "a file that is not netCDF or is damaged"
-        raise InputError(f"{file}: you gave {given}; gfmd allows a netCDF file that gfmd has written") from None
+        raise InputError.of(file, given, "a netCDF file that gfmd has written") from None

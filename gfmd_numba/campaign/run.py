@@ -20,7 +20,7 @@ from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kern
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, after
+from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, Known, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.results import read_results
@@ -331,7 +331,8 @@ class _Run:
         for variable in self.goal.targets:
             fit = of_variable[variable]
             judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
-            fits.append(Fitted(judged, fit_tfc(results, **fit.options), Fit(variable, fit.options["fixed"])))
+            known = Known(judged, Fit(variable, fit.options["fixed"]))
+            fits.append(Fitted(known, fit_tfc(results, **fit.options)))
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
         return after(state, fits, may_refine)
 
@@ -350,15 +351,16 @@ class _Run:
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
     """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
     if all(case.limit == "reference" for case in planned.cases):
-        raise InputError("until: you gave a campaign without a limit; gfmd allows one with levels under `limits`")
+        raise InputError.of("until", "a campaign without a limit", "one with levels under `limits`")
     if goal.budget is not None and rounds.read(directory) is None:
         pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
         number = min(case.realisations for case in planned.cases)
         if pilot > goal.budget:
-            raise InputError(
-                f"budget: you gave {goal.budget:.3g} s of processor time, where the pilot of {number} realisations of "
-                f"the finest level, and more of the others, takes about {pilot:.3g} s; gfmd allows more, or a campaign "
-                "with fewer or coarser levels"
+            raise InputError.of(
+                "budget",
+                f"{goal.budget:.3g} s of processor time, where the pilot of {number} realisations of the finest level, "
+                f"and more of the others, takes about {pilot:.3g} s",
+                "more, or a campaign with fewer or coarser levels",
             )
 
 

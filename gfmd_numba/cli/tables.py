@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from math import floor, inf, isfinite, isnan, log10, nan, sqrt
 from typing import TYPE_CHECKING, Any
@@ -365,11 +364,9 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     """Return the exponent of a limit. If groups have different ones, return them in order, or the range of many."""
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
-    asked = re.search(rf"{limit}: ([\d.e-]+)\.\.([\d.e-]+)", fitted.attrs.get("fixed", ""))
-    if asked is not None:
-        low, high = map(float, asked.groups())
-        if (errors[values == values] > _KNOWN * (high - low) / sqrt(12.0)).all():  # not those that are not-a-number
-            return f"anywhere from {low:g} to {high:g}, as assumed"
+    low, high = (fitted[name].sel(limit=limit).values[0] for name in ("alpha_low", "alpha_high"))
+    if low < high and (errors[values == values] > _KNOWN * (high - low) / sqrt(12.0)).all():  # those that are numbers
+        return f"anywhere from {low:g} to {high:g}, as assumed"
     found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
         return found[0]
@@ -419,6 +416,17 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "time_error",
 )
 _AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
+_OF_TOUCHING = {  # which a contact has only where nodes touch
+    "contact_area_fraction",
+    "contact_area_fraction_persson",
+    "contact_connects",
+    "contact_radius",
+    "kappa",
+    "kappa_r",
+    "largest_contact_fraction",
+    "n_segments",
+    "perimeter",
+}
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
     "contact_area_fraction": ("contact area fraction", ""),
     "contact_area_fraction_persson": ("Persson's estimate of it", ""),
@@ -485,25 +493,33 @@ def has_limits(dataset: xr.Dataset) -> bool:
     return "limit" in dataset and bool(LIMITS.keys() & set(dataset["limit"].values))
 
 
-def _of_form(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
-    """Return the dataset with the force on a form without roughness in a window, and what then means nothing."""
+def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
+    """Return the dataset with the force on a form without roughness in a window, and the variables without meaning.
+
+    A form without roughness has no gradient, and under a law that keeps the surfaces apart nothing touches.
+    """
+    from gfmd_numba.scene import Interface
+
+    scene = json.loads(dataset.attrs["scene"]).get("scene", {})
+    touches = Interface.model_validate(scene["interface"]).touches if "interface" in scene else True
+    nothing = set() if touches else _OF_TOUCHING
     if not is_form_alone(dataset.attrs["scene"]):
-        return dataset, set()
-    scene, of_roughness = json.loads(dataset.attrs["scene"])["scene"], {"reduced_pressure", "kappa", "kappa_r"}
+        return dataset, nothing
+    nothing = nothing | {"reduced_pressure", "kappa", "kappa_r"}
     if scene["periodic"] is not False:
-        return dataset, of_roughness
+        return dataset, nothing
     name, si = {1: ("line_load", "N m-1"), 2: ("force", "N")}[scene["dimension"]]
     if name not in dataset.variables:
         pressure, length = dataset["mean_pressure"], scene["length"]
         is_si, area = pressure.attrs["units"] == "Pa", "L_x" if scene["dimension"] == 1 else "L_x2"
         unit = si if is_si and length else f"{'Pa' if is_si else 'E*'} {area}"
         dataset = dataset.assign({name: (pressure * (length or 1.0) ** scene["dimension"]).assign_attrs(units=unit)})
-    return dataset, of_roughness | {"mean_pressure"}
+    return dataset, nothing | {"mean_pressure"}
 
 
 def of_contact(dataset: xr.Dataset) -> Told:
     """Yield what came of one loading, a line each."""
-    dataset, nothing = _of_form(dataset)
+    dataset, nothing = _with_meaning(dataset)
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords and name not in nothing]
     for name in (*prescribed, *(name for name in _SHOWN if name in dataset.data_vars and name not in nothing)):
         words, number, unit = line(dataset, name)
@@ -513,7 +529,7 @@ def of_contact(dataset: xr.Dataset) -> Told:
 
 def of_steps(dataset: xr.Dataset) -> Told:
     """Yield the steps of a path: what was prescribed, and what came of it."""
-    view, nothing = _of_form(_with_stiffness(dataset))
+    view, nothing = _with_meaning(_with_stiffness(dataset))
     prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
     shown = (*_SHOWN[:_AFTER], "contact_stiffness", *_SHOWN[_AFTER:])
@@ -524,13 +540,17 @@ def of_steps(dataset: xr.Dataset) -> Told:
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
     """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
+    import numpy as np
+
+    from gfmd_numba.analysis import contact_stiffness
+
     interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
-    if [name for name, law in interface.items() if law is not None] != ["hard_wall"]:
+    only_wall = [name for name, law in interface.items() if law is not None] == ["hard_wall"]
+    if not only_wall or dataset.sizes["step"] < 2:
         return dataset
-    closed = dataset["approach"] if "approach" in dataset else -dataset["mean_gap"]
-    rise, fall = dataset["mean_pressure"].diff("step"), closed.diff("step")
-    stiffness = (rise / fall.where((rise != 0.0) & (fall != 0.0))).reindex(step=dataset["step"])
-    return dataset.assign(contact_stiffness=stiffness)
+    between = contact_stiffness(dataset)["stiffness"].values
+    since = np.append(np.nan, np.where(np.isfinite(between), between, np.nan))
+    return dataset.assign(contact_stiffness=("step", since))
 
 
 def of_curve(dataset: xr.Dataset) -> Told:
@@ -538,7 +558,7 @@ def of_curve(dataset: xr.Dataset) -> Told:
     from gfmd_numba.simulate.curve import SHOWN
 
     load = prescribed(dataset)
-    view, nothing = _of_form(named(dataset))
+    view, nothing = _with_meaning(named(dataset))
     same = nothing | ({load, "mean_pressure"} if load == "prescribed_pressure" else {load})
     shown = [name for name in ("force", "line_load", *SHOWN) if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
@@ -571,7 +591,10 @@ def over(dataset: xr.Dataset) -> str:
 
 def of_measures(dataset: xr.Dataset) -> Told:
     """Yield what was measured of a solved contact as a whole, or of each step of a path."""
-    cells = {words: values for name in _MEASURES if name in dataset for words, values in _measured(dataset, name)}
+    area = dataset.get("contact_area_fraction")
+    nothing = _OF_TOUCHING if area is not None and not area.any() else set()
+    shown = (name for name in _MEASURES if name in dataset and name not in nothing)
+    cells = {words: values for name in shown for words, values in _measured(dataset, name)}
     if "step" in dataset.dims:
         yield Table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
         return

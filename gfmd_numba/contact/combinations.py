@@ -46,10 +46,10 @@ def _laws_with_each_other() -> Iterator[Refusal]:
         whole = next((law for law in (first, second) if LAWS[law].normal and LAWS[law].tangential), None)
         if whole is not None:
             other = second if whole == first else first
-            allowed = f"one law of normal and tangential tractions, not {other} with {whole}, which does both itself"
+            allowed = f"one law of normal and tangential tractions: {whole} does both itself"
             yield Refusal(whole, other, allowed, "physics")
         elif LAWS[first].ability == LAWS[second].ability:
-            yield Refusal(first, second, f"one {LAWS[first].ability}, not {second} with {first}", "solver")
+            yield Refusal(first, second, f"one {LAWS[first].ability} in place of several", "solver")
 
 
 def _without_a_period() -> Iterator[Refusal]:
@@ -82,14 +82,11 @@ def _without_a_period() -> Iterator[Refusal]:
 
 def _of_threads() -> Iterator[Refusal]:
     """Where threads have nothing to share."""
-    alone = {
-        "dimension 1": "with dimension 1, as a profile is solved by one thread",
-        "prescribed": "without a punch, as such a body is solved by one thread",
-        "hardness": "with a hardness, as such a contact is solved by one thread",
-        "campaign": "in a campaign, whose workers solve contacts side by side: `--workers` says how many",
-    }
-    for feature, why in alone.items():
-        yield Refusal(feature, "threads", f"1 {why}", "without effect")
+    alone = "1 but for maps under a punch without a hardness, as others are solved by one thread"
+    for feature in ("dimension 1", "prescribed", "hardness"):
+        yield Refusal(feature, "threads", alone, "without effect")
+    workers = "1 in a campaign, whose workers solve contacts side by side: `--workers` says how many"
+    yield Refusal("campaign", "threads", workers, "without effect")
 
 
 def _in_time() -> Iterator[Refusal]:
@@ -99,18 +96,22 @@ def _in_time() -> Iterator[Refusal]:
         "hardness": "a hard_wall without hardness",
         "accuracy": "no `gfmd accuracy`",
     }
-    of_punches = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone", "friction": "no friction"}
+    of_laws = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone"}
     of_bodies = {
+        "hardness": not_yet["hardness"],
+        "accuracy": not_yet["accuracy"],
         "prescribed": "a contact",
         "boundary": "no boundary",
-        "layers": "a body of one material",
+        "higher topography_order": "0, or nothing,",
+        "unlike bodies": "a counter_body that gives way as the body does (two half-spaces of one material each, or the "
+        "same heights, Poisson's ratios and ratios of moduli; neither friction nor a cohesive law)",
     }
-    for feature, allowed in (not_yet | of_punches).items():
+    for feature, allowed in (not_yet | of_laws).items():
         yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
-    for feature, allowed in (not_yet | of_bodies).items():
+    for feature, allowed in of_bodies.items():
         told = f"{allowed} with a viscoelastic body: this is not built yet"
         yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"wear": "no wear"} | of_punches
+    of_sliding = {"wear": "no wear", "rough bodies": not_yet["rough bodies"], "friction": "no friction"} | of_laws
     told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
     yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
     for feature, allowed in of_sliding.items():
@@ -118,14 +119,20 @@ def _in_time() -> Iterator[Refusal]:
         yield Refusal("speed", feature, told, "not built yet")
     told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
     yield Refusal("normal law", "sliding over creep", told, "not built yet")
+    told = "no sliding over a viscoelastic body, or a rigid punch on one smooth body: this is not built yet"
+    yield Refusal("rough bodies", "sliding over creep", told, "not built yet")
     steady = "nothing with a sliding speed, at which the punch has slid for ever"
     told = "nothing where the surface ends, but under a form alone: nobody knows what of a roughness would slide in"
     yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
-    for feature in ("duration", "speed", "time_tolerance"):
+    for feature in ("duration", "speed"):
         nothing = "nothing without a relaxation of the body, as nothing else takes time"
         yield Refusal("elastic bodies", feature, nothing, "without effect")
+    nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
+    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
+    told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
+    yield Refusal("sticking", "wear", told, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 
@@ -177,7 +184,7 @@ REFUSALS = (
     Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
     *_laws_with_each_other(),
     *(
-        Refusal("hardness", law, f"a hard_wall without hardness for {law}, {_JUNCTIONS_GROW}", "physics")
+        Refusal("hardness", law, f"a hard_wall without hardness, {_JUNCTIONS_GROW}", "physics")
         for law in LAWS
         if LAWS[law].tangential
     ),
@@ -260,8 +267,8 @@ REFUSALS = (
 _INTRODUCTION = """\
 # What can be combined
 
-This page is for those who combine several effects in a scene, or whose scene `gfmd` has refused. `gfmd schema
-combinations` prints it from the tables that `gfmd` itself reads.
+This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
+prints it.
 
 Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
 all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
@@ -305,13 +312,14 @@ PHRASES = {
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
     "elastic bodies": "bodies without `relaxation`",
-    "layers": "`layers`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",
     "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
     "relaxation": "a viscoelastic body (`relaxation`)",
     "threads": "more than one of the `threads`",
+    "undivided steps": "bodies without `relaxation`, and no wear under friction",
+    "unlike bodies": "two bodies that give way differently to a wave, or that rub",
     "time_tolerance": "`time_tolerance`",
     "wear": "wear of the punch (`wear`)",
     "dimension 1": "a profile (`dimension: 1`)",
@@ -380,9 +388,12 @@ def _section(reason: str) -> str:
         if row.because == reason:
             allowed = f" Allowed: {row.allowed}.".replace("*", r"\*") if has_substitute(row) else ""
             groups.setdefault((row.present, allowed), []).append(_phrase(row.refused))
+    entries: dict[tuple[str, str], list[str]] = {}
+    for (present, allowed), refused in groups.items():
+        entries.setdefault(("; ".join(refused), allowed), []).append(_phrase(present))
     items = (
-        _item(f"**{_capital(_phrase(present))}** with {'; '.join(refused)}.{allowed}")
-        for (present, allowed), refused in groups.items()
+        _item(f"**{_capital('; '.join(present))}** with {refused}.{allowed}")
+        for (refused, allowed), present in entries.items()
     )
     return "\n".join((_REASONS[reason], *items, ""))
 

@@ -15,7 +15,15 @@ from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
 from gfmd_numba.contact.loaded_body import BoundaryValueProblem, Loaded
-from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED, ROUGH_BODY_OBSERVABLES, Observable, recorded_along
+from gfmd_numba.contact.observables import (
+    OBSERVABLES,
+    OF_PUNCH,
+    OF_SUM,
+    PRESCRIBED,
+    ROUGH_BODY_OBSERVABLES,
+    Observable,
+    recorded_along,
+)
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
@@ -247,6 +255,12 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.D
     step = contact_dataset(given, problem, solved.in_plane)
     if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
         _add_bodies(step, given, given.surfaces.bodies, problem, solved)
+    elif given.surfaces.bodies is not None:  # of rough bodies that creep, at order 0
+        for variable in step.values():
+            variable.attrs["long_name"] = variable.attrs["long_name"].replace(OF_PUNCH, OF_SUM)
+        step["height"].attrs["long_name"] = _SUMMED
+        if len(given.surfaces.bodies) > 1:
+            step["displacement"].attrs["long_name"] = _TOGETHER
     return step
 
 
@@ -327,7 +341,7 @@ def _add_bodies(
     found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, pressed: Pressed
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
-    found["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+    found["height"].attrs["long_name"] = _SUMMED
     dims, pairing = found["height"].dims, pressed.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
@@ -442,7 +456,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if given.file.scene.body.relaxation is not None and given.file.scene.loading.speed is None:
+    if given.file.scene.creeps and given.file.scene.loading.speed is None:
         found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
@@ -451,6 +465,8 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
+_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
+_TOGETHER = "normal displacements of both bodies together, positive towards each other"
 _TOLD = {
     "residual": "largest unbalanced traction over the largest traction",
     "n_transforms": "fast Fourier transforms of the surface",

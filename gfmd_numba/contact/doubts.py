@@ -16,12 +16,14 @@ from gfmd_numba.contact.scales import relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import TIME_TOLERANCE
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
+RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
@@ -45,6 +47,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _few_nodes,
         _at_the_edge,
         _past_asperities,
+        _weak_interface,
         _overlap,
         _closer_than_known,
     )
@@ -60,7 +63,7 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
     if not error > tolerance:
         return ""
     return (
-        f"the divisions of time leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
+        f"the divisions of steps leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
         f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
     )
 
@@ -68,7 +71,7 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
 def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
     laws, jump = given.file.scene.interface, next((name for name in dataset if str(name).startswith("jump_")), None)
-    loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.body.relaxation is not None
+    loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
     lost = dataset["energy_lost"].fillna(0.0)
@@ -155,7 +158,7 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     if scene.interface.reaches_across:
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    bears = dataset["pressure"] > 0.0
+    bears = (dataset["pressure"] > 0.0) & (dataset["status"] == Status.ok)  # else it is where a step failed
     counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
         extents = [bears.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
@@ -240,6 +243,21 @@ def _closer_than_known(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
+def _weak_interface(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a shear strength that is hardly above what the residual leaves open, nothing for others.
+
+    The residual counts in the largest pressure.
+    """
+    friction, residual = given.file.scene.interface.friction, given.file.numerics.residual
+    peak = float(dataset["pressure"].max())
+    if friction is None or friction.limit is None or not friction.limit < RESOLVED_LIMIT * residual * peak:
+        return ""
+    return (
+        f"the residual leaves open tractions of {residual * peak / friction.limit:.2g} times the limit of friction: "
+        f"take a numerics.residual of at most {friction.limit / (RESOLVED_LIMIT * peak):.1g}"
+    )
+
+
 def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
     law = given.file.scene.interface.cohesive
@@ -268,6 +286,11 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
     if steepest <= STEEPEST:
         return ""
+    if "next_order" not in found:
+        return (
+            f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}: order 0 in the slope, at "
+            "which bodies that creep are pressed, leaves out relative errors of about that size"
+        )
     error, unit = float(found["next_order"].max()), found["next_order"].units
     largest = float(abs(found[displacement]).max()) or 1.0
     off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"

@@ -285,6 +285,7 @@ def rms_gradient(contact: Contact) -> Reals:
     return np.sqrt(_moment(contact, 2))
 
 
+@once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
     now = touching(contact)
@@ -426,7 +427,8 @@ def recorded_of(contact: Contact) -> dict[str, Observable]:
     if before is None or contact.step is None:
         return recorded(has_hardness, contact.ends, has_form)
     steadily, passes = contact.step.speed > 0.0, before.passing is not None
-    return recorded(has_hardness, contact.ends, has_form, before.memory, steadily, passes)
+    rubs = contact.equilibrium.tangential is not None
+    return recorded(has_hardness, contact.ends, has_form, before.memory, steadily, passes, rubs)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

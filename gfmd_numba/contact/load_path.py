@@ -43,9 +43,11 @@ def _follower(problem: Problem) -> Callable[[Problem, State], Contact]:
     """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
     if problem.plasticity is not None:
         return partial(plastic_flow.follow, largest=max(step.load for step in (problem.step, *problem.path)))
-    takes_time = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
-    if takes_time and problem.time_tolerance is not None:
-        return partial(time_steps.follow, tolerance=problem.time_tolerance / takes_time)
+    divided = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
+    if problem.wears_by_slip:
+        divided = (problem.duration > 0.0) + len(problem.path)
+    if divided and problem.time_tolerance is not None:
+        return partial(time_steps.follow, tolerance=problem.time_tolerance / divided)
     return branch.follow if problem.path and branch.is_followed(problem) else solution.solve
 
 
@@ -163,7 +165,8 @@ def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
     names = [process.name for process in processes_of(problem)]
     has_hardness, steadily, passes = problem.interface.hardness is not None, problem.speed > 0.0, problem.passing
-    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None)
+    rubs = problem.interface.couples
+    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None, rubs)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 

@@ -36,6 +36,7 @@ class Observable:
         "hardness",
         "flow",
         "springs",
+        "divisions",
         "worn",
         "sliding",
         "form",
@@ -151,7 +152,7 @@ OBSERVABLES = {
         "contact",
         "1",
         "relative error of pressures and displacements by the divisions of time, of all steps so far",
-        needs="springs",
+        needs="divisions",
         no_limit=_OF_AN_ERROR,
     ),
     "hysteretic_friction": Observable(
@@ -288,14 +289,17 @@ def recorded(
     processes: Collection[str] = (),
     steadily: bool = False,
     passes: bool = False,
+    rubs: bool = False,
 ) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
-    `processes` are their names. A step that slides `steadily` takes no time, one that `passes` over the body does.
+    `processes` are their names. A step that slides `steadily` takes no time, one that `passes` over the body does. A
+    punch that `rubs` wears in divisions of a step.
     """
     has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
     has |= {name: name in processes for name in ("springs", "worn", "flow")}
     has |= {"sliding": steadily or passes, "springs": has["springs"] and not steadily}
+    has |= {"divisions": has["springs"] or (rubs and has["worn"])}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 
@@ -315,14 +319,13 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
-    slow = any(body.relaxation is not None for body in scene.deformable)
     has = {
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
         "friction": interface.friction is not None,
-        "loss": scene.loading.speed is None and not attracts
-        if slow
-        else ((interface.couples or attracts) and not higher_orders)
+        "loss": scene.loading.speed is None and not attracts and not scene.wears_by_slip
+        if scene.creeps
+        else ((interface.couples or attracts) and not higher_orders and not scene.wears_by_slip)
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,
     }
@@ -336,7 +339,7 @@ def needed_for(name: str) -> str:
         "drag of maps": "a punch is dragged along y on a map, against friction or a law that holds sideways",
         "friction": "nodes stick or slip where there is friction",
         "loss": "energy is lost by friction, attraction or creep, and not known with a boundary, at a topography_order "
-        "above 0, or with attraction and creep together",
+        "above 0, with attraction and creep together, or with friction and wear",
         "tension": "a punch is pulled off against attraction by a prescribed displacement",
     }[PATH_OBSERVABLES[name].needs]
 

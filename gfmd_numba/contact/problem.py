@@ -19,7 +19,6 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
-from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
@@ -59,6 +58,20 @@ class RoughBodies:
 
     bodies: tuple[DeformableBody, ...]
     order: int
+
+
+@dataclass(frozen=True)
+class Tractions:
+    """Tractions on the body out of it `[(ny,) nx]` and along it `[component, (ny,) nx]`, along x first, in g E*."""
+
+    digest: str
+    tangential: Reals = field(repr=False, compare=False)
+    normal: Reals = field(repr=False, compare=False)
+
+    @classmethod
+    def of(cls, tangential: Reals, normal: Reals) -> "Tractions":
+        """Return tractions with what tells them from others."""
+        return cls(hashlib.sha256(tangential.tobytes() + normal.tobytes()).hexdigest(), tangential, normal)
 
 
 @dataclass(frozen=True)
@@ -120,6 +133,11 @@ class Problem:
     def ends(self) -> tuple[bool, ...]:
         """Whether the punch ends along (y,) x, where the body is free around it."""
         return ends_of(self.periodic, len(self.surface.shape))
+
+    @property
+    def wears_by_slip(self) -> bool:
+        """Whether each node wears by its own slip, so that steps are divided as those that take time."""
+        return self.wear_rate is not None and self.interface.friction is not None
 
     @property
     def n_loads(self) -> int:

@@ -89,14 +89,60 @@ class Wear:
         return depth
 
 
+@dataclass(frozen=True)
+class WearBySlip(Wear):
+    """The same law under friction, where each node wears by its own slip.
+
+    A step wears off what a mean of the pressures at its two ends does: of second order in the step where that is short
+    against what the shortest wave, of the `stiffest` response (E*/L_x), wears off in. Longer ones lean to the pressure
+    at the end, so that no wave of the grid swings to and fro. On the way the wall yields as if all nodes slipped as far
+    as the punch does, less what those that slipped by less in the last step do not wear.
+    """
+
+    stiffest: float
+
+    def split(self, state: State, step: LoadStep) -> Change:
+        """The wall is lower where it has worn, and yields to the pressure of the step."""
+        worn, most, last = state.memory[self.name], self.rate * state.way(step), state.last
+        yields = max(0.5 * most, most - 1.0 / self.stiffest)
+        if last is None or last.change.yields == 0.0 or most == 0.0:
+            return Change(wall=worn, yields=yields)
+        before = min(2.0 * last.change.yields, last.change.yields + 1.0 / self.stiffest)
+        share = self.rate / before * _slip(last)
+        return Change(wall=worn + (share * most - yields) * last.equilibrium.pressure, yields=yields)
+
+    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
+        """Depths grow by what the step wears off."""
+        most, pressure = self.rate * state.way(step), solved.equilibrium.pressure
+        share = solved.change.yields / most if most > 0.0 else 0.5
+        before = 0.0 if state.last is None else state.last.equilibrium.pressure
+        depth: Reals = state.memory[self.name] + self.rate * _slip(solved) * (share * pressure + (1.0 - share) * before)
+        return depth
+
+
+def _slip(contact: Contact) -> Reals:
+    """How far nodes have slipped in a step `[realisation, (y,) x]`."""
+    found = contact.equilibrium.tangential
+    assert found is not None  # under friction
+    return np.asarray(np.linalg.norm(found.slip, axis=1))
+
+
 def processes_of(problem: Problem) -> tuple[Process, ...]:
     """All that happens to the steps of a problem, and its own processes last."""
     dents = () if problem.interface.hardness is None else (Dents(),)
     deflection = () if problem.tractions is None else (Deflection(problem),)
     relaxation = () if problem.relaxation is None else (Relaxation(problem),)
-    wear = () if problem.wear_rate is None else (Wear(problem.wear_rate),)
+    wear = () if problem.wear_rate is None else (_wear(problem, problem.wear_rate),)
     flow = () if problem.plasticity is None else (PlasticFlow(),)
     return *dents, *deflection, *relaxation, *wear, *flow, *problem.processes
+
+
+def _wear(problem: Problem, rate: float) -> Wear:
+    if not problem.wears_by_slip:
+        return Wear(rate)
+    glassy = 1.0 if problem.relaxation is None else problem.relaxation.modulus(0.0)
+    shortest = np.array([np.pi * np.linalg.norm(problem.surface.shape)])  # wave number
+    return WearBySlip(rate, glassy * float(problem.body.condensed_stiffness(shortest)[0]))
 
 
 def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:

@@ -10,7 +10,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies
+from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies, Tractions
 from gfmd_numba.contact.scales import (
     Scales,
     plasticity,
@@ -22,7 +22,6 @@ from gfmd_numba.contact.scales import (
     wear_rate,
 )
 from gfmd_numba.contact.surfaces import Surface
-from gfmd_numba.contact.tractions import Tractions
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -60,6 +59,8 @@ def reduce(
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
+    if memory is not None:  # of two bodies that give way alike, the one stands for both; slopes are followed nowhere
+        facing = rough = None
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
     body, elasticity = _body(given, interface, mean_matters, needs_nu, tolerance)
@@ -69,11 +70,8 @@ def reduce(
     if facing is not None:
         other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
         counter = CounterBody(other, facing.share)
-        elasticity += tuple(
-            replace(effect, name=f"{effect.name}, of the counter_body")
-            for effect in others
-            if effect.state == "dropped"
-        )
+        dropped = (effect for effect in others if effect.state == "dropped")
+        elasticity += tuple(replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped)
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
     problem = Problem(
@@ -90,7 +88,7 @@ def reduce(
         duration=reduced_duration(scene),
         speed=reduced_speed(scene),
         relaxation=memory,
-        time_tolerance=None if memory is None else numerics.time_tolerance or TIME_TOLERANCE,
+        time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if memory is not None or scene.wears_by_slip else None,
         wear_rate=wear_rate(scene, rms_gradient),
         plasticity=plasticity(scene, rms_gradient),
     )
@@ -101,7 +99,7 @@ def reduce(
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
     """What became of the effects that remember the past."""
     asked = {
-        "relaxation": scene.body.relaxation,
+        "relaxation": scene.creeps or None,
         "wear": scene.interface.wear,
         "plastic flow": scene.body.plasticity,
     }

@@ -1,6 +1,7 @@
 """Refuse a scene by the tables of combinations and of solvers, every fault on a line of its own."""
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import chain
 from math import inf, isinf
 from typing import Literal
@@ -12,6 +13,7 @@ from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.interface_records import LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
+from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
 from gfmd_numba.text.input_error import brief
 
@@ -55,7 +57,8 @@ def refusals(
 ) -> Iterator[tuple[Location, Refusal]]:
     """What does not go together in a scene, and where it stands in the file."""
     found = _features(scene, numerics, path, grid)
-    return chain(_table_refusals(found), _solver_refusals(found, numerics))
+    told = ((at, _with_least_modulus(scene, at, row)) for at, row in _table_refusals(found))
+    return chain(told, _solver_refusals(found, numerics))
 
 
 def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> None:
@@ -110,11 +113,11 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
     if not of_time:
         yield "elastic bodies", ("scene", "body")
+        if isinstance(scene, LoadedBody) or not scene.wears_by_slip:
+            yield "undivided steps", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         if body.plasticity is not None:
             yield "plasticity", ("scene", name, "plasticity")
-        if body.layers is not None:
-            yield "layers", ("scene", name, "layers")
     for place, surface in scene.surfaces.items():
         if getattr(surface, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", *place, "anisotropy")
@@ -137,6 +140,8 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
     yield from _of_time(scene, path)
     if scene.counter_body is not None:
         yield "rough bodies", ("scene", "counter_body")
+        if scene.creeps and not _give_way_alike(scene, grid):
+            yield "unlike bodies", ("scene", "counter_body")
     elif scene.follows_topography:
         yield "rough bodies", ("scene", "body", "roughness")
     if scene.boundary is not None:
@@ -155,6 +160,18 @@ def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tupl
         yield "anisotropy", ("grid", "anisotropy")
     if scene.loading.displacement is not None and not any(scene.ends):
         yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+
+
+def _give_way_alike(scene: Scene, grid: Grid) -> bool:
+    """Whether the compliances of two bodies, to pressures alone, have one ratio for all waves."""
+    if scene.interface.couples or any(axis in grid for axis in _ASPECT_RATIO.values()):
+        return False
+    if all(body.is_half_space and body.layers is None for body in scene.deformable):
+        return True
+    from gfmd_numba.contact.scales import elastic_body  # numbers, which the tables do without
+
+    one, other = (elastic_body(body, scene.length) for body in scene.deformable)
+    return one == other and not any(axis in grid for axis in _POISSONS_RATIO.values())
 
 
 def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
@@ -223,7 +240,7 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
             yield load, ("scene", "loading", load)
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
-        drags = ("sliding",) if scene.interface.wear is None else ()
+        drags = ("sliding",) if scene.interface.wear is None or scene.wears_by_slip else ()
         if scene.passes:
             drags = ("sliding over creep",)
         for name, end in zip(("sliding", "sliding_y"), (*scene.ends[::-1], False), strict=False):
@@ -293,16 +310,29 @@ def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> I
         yield from (("soft below stiff", (*place, *at)) for at in _soft_below_stiff(body))
 
 
-def _soft_below_stiff(body: Body) -> Iterator[Location]:
-    """Moduli of layers, or of the base, that are far below those of a layer above, by their places in the body."""
+def _with_least_modulus(scene: Scene | LoadedBody, location: Location, row: Refusal) -> Refusal:
+    """The refusal of a layer that is too soft with the least modulus that is allowed there, all others as they are."""
+    if row.refused != "soft below stiff":
+        return row
+    body = scene.deformable[list(_ASPECT_RATIO).index(str(location[1]))]
+    least, given = _soft_below_stiff(body)[location[2:]]
+    return replace(row, allowed=row.allowed.replace("at least", f"at least {in_unit_of(given, least, 'Pa')},"))
+
+
+def _soft_below_stiff(body: Body) -> dict[Location, tuple[float, float]]:
+    """Layers, or the base, whose modulus is far below one above, by the places of the moduli in the body.
+
+    The least modulus that is allowed, and the one that is given.
+    """
     parts: dict[Location, Layer | Material] = {("layers", i): each for i, each in enumerate(body.layers or ())}
     if isinstance(body.base, Material):
         parts["base",] = body.base
-    stiffest = 0.0
+    stiffest, found = 0.0, {}
     for at, part in parts.items():
         if part.youngs_modulus < SOFTEST * stiffest:
-            yield *at, "youngs_modulus"
+            found[*at, "youngs_modulus"] = SOFTEST * stiffest, part.youngs_modulus
         stiffest = max(stiffest, part.youngs_modulus)
+    return found
 
 
 def _incompressible(scene: Scene, grid: Grid) -> Iterator[Location]:

@@ -21,7 +21,6 @@ from gfmd_numba.scene import (
     BoundaryFile,
     Discretisation,
     Document,
-    InputError,
     LoadedBody,
     Measured,
     Random,
@@ -186,7 +185,7 @@ def ensemble_of_rough_bodies(
     for place, part in parts.items():
         if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
-            raise InputError(document.line(("scene", *place), f"{_points(part.surface.shape)} heights", allowed))
+            raise document.fault(("scene", *place), f"{_points(part.surface.shape)} heights", allowed)
     ends, smooth = ends_of(scene.periodic, scene.dimension), smooth_part(scene, shape)
     gradient = _asked_for(asked, parts, ends)
     if smooth is not None:
@@ -222,16 +221,16 @@ def check_drawn(
             heights = drawn[each.part or 0]
             given = f"a topography from {heights.min():.3g} to {heights.max():.3g} L_x"
             allowed = allowed_topography(heights, each.elastic, rough.order)
-            raise InputError(document.line(("scene", name, "roughness"), given, allowed)) from None
+            raise document.fault(("scene", name, "roughness"), given, allowed) from None
     together = np.sum(drawn, axis=0)
     if np.ptp(together) <= _ROUNDING * max(abs(each).max() for each in drawn):
         allowed = "surfaces that are not all flat, and do not fit into each other everywhere"
-        raise InputError(document.line(("scene",), "heights that add up to nothing", allowed))
+        raise document.fault(("scene",), "heights that add up to nothing", allowed)
     try:
         given_surface(together, summed.rms_gradient)
     except ValueError as error:
         allowed = "surfaces whose roughness is finite and not 0"
-        raise InputError(document.line(("scene",), f"surfaces that add up to {error}", allowed)) from None
+        raise document.fault(("scene",), f"surfaces that add up to {error}", allowed) from None
     return tuple(bodies)
 
 
@@ -285,7 +284,7 @@ def _measured(
             else f"points: {max(found.heights.shape)} resamples it to as many points both ways"
         )
         allowed = f"a map of as many points, and the same size, both ways; {remedy}"
-        raise InputError(document.line((*place, record.key), given, allowed))
+        raise document.fault((*place, record.key), given, allowed)
     return found
 
 
@@ -298,7 +297,7 @@ def usable(document: Document, place: Place, record: Measured | None = None) -> 
         if record is None:
             raise document.refused(place, f"a usable surface, not {error}") from None
         allowed = "a table of equidistant heights in units that are stated"
-        raise InputError(document.line((*place, record.key), f"{record.shown} ({error})", allowed)) from None
+        raise document.fault((*place, record.key), f"{record.shown} ({error})", allowed) from None
 
 
 def rough_body(body: DeformableBody, drawn: Sequence[Reals], order: int) -> RoughBody:

@@ -14,7 +14,7 @@ from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.plasticity import Plasticity
-from gfmd_numba.elasticity.prony import PronySeries
+from gfmd_numba.elasticity.prony import PronySeries, in_series
 from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Document, Interface, LoadedBody, Random, Scene
 from gfmd_numba.scene.body_record import Layer
@@ -95,7 +95,7 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
 
 def longest_time(scene: Scene) -> float:
     """Longest relaxation time of a scene in s, in which durations count; 1 s without one."""
-    return max((branch.time for branch in scene.body.relaxation or ()), default=1.0)
+    return max((branch.time for body in scene.deformable for branch in body.relaxation or ()), default=1.0)
 
 
 def reduced_duration(scene: Scene) -> float:
@@ -114,11 +114,19 @@ def times_of(steps: Iterable[Scene]) -> list[float]:
 
 
 def relaxation(scene: Scene) -> PronySeries | None:
-    """Branches of the body over its relaxed modulus and the longest time, to 12 digits; None of an elastic one."""
-    branches = scene.body.relaxation
-    if branches is None:
+    """Branches of all that deforms over its relaxed modulus and the longest time; None if nothing creeps.
+
+    Those of a body have 12 digits. Two bodies give way alike, as the table of combinations says, each by its share.
+    """
+    if not scene.creeps:
         return None
-    relaxed, longest = scene.body.surface_modulus or 1.0, longest_time(scene)
+    longest = longest_time(scene)
+    each = tuple(_branches(body, longest) for body in scene.deformable)
+    return each[0] if len(each) == 1 else in_series(tuple(zip(scales_of(scene).shares, each, strict=True)))
+
+
+def _branches(body: Body, longest: float) -> PronySeries:
+    relaxed, branches = body.surface_modulus or 1.0, body.relaxation or ()
     moduli = tuple(rounded(branch.modulus / relaxed) for branch in branches)
     return PronySeries(moduli, tuple(rounded(branch.time / longest) for branch in branches))
 

@@ -8,7 +8,7 @@ the punch passes over the body, all are alike.
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import expm1, inf, log1p
+from math import expm1, inf, log1p, nan
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
@@ -25,24 +25,32 @@ _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
 def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     """Equilibrium at the end of a step, reached from a state with an error by its divisions of at most a tolerance.
 
-    `time_error` adds the error to that of the steps before. After the most halvings it may be above the tolerance.
+    `time_error` adds the error to that of the steps before; not-a-number where a division fails. After the most
+    halvings it may be above the tolerance.
     """
     before = 0.0 if state.last is None else state.last.time_error
     found, spent = _divided(problem, state, 1)
     changes: list[float] = []
     error = 0.0
-    for halvings in range(1, HALVINGS + 1) if problem.duration > 0.0 else ():
+    for halvings in range(1, HALVINGS + 1) if is_divided(problem, state) else ():
         if found.equilibrium.status[0] != Status.ok:
+            error = nan
             break
         coarse, (found, more) = found, _divided(problem, state, 2**halvings)
         spent += more
         if found.equilibrium.status[0] != Status.ok:
+            error = nan
             break
         changes.append(difference(coarse, found))
         error = left_open(changes)
         if error <= tolerance:
             break
     return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
+
+
+def is_divided(problem: Problem, state: State) -> bool:
+    """Whether a step that begins in a state takes time, or wears nodes by their own slip."""
+    return problem.duration > 0.0 or (problem.wears_by_slip and state.last is not None)
 
 
 def left_open(changes: Sequence[float]) -> float:
@@ -62,9 +70,8 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     start = state.step_before(problem.step)
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
-    assert series is not None
-    slides = problem.passing is not None and start.sliding != problem.step.sliding
-    growth = _EVENLY if slides else log1p(problem.duration / min(series.times))
+    slides = (problem.passing is not None or problem.wears_by_slip) and start.sliding != problem.step.sliding
+    growth = _EVENLY if slides or series is None else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
@@ -79,9 +86,18 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
 def difference(coarse: Contact, fine: Contact) -> float:
     """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
 
-    The larger of both counts. Of what falls again errors stay, and are measured by what they came from.
+    Or of what has worn; the largest counts. Of what falls again errors stay, and are measured by what they came from,
+    which bodies that creep remember.
     """
-    springs = [each.after.memory["springs"] for each in (coarse, fine)]
-    pairs = [tractions_of(each) for each in (coarse, fine)], [each.stretch[0] for each in springs]
-    of_all = zip(pairs, springs[1].largest, strict=True)
-    return max(relative_difference(one, other, most) for (one, other), most in of_all)
+    memories = [each.after.memory for each in (coarse, fine)]
+    fields = [[tractions_of(each), each.equilibrium.displacement] for each in (coarse, fine)]
+    most = [0.0, 0.0]
+    if "springs" in memories[1]:
+        most = list(memories[1]["springs"].largest)
+        for memory, own in zip(memories, fields, strict=True):
+            own[1] = memory["springs"].stretch[0]
+    if "worn" in memories[1]:
+        most.append(0.0)
+        for memory, own in zip(memories, fields, strict=True):
+            own.append(memory["worn"])
+    return max(map(relative_difference, *fields, most))

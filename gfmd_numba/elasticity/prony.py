@@ -7,8 +7,13 @@ Each branch i is a spring of modulus m_i behind a dashpot. Where a displacement 
 x = dt / tau_i, the stretch w_i of the spring of a branch becomes, exactly,
 
     w_i' = kept_i w_i + joined_i (u' - u),    kept_i = exp(-x),    joined_i = (1 - exp(-x)) / x.
+
+The compliances of two bodies that bear the same tractions add up, and are again that of a Maxwell body: with the
+Laplace transforms E(s) = 1 + sum_i m_i s tau_i / (1 + s tau_i) and 1/E(s) = J(s) = 1 - sum_k j_k s theta_k / (1 + s
+theta_k), the retardation times theta are the eigenvalues of diag(tau) + v v^T, v_i = (m_i tau_i)^(1/2).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -16,6 +21,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
 
+_NOTHING = 1e-13  # of the glassy modulus
 _SMALL = 1e-2  # duration over relaxation time below which differences of exponentials are a series
 
 
@@ -60,6 +66,34 @@ class PronySeries:
         series = x * (1.0 / 3.0 - x * (1.0 / 4.0 - x * (7.0 / 60.0 - x / 24.0)))
         both = np.where(x < _SMALL, series, exact)
         return np.array([twice, 0.5 * gone * self.shares(duration)[1], both])
+
+
+def in_series(parts: Sequence[tuple[float, PronySeries]]) -> PronySeries:
+    """Series of bodies that bear the same tractions, each with its share of the relaxed compliance and its own series.
+
+    Exact but for rounding: a branch that bears less than that is none. An elastic body has no branches.
+    """
+    whole = sum(share for share, _ in parts)
+    shares, retardation = [np.zeros(0)], [np.zeros(0)]
+    for share, series in parts:
+        times = np.array(series.times)
+        found, delayed = _updated(times, np.sqrt(np.array(series.moduli) * times))
+        shares, retardation = [*shares, share / whole * delayed], [*retardation, found]
+    delayed, rates = np.concatenate(shares), 1.0 / np.concatenate(retardation)
+    glassy = 1.0 / (1.0 - delayed.sum())  # modulus
+    relaxing, moduli = _updated(rates, np.sqrt(glassy * delayed * rates))
+    moduli = glassy * moduli
+    bears = moduli > _NOTHING * glassy
+    return PronySeries(tuple(moduli[bears].tolist()), tuple((1.0 / relaxing[bears]).tolist()))
+
+
+def _updated(diagonal: Reals, column: Reals) -> tuple[Reals, Reals]:
+    """Eigenvalues of diag(d) + v v^T, and (v^T q)^2 over them, q the eigenvectors.
+
+    Found from singular values, whose squares are right over twice as many decades as those of the matrix itself.
+    """
+    vectors, roots, _ = np.linalg.svd(np.column_stack((np.diag(np.sqrt(diagonal)), column)), full_matrices=False)
+    return roots**2, (column @ vectors / roots) ** 2
 
 
 @lru_cache(maxsize=64)

@@ -197,7 +197,7 @@ class SpectralResponse:
         return self.of_normal(stiffness)
 
     def with_yielding(self, compliance: float) -> "SpectralResponse":
-        """Response of the normal displacement alone, with a wall that yields to the pressure at each node.
+        """Response with a wall that yields to the pressure at each node.
 
         `compliance` is how far, in L_x/E*. A mean displacement that nothing restores stays so.
         """
@@ -205,7 +205,12 @@ class SpectralResponse:
         if window is not None:
             of_waves = window.stiffness
             window = replace(window, stiffness=lambda q: _yielding(of_waves(q), compliance))
-        return self.of_normal(_yielding(self.normal, compliance), window)
+        xx, xy, yy, xz, yz, zz = _whole(self.elements)
+        left = 1.0 / (1.0 + compliance * zz)  # of the couplings
+        taken = compliance * left
+        whole = xx - taken * xz**2, xy - taken * xz * yz, yy - taken * yz**2, left * xz, left * yz
+        of_all = *whole, _yielding(zz, compliance)
+        return SpectralResponse(np.array([of_all[place] for place in _FOLLOWED[len(self.elements)]]), window)
 
     def principal(self) -> tuple[Reals, Reals]:
         """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""

@@ -59,19 +59,16 @@ class SumOfPowers(NormalLaw):
     def energy_change(self, gap: Reals, closing: Reals) -> Reals:
         """Change of the energy per area as a gap closes by some more, without cancellation where that is little."""
         inside, kink = self._split(gap)
-        room = gap + (self.offset - kink)  # before the kink
-        passed = np.clip(room, np.minimum(closing, 0.0), np.maximum(closing, 0.0))
-        closes = closing > 0.0
-        outer, inner = np.where(closes, passed, closing - passed), np.where(closes, closing - passed, passed)
-        begun = self._distance(gap - np.where(closes, 0.0, passed))
-        steps = np.log1p(-outer / begun)
+        room = np.maximum(gap + (self.offset - kink), 0.0)  # before the kink
+        beyond = np.maximum(closing - room, inside)  # the part of the way that is
+        begun = self._distance(gap)
+        steps = np.log1p((beyond - closing) / begun)
         change = sum(
             work * (begun / self.length) ** -power * np.expm1(-power * steps)
             for work, power in zip(self.works, self.powers, strict=True)
         )
-        begun = np.where(closes, np.minimum(room, 0.0), inside)
-        line = self._derivative(kink, 1) + self._derivative(kink, 2) * (begun - 0.5 * inner)
-        return np.asarray(change - inner * line)
+        line = self._derivative(kink, 1) + self._derivative(kink, 2) * (inside - 0.5 * beyond)
+        return np.asarray(change - beyond * line)
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""

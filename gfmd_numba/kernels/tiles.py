@@ -77,20 +77,103 @@ def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals)
 
 
 @jit
+def list_loaded(values: Reals, starts: Indices, nodes: Indices, loads: Reals) -> None:
+    """List the nodes of each tile that hold a value other than zero, one tile after another, and their values.
+
+    Those of tile k are from `starts[k]` to `starts[k + 1]`; `starts` is `[m + 2]`, the lists have room for all.
+    """
+    flat = values.reshape(values.shape[0], TILE * TILE)
+    count = 0
+    for k in range(flat.shape[0]):
+        starts[k] = count
+        for j in range(flat.shape[1]):
+            if flat[k, j] != 0.0:
+                nodes[count], loads[count] = j, flat[k, j]
+                count += 1
+    starts[flat.shape[0]] = count
+
+
+@jit
+def convolve_loaded(
+    loaded: tuple[Indices, Indices, Reals],
+    tiles: Indices,
+    places: Indices,
+    tiles_each_way: tuple[int, int],
+    ends: tuple[bool, bool],
+    kernel: Reals,
+    product: Reals,
+) -> None:
+    """Fill the product on some tiles `[k, TILE, TILE]` with the convolution of what `list_loaded` has listed.
+
+    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and reaches the D tiles in each direction.
+    """
+    starts, nodes, loads = loaded
+    down, across = tiles_each_way
+    width = kernel.shape[1]
+    distance = (width // 2 + 1) // TILE - 1
+    around = 2 * distance + 1
+    flat = kernel.reshape(-1)
+    offsets, v = np.empty(around**2 * TILE**2, dtype=np.int64), np.empty(around**2 * TILE**2)
+    for k in range(tiles.size):
+        y, x = tiles[k] // across, tiles[k] % across
+        count = 0
+        for j in range(-distance, distance + 1):
+            row = y + j
+            if row < 0 or row >= down:
+                if ends[0]:
+                    continue
+                row %= down
+            for i in range(-distance, distance + 1):
+                column = x + i
+                if column < 0 or column >= across:
+                    if ends[1]:
+                        continue
+                    column %= across
+                place = places[row * across + column]
+                corner = (width // 2 - j * TILE) * width + width // 2 - i * TILE
+                for s in range(starts[place], starts[place + 1]):
+                    offsets[count] = corner - nodes[s] // TILE * width - nodes[s] % TILE
+                    v[count] = loads[s]
+                    count += 1
+        for line in range(TILE):
+            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
+            for s in range(count):
+                o, c = offsets[s] + line * width, v[s]
+                s0 += c * flat[o]
+                s1 += c * flat[o + 1]
+                s2 += c * flat[o + 2]
+                s3 += c * flat[o + 3]
+                s4 += c * flat[o + 4]
+                s5 += c * flat[o + 5]
+                s6 += c * flat[o + 6]
+                s7 += c * flat[o + 7]
+            out = product[k, line]
+            out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
+
+
+@jit
 def spread(
-    values: Reals, tiles: Indices, tiles_across: int, weights: Reals, coarse: Reals, down: int, across: int
+    values: Reals,
+    tiles: Indices,
+    tiles_across: int,
+    per_tile: int,
+    weights: Reals,
+    coarse: Reals,
+    down: int,
+    across: int,
 ) -> None:
     """Fill a periodic grid of down x across nodes with the values, each shared among nodes by `weights` `[TILE, w]`.
 
-    The first of the w nodes is one before the tile's first. The map of the tiles may be narrower than the grid. Rows of
-    `coarse` may be longer than `across`.
+    As many of the w nodes lie before the tile as behind it, and one more begins the next. The map of the tiles, which
+    has `tiles_across`, may be narrower than the grid, which has `per_tile` nodes of each. Rows of `coarse` may be
+    longer than `across`.
     """
     wide = weights.shape[1]
-    per_tile = wide - 3
+    before = (wide - per_tile - 1) // 2
     half = np.zeros((TILE, wide))
     coarse[:] = 0.0
     for k in range(tiles.size):
-        up, left = tiles[k] // tiles_across * per_tile - 1, tiles[k] % tiles_across * per_tile - 1
+        up, left = tiles[k] // tiles_across * per_tile - before, tiles[k] % tiles_across * per_tile - before
         for y in range(TILE):
             for a in range(wide):
                 half[y, a] = 0.0
@@ -109,14 +192,21 @@ def spread(
 
 @jit
 def gather_back(
-    coarse: Reals, tiles: Indices, tiles_across: int, weights: Reals, down: int, across: int, values: Reals
+    coarse: Reals,
+    tiles: Indices,
+    tiles_across: int,
+    per_tile: int,
+    weights: Reals,
+    down: int,
+    across: int,
+    values: Reals,
 ) -> None:
     """Add to the values what the nodes of a coarser grid share with them: the transpose of `spread`."""
     wide = weights.shape[1]
-    per_tile = wide - 3
+    before = (wide - per_tile - 1) // 2
     half = np.zeros((wide, TILE))
     for k in range(tiles.size):
-        up, left = tiles[k] // tiles_across * per_tile - 1, tiles[k] % tiles_across * per_tile - 1
+        up, left = tiles[k] // tiles_across * per_tile - before, tiles[k] % tiles_across * per_tile - before
         for b in range(wide):
             row = coarse[(up + b) % down]
             for x in range(TILE):
@@ -217,21 +307,21 @@ def close_map(wall: Reals, gap: Reals, contact: Flags, tiles: Indices, rows: Rea
 
 
 @jit
-def restore_map(pressure: Reals, tiles: Indices, nx: int, mean: float, rows: Reals) -> None:
-    """Complete what restores a displacement of nx columns: `mean` everywhere, less the pressure on the tiles.
+def restore_map(pressure: Reals, tiles: Indices, rows: Reals, mean: float, restoring: Reals) -> None:
+    """Fill what restores a displacement `[y, x]`: `mean` everywhere, less the pressure on the tiles.
 
-    `rows` hold what restores what `close_map` has added.
+    `rows`, which may be longer, hold what restores what `close_map` has added.
     """
+    ny, nx = restoring.shape
     across = nx // TILE
-    for y in range(rows.shape[0]):
-        row = rows[y]
+    for y in range(ny):
         for x in range(nx):
-            row[x] += mean
+            restoring[y, x] = rows[y, x] + mean
     for k in range(tiles.size):
         top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
         for y in range(TILE):
             for x in range(TILE):
-                rows[top + y, left + x] -= pressure[k, y, x]
+                restoring[top + y, left + x] -= pressure[k, y, x]
 
 
 @jit
@@ -245,16 +335,6 @@ def tractions_around(rows: Reals, ny: int, nx: int, width: int, traction: float)
             largest = max(largest, abs(traction - row[x]))
             total += traction - row[x]
     return largest, total
-
-
-@jit
-def pack_rows(rows: Reals, nx: int) -> None:
-    """Move the first nx columns of all rows together, to the beginning of the memory of `rows`."""
-    packed = rows.reshape(-1)
-    for y in range(1, rows.shape[0]):
-        row = rows[y]
-        for x in range(nx):
-            packed[y * nx + x] = row[x]
 
 
 @jit
@@ -277,6 +357,31 @@ def refine_pressure(p: Reals, above: Indices, share_y: Reals, left: Indices, sha
                     inside += w[c]
                     value += w[c] * corners[c]
             fine[y, x] = value if inside >= 0.5 else 0.0
+
+
+@jit
+def refine_tiles(
+    p: Reals, above: Indices, down: Reals, left: Indices, right: Reals, tiles: Indices, across: int, fine: Reals
+) -> None:
+    """Interpolate pressures as `refine_pressure` does, onto the listed tiles of a map of `across` tiles in a row."""
+    for k in range(tiles.size):
+        y, x = tiles[k] // across * TILE, tiles[k] % across * TILE
+        rows, columns = slice(y, y + TILE), slice(x, x + TILE)
+        refine_pressure(p, above[rows], down[rows], left[columns], right[columns], fine[k])
+
+
+@jit
+def refine_map(coarse: Reals, above: Indices, down: Reals, left: Indices, right: Reals, fine: Reals) -> None:
+    """Interpolate a periodic map linearly onto the rows of a finer one, whose nodes lie as in `refine_pressure`."""
+    ny, nx = coarse.shape
+    row = np.empty(nx + 1)
+    for y in range(above.size):
+        first, second, share = coarse[above[y]], coarse[(above[y] + 1) % ny], down[y]
+        for x in range(nx):
+            row[x] = first[x] + share * (second[x] - first[x])
+        row[nx] = row[0]
+        for x in range(left.size):
+            fine[y, x] = row[left[x]] + right[x] * (row[left[x] + 1] - row[left[x]])
 
 
 @jit

@@ -25,7 +25,10 @@ _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
 _QUOTED_CELL = re.compile(r'(?:^|,)"([^"]*)"(?=,|$)')
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
-_STATED = re.compile(r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;]{1,12})")
+_STATED = re.compile(
+    r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;\"]{1,12})"
+    r"|(?<=\w)\s+in\s+([^\s\[\]()/,;\"]{1,12})(?=\s*(?:[\",;\t]|$))"
+)
 _HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
 _POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
 _NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)  # as y is, where the other is x
@@ -156,11 +159,12 @@ def columns_by_label(header: list[str], columns: int) -> tuple[list[int], tuple[
         if len(heights) == len(along[0]) == 1 and len(along[1]) <= 1:
             chosen = [*along[0], *along[1], *heights]
         else:
-            chosen = [i for i, cell in enumerate(cells) if any(length_unit(unit) for _, unit in _found(cell, True))]
+            of = [_found(cell, True, line) for cell in cells]
+            chosen = [i for i, found in enumerate(of) if any(length_unit(unit) for _, unit in found)]
             if len(chosen) != 2 or {*heights, *along[0], *along[1]} - {*chosen}:
                 continue
         below = [row for row in map(_cells, header[number + 1 :]) if len(row) == columns]
-        units = [next((unit for _, unit in _found(cells[i], True)), None) for i in chosen]
+        units = [next((unit for _, unit in _found(cells[i], True, line)), None) for i in chosen]
         for row in below:
             units = [unit or length_unit(row[i].strip("[]() ")) for i, unit in zip(chosen, units, strict=True)]
         return chosen, tuple(units)
@@ -297,17 +301,18 @@ def _axis(label: str) -> str | None:
     return None if found is None else found.group(1).lower()
 
 
-def _found(line: str, is_last: bool) -> list[tuple[str, str]]:
-    """What stands before each unit of a line, and the unit's name."""
+def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str, str]]:
+    """What stands before each unit of a line, or of a part of that line, and the unit's name."""
     found, begin = [], 0
-    for match in _STATED.finditer(line):
-        square, round_, slashed = match.groups()
-        label, rest = line[begin : match.start()], line[match.end() :]
+    slashes = sum(length_unit(match[3]) is not None for match in _STATED.finditer(line or part) if match[3])
+    for match in _STATED.finditer(part):
+        square, round_, slashed, in_words = match.groups()
+        label, rest = part[begin : match.start()], part[match.end() :]
         if _VALUE.search(label) or _OF_A_PROTOCOL.match(rest):
             continue  # an entry of a protocol, such as `scan length (mm): 4`
-        if slashed and not (_HEIGHT.search(label) or _POSITION.search(label)):
-            continue  # a quotient, such as px/mm
-        unit = length_unit(square or round_ or slashed)
+        if slashed and slashes < 2 and not (_HEIGHT.search(label) or _POSITION.search(label)):
+            continue  # a quotient, such as px/mm; two are names of columns in another language
+        unit = length_unit(square or round_ or slashed or in_words)
         if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
             unit = square or round_
         if unit is not None:

@@ -61,7 +61,7 @@ def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
 
 def arrays_of_memory(scene: Scene) -> int:
     """Return how many more arrays the past of a scene takes: of a body that creeps or flows, of a punch that wears."""
-    branches, plasticity = len(scene.body.relaxation or ()), scene.body.plasticity
+    branches, plasticity = sum(len(body.relaxation or ()) for body in scene.deformable), scene.body.plasticity
     flow = 0 if plasticity is None else _ARRAYS_OF_A_SUBLAYER[scene.dimension] * plasticity.sublayers
     return flow + _ARRAYS_OF_A_BRANCH * branches + (_ARRAYS_OF_WEAR if scene.interface.wear is not None else 0)
 

@@ -80,7 +80,11 @@ class Document:
 
     def error(self, location: Location, given: object, allowed: str, suggestion: str = "") -> InputError:
         """InputError that says where a value stands, what it is, and what is allowed."""
-        return InputError(self.line(location, brief(given), allowed, suggestion))
+        return self.fault(location, brief(given), allowed, suggestion)
+
+    def fault(self, location: Location, given: str, allowed: str, suggestion: str = "") -> InputError:
+        """InputError that says where something stands, in words what is wrong with it, and what is allowed."""
+        return InputError(self.line(location, given, allowed, suggestion))
 
     def refused(self, location: Location, allowed: str, suggestion: str = "") -> InputError:
         """InputError about the value that stands at a location."""

@@ -151,9 +151,19 @@ class Scene(BaseModel):
         return (self.body,) if self.counter_body is None else (self.body, self.counter_body)
 
     @property
+    def creeps(self) -> bool:
+        """Whether a body is viscoelastic."""
+        return any(body.relaxation is not None for body in self.deformable)
+
+    @property
     def passes(self) -> bool:
         """Whether a punch that slides passes over the body: over one that creeps, unless it drags that or wears."""
-        return self.body.relaxation is not None and self.interface.wear is None and not self.interface.couples
+        return self.creeps and self.interface.wear is None and not self.interface.couples
+
+    @property
+    def wears_by_slip(self) -> bool:
+        """Whether each node wears by its own slip, as under friction."""
+        return self.interface.wear is not None and self.interface.friction is not None
 
     @property
     def has_moduli(self) -> bool:
@@ -189,7 +199,7 @@ class Scene(BaseModel):
         """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
         layered = any(body.layers is not None for body in self.deformable) or self.form is not None
         further = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
-        return self.dimension == 2 or layered or further or any(self.ends)
+        return self.dimension == 2 or layered or further or self.creeps or any(self.ends)
 
     @property
     def awaits_period(self) -> bool:
@@ -317,7 +327,7 @@ class Numerics(BaseModel):
         ge=0,
         le=3,
         description="Order in the slope of a deformable body's own roughness; 0: two-step GFMD of the thesis, None: 2, "
-        "and 0 for maps, without a period, and with friction, a cohesive law, a hardness, a boundary or layers",
+        "and 0 for maps, without a period, and with friction, a cohesive law, a hardness, a boundary, layers or creep",
     )
     residual: float = Field(1e-8, gt=0, le=1e-2, description="Relative residual at which a run stops")
     max_iterations: int = Field(200_000, ge=1, description="Iterations after which a run is not converged")
@@ -334,8 +344,8 @@ class Numerics(BaseModel):
         None,
         gt=0,
         le=0.1,
-        description="Largest relative error of pressures and displacements by the divisions of time along a path over "
-        f"a viscoelastic body; None: {TIME_TOLERANCE:g}",
+        description="Largest relative error of pressures and displacements by the divisions of steps along a path, of "
+        f"a viscoelastic body or of wear under friction; None: {TIME_TOLERANCE:g}",
     )
     damping: Damping | None = Field(
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"

@@ -16,6 +16,7 @@ _OF_RIDGES = (
     "The contact is that of a profile: its spots are ridges without end along y, and conduct as those do. For the "
     "spots of a rough surface, solve a scene with `dimension: 2`"
 )
+_OF_NOTHING = "Nothing touches, so that the bodies conduct nothing to each other"
 _ALLOWED = "what `gfmd solve` leaves of a contact"
 
 
@@ -51,7 +52,8 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density
     result["current_density"].attrs = cf_attributes("current through a node over the mean of all nodes")
-    result.attrs["validity"] = _OF_RIDGES if len(nodes) == 1 else ""
+    doubts = [_OF_RIDGES] * (len(nodes) == 1) + [_OF_NOTHING] * (not touching.any())
+    result.attrs["validity"] = "\n".join(doubts)
     return result
 
 

@@ -113,7 +113,7 @@ def read_curve(
     """
     file = _without_path(file, document)
     asked = Document(None, "", {over: _listed(values), "realisations": realisations})
-    if (over == "loads") != (file.scene.body.relaxation is None):
+    if (over == "loads") != (not file.scene.creeps):
         raise asked.refused((over,), _OF_ELASTIC if over == "loads" else _OF_VISCOELASTIC)
     prescribed = _control(file.scene, asked.value((over,))) if over == "loads" else over.removesuffix("s")
     checked = validate(asked, _record(over, prescribed)).model_dump()
@@ -145,10 +145,10 @@ _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its 
 def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
     """A scene file with its measured surfaces; raises InputError for one with a path, or without a punch."""
     if isinstance(file, BoundaryFile):
-        raise InputError(document.line(("scene",), "a loaded body without a punch", "a contact, with a loading"))
+        raise document.fault(("scene",), "a loaded body without a punch", "a contact, with a loading")
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
-        raise InputError(document.line(("path",), f"a path of {len(file.path)} steps", allowed))
+        raise document.fault(("path",), f"a path of {len(file.path)} steps", allowed)
     return with_measured_surfaces(file, document)[0]
 
 

@@ -340,7 +340,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     else:
         file = _recorded(SceneFile, contact)
     scene, order = file.scene, file.numerics.slope_order(file.scene)
-    if isinstance(scene, Scene) and scene.body.relaxation is not None:
+    if isinstance(scene, Scene) and scene.creeps:
         raise InputError.of("contact", "one of a viscoelastic body", "elastic bodies, as this is not built yet")
     if isinstance(scene, Scene) and scene.body.plasticity is not None:
         allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"

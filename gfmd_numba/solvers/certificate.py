@@ -52,10 +52,11 @@ class Certificate:
     difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
     `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
     make any other violation look small.) Where the state is that of a corner of the grid alone, `mean_displacement` is
-    that of the whole one.
+    that of the whole one. `bears` `[realisation]` is where the state has the pressure in place of what restores it.
     """
 
     mean_displacement: Reals | None = None
+    bears: Flags | None = None
 
     def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
         self.conditions, self.rigid_mean = conditions, rigid_mean
@@ -70,6 +71,11 @@ class Certificate:
             self.worst[self.rigid_mean.impossible] = np.inf
             self.drift[active] = self.rigid_mean.drift(u, active, n)
         return self.residual(state.load, active, strongest)
+
+    def bounded(self, i: int, load: Reals, bound: float, peak: float, imbalance: float) -> float:
+        """Residual of a row whose violations are known to be below a bound, over the largest pressure."""
+        self.worst[i], self.peak[i], self.imbalance[i] = bound * peak, peak, imbalance
+        return float(self.residual(load, np.array([i]))[0])
 
     def with_surroundings(self, i: int, load: Reals, largest: float, mean: float, share: float) -> float:
         """Residual of a row last looked at in a corner, a `share` of the grid, with tractions around that may not be.

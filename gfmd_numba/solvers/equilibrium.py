@@ -85,7 +85,7 @@ class Equilibrium:
         rows = len(punch)
         return cls(
             displacement=np.empty_like(punch),
-            pressure=np.empty_like(punch),
+            pressure=np.zeros_like(punch),
             touching=np.empty(punch.shape, dtype=np.bool_),
             tangential=Tangential.zero(punch, sliding) if interface.couples else None,
             status=np.full(rows, Status.steps_used_up, dtype=np.int8),
@@ -153,8 +153,8 @@ def equilibrate(
             given = None if load is None else np.full(rows.size, load)
             begun = None if start is None else start.rows(some)
             beyond = None if around is None else around[some]
-            room = result.displacement[some] if isinstance(some, slice) else None
-            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, room)
+            room = (result.displacement[some], result.pressure[some]) if isinstance(some, slice) else (None, None)
+            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, *room)
 
         if hardness is None:
             _solve(batch, interface, rows, blown_up, options, result)
@@ -233,12 +233,12 @@ def _solve(
 
 def _fill(result: Equilibrium, row: int, displacement: Reals, pressure: Reals) -> None:
     """Fill a row of the result, shared by threads: new memory takes longer than what is written there."""
-    kept = np.may_share_memory(displacement, result.displacement[row])  # the solver has worked there
+    pairs = (displacement, result.displacement[row]), (pressure, result.pressure[row])
+    moved = [pair for pair in pairs if not np.may_share_memory(*pair)]  # or the solver has worked there
 
     def some(part: slice) -> None:
-        if not kept:
-            result.displacement[row][part] = displacement[part]
-        result.pressure[row][part] = pressure[part]
+        for found, kept in moved:
+            kept[part] = found[part]
         np.greater(pressure[part], 0.0, out=result.touching[row][part])
 
     team().by_rows(some, pressure.shape)
@@ -296,7 +296,9 @@ def _iterate(
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
         state, where = solver.state, rows[done]
-        kernels.wall_pressure(state, solver.certificate.conditions.hardness, done, n)  # rows that have ended
+        bears = solver.certificate.bears
+        restored = done if bears is None else done[~bears[done]]
+        kernels.wall_pressure(state, solver.certificate.conditions.hardness, restored, n)  # rows that have ended
         _store(result, solver, done, where)
         if result.plastic is not None:
             result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness

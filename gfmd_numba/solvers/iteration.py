@@ -60,7 +60,8 @@ class Batch:
     displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
     each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
     None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat `around` it
-    `[realisation, (1,) 1]`. A solver may keep displacements in the `room` `[realisation, (y,) x]` for them.
+    `[realisation, (1,) 1]`. A solver may keep displacements in the `room`
+    `[realisation, (y,) x]` for them, and pressures in that `room_of_pressure`, which is zero.
     """
 
     punch: Reals
@@ -72,6 +73,7 @@ class Batch:
     largest_pressure: float = np.inf
     around: Reals | None = None
     room: Reals | None = None
+    room_of_pressure: Reals | None = None
 
     @property
     def shape(self) -> tuple[int, ...]:

@@ -143,17 +143,18 @@ class Closing(NamedTuple):
         return float(energy), float(error)
 
 
-def refine(pressure: Reals, fine: Reals, rows: int | None = None) -> None:
+def between(coarse: tuple[int, ...], fine: tuple[int, ...]) -> list[tuple[Indices, Reals]]:
+    """Node of a coarse grid before each one of a finer grid, and the share of the way to the next, along each axis."""
+    places = (np.divmod(np.arange(n) * m, n) for n, m in zip(fine, coarse, strict=True))
+    return [(first, rest / n) for (first, rest), n in zip(places, fine, strict=True)]
+
+
+def refine(pressure: Reals, fine: Reals) -> None:
     """Fill a finer grid with a periodic pressure `[y, x]`, linearly; a profile is a map of one row.
 
     Of nodes next to the contact, which interpolation would load too, those nearer to a contact node keep their load.
-    Of a grid of more `rows`, `fine` are the first ones.
     """
-    shape = rows or fine.shape[0], fine.shape[1]
-    places = [np.divmod(np.arange(n) * m, n) for n, m in zip(shape, pressure.shape, strict=True)]
-    (above, down), (left, right) = [
-        (first[:some], rest[:some] / n) for (first, rest), n, some in zip(places, shape, fine.shape, strict=True)
-    ]
+    (above, down), (left, right) = between(pressure.shape, fine.shape)
 
     def some(part: slice) -> None:
         kernels.refine_pressure(pressure, above[part], down[part], left, right, fine[part])

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from gfmd_numba.analysis import cheapest_design
+from support.pilots import cheapest_design
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy, of_limit
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}

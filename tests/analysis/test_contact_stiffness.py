@@ -54,6 +54,15 @@ def test_the_stiffness_of_a_wave_is_westergaards(wave):
     np.testing.assert_allclose(fine["stiffness_reduced"], fine["stiffness"] * rms_height / fine["mean_pressure"])
 
 
+def test_a_load_that_dwells_has_no_stiffness(wave):
+    """Its pressures differ by rounding."""
+    dataset = wave(256, [0.003, 0.006, 0.006])
+    dataset["mean_pressure"].loc[{"step": 2}] *= 1.0 + 1e-15
+    found = contact_stiffness(dataset)["stiffness"].values
+    assert found[0] > 0.0
+    assert np.isnan(found[1])
+
+
 def test_the_mean_gap_is_that_of_the_closed_form():
     """From the amplitude without load to nothing in full contact, with the slope of a row of flat punches."""
     full = np.pi * AMPLITUDE

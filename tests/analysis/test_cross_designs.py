@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from support.cross_levels import crossed
+from support.pilots import cheapest_design
 from support.synthetic_campaigns import ALPHA, CROSS, noisy, of_limit
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")

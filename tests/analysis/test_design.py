@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.analysis import UnusableDataError, cheapest_design, fit_tfc
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from support.expected_interactions import drawn
+from support.pilots import cheapest_design
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy, of_limit
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")

@@ -23,6 +23,8 @@ def test_error_bars_cover_an_exponent_known_only_to_a_range():
     assert abs(eps_f["alpha"] - 0.67) < 2 * eps_f["alpha_error"]
     assert abs(eps_f["C"] - C["eps_f"]) < 3 * eps_f["C_error"]
     assert ranged.attrs["fixed"] == "eps_c: 1.1, eps_t: 1, eps_f: 0.3..1.5"
+    assert ranged["alpha_low"].sel(limit=["eps_c", "eps_f"]).values[0].tolist() == [1.1, 0.3]
+    assert ranged["alpha_high"].sel(limit=["eps_c", "eps_f"]).values[0].tolist() == [1.1, 1.5]
 
 
 WIDE = {"eps_c": (0.5, 2.5), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2.0)}

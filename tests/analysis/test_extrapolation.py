@@ -1,12 +1,13 @@
 """What the distance from the finest level adds to the error of a limit, and what rival fits add to it."""
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.limit_errors import expected_doubts, rivals
+from gfmd_numba.analysis.limit_errors import _without, expected_doubts, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
@@ -169,3 +170,13 @@ def test_a_finer_level_leaves_the_doubt_of_a_shorter_distance():
         now = fit["extrapolation_error"].sel(limit=limit).values
         assert (now > 0.0).all()
         np.testing.assert_allclose(expected_doubts(fit, limit, finer), now * finer ** -ALPHA[limit])
+
+
+def test_no_level_is_left_out_without_which_a_group_has_a_limit_less():
+    whole = groups_to_fit(campaign((0.3, 0.8)), "kappa", omit_nyquist=True)
+    finest = whole[0].levels["eps_f"].min()
+    only_there = np.where(whole[0].levels["eps_f"] == finest, 1 / 2, 1 / 4)
+    first = replace(whole[0], levels=whole[0].levels | {"eps_t": only_there})
+    assert _without(whole, "eps_f", finest) is not None
+    assert _without([first, whole[1]], "eps_f", finest) is None
+    assert _without([whole[1], first], "eps_f", finest) is None

@@ -103,3 +103,17 @@ def test_interactions_far_larger_than_expected_are_no_misfit_where_cross_levels_
     planted = {("eps_c", "eps_f"): 0.9, ("eps_c", "eps_t"): -0.9}
     dataset = noisy(campaign(realisations=30, cross=CROSS, interactions=planted), np.random.default_rng(0), spread=0.02)
     assert excess_of(dataset, ALPHA)[0] == 1.0
+
+
+def test_chi_squared_is_that_of_the_likeliest_law():
+    """Another variable with the same numbers has powers alone, which fit these."""
+    levels = LEVELS | {"eps_f": [1 / 16, 1 / 64, 1 / 256, 1 / 1024, 1 / 4096]}
+    dataset = noisy(
+        campaign(levels=levels, realisations=40, cross=CROSS, **WANING), np.random.default_rng(1), own=0.001
+    )
+    given = ALPHA | {"eps_f": (0.2, 2.0)}
+    both, powers = (
+        fit_tfc(dataset.assign(kappa_r=dataset["kappa"]), variable, fixed=given) for variable in ("kappa", "kappa_r")
+    )
+    assert both["law"].values[0].tolist()[1].startswith("power")
+    assert both["chi2"].item() == pytest.approx(powers["chi2"].item(), rel=0.1)  # nodes

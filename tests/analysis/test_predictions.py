@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from gfmd_numba.analysis import UnusableDataError, fit_tfc, predictions
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.analysis.allocation import _Ensemble, _relative_errors
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom
 from support.expected_interactions import drawn
+from support.pilots import predictions
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
 
 LEVELS = {"eps_c": [1 / 2, 1 / 4, 1 / 8], "eps_f": [1 / 512, 1 / 1024, 1 / 2048], "eps_t": [1, 1 / 2, 1 / 4]}
@@ -55,6 +57,14 @@ def test_the_predicted_error_is_how_far_campaigns_are_off(some, counts):
     told = [predictions(results(some, seed), counts, fixed=ALPHA)[0] for seed in range(10)]
     ratio = np.array([each.error for each in told]) / achieved
     assert 0.7 < np.median(ratio) < 1.45  # three standard errors of `achieved`, which are 0.11
+
+
+def test_few_surfaces_of_the_dear_levels_leave_their_covariance_uncertain():
+    """Lavenberg and Welch: (n - 2) / (n - c - 2) on the variance, c the controls, each by its share of realisations."""
+    counts = np.array([20.0, 40.0, 80.0])
+    unknown = _Ensemble(np.eye(3), np.ones((3, 1)), np.zeros((3, 0)), np.zeros(1), np.arange(3), 2.0, 1.5, 30.0)
+    expected = np.sqrt(1.5 * (20 - 2) / (20 - 1.5 - 2) / counts.sum()) / 2.0
+    assert _relative_errors(unknown, counts) == pytest.approx((expected, expected))
 
 
 def test_cross_levels_are_what_a_prediction_lacks_without_them():

@@ -188,8 +188,8 @@ def test_levels_become_as_fine_as_their_laws_ask(refined, halved, step):
     results = gfmd_numba.open_campaign(refined.results)
     state = refined.rounds.model_copy(update={"goal": GOAL.model_copy(update={"budget": None})})
     doubts = [next_round._Doubt(0.2, "eps_f", halved, 0.2)]
-    fit = next_round.Fit("kappa", {})
-    standing = next_round._Standing(results, xr.Dataset(), fit, 0.1, None, doubts, None)
+    known = next_round.Known(results, next_round.Fit("kappa", {}))
+    standing = next_round._Standing(known, xr.Dataset(), 0.1, None, doubts, None)
     finer = next_round._refined(state, standing, 0.1)
     assert finer.now.levels[0][0][1] == state.now.levels[0][0][1] / step
 

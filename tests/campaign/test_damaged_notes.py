@@ -7,6 +7,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import failures
+from gfmd_numba.campaign.collection import NOTES, noted
 from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.output_directory import at_work, claimed
 from gfmd_numba.campaign.plan import plan
@@ -28,7 +29,6 @@ MORE = [
     '{"status": ["crashed"], "reason": "boom"}',
     '{"status": "crashed", "reason": {"a": 1}}',
 ]
-DAMAGED = [*FEW, *(pytest.param(each, marks=pytest.mark.long) for each in MORE)]
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,33 @@ def assert_kept(out, note):
     note.unlink()
 
 
-@pytest.mark.parametrize("content", DAMAGED)
+@pytest.mark.parametrize("content", FEW + MORE)
+def test_a_file_without_our_mark_says_nothing(tmp_path, content):
+    """Whatever it holds; the commands below meet two of these."""
+    for file in (failures.path_of(tmp_path, "block"), tmp_path / NOTES):
+        file.parent.mkdir(exist_ok=True)
+        file.write_bytes(content.encode("utf-8", "surrogatepass"))
+    assert failures.of(tmp_path, "block") is None
+    assert noted(tmp_path) == {}
+
+
+@pytest.mark.parametrize("given", [None, [[1]], float("inf"), float("nan"), 10**400, True, -1])
+def test_what_is_no_number_is_not_noted(tmp_path, given):
+    json_file.write(tmp_path / NOTES, {"last_run_seconds": given, "last_run_blocks": 2})
+    assert noted(tmp_path) == {"last_run_blocks": 2}
+
+
+@pytest.mark.parametrize(
+    ("status", "reason"), [(None, None), ("exploded", "boom"), (["crashed"], "boom"), ("crashed", {})]
+)
+def test_a_failure_of_an_unknown_kind_is_none(tmp_path, status, reason):
+    file = failures.path_of(tmp_path, "block")
+    file.parent.mkdir()
+    json_file.write(file, {"status": status, "reason": reason})
+    assert failures.of(tmp_path, "block") is None
+
+
+@pytest.mark.parametrize("content", FEW)
 def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     block = next(plan(out / "campaign.yaml").blocks)
     (out / "shards" / f"{block.name}.shard").unlink()
@@ -67,13 +93,7 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
 
-NO_NUMBERS = [
-    pytest.param(f'{{"last_run_seconds": {given}}}', marks=pytest.mark.long if given != "[[1]]" else ())
-    for given in ("null", "[[1]]", "1e999", "NaN", 10**400, "true", -1)
-]
-
-
-@pytest.mark.parametrize("content", DAMAGED + NO_NUMBERS)
+@pytest.mark.parametrize("content", FEW)
 def test_damaged_notes_of_a_run_stop_nothing(out, content):
     (out / "run.json").write_bytes(content.encode("utf-8", "surrogatepass"))
     assert gfmd("collect", out).exit_code == 0

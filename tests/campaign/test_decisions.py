@@ -7,18 +7,19 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.campaign import next_round
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import (
     Fit,
     Fitted,
+    Known,
     UnknownExponentsError,
     _Doubt,
+    _doubts,
     _hopeless,
     after,
     decide,
     judge,
-    price_of_realisations,
-    whole_price,
 )
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
@@ -42,7 +43,8 @@ def results(dataset, seed=0):
 
 
 def decided(found, target, fit=EXACT, most=np.inf):
-    return decide(found, judge(found, fit_tfc(found, fixed=fit.fixed), fit), target, fit, most)
+    known = Known(found, fit)
+    return decide(known, judge(known, fit_tfc(found, fixed=fit.fixed)), target, most)
 
 
 @pytest.mark.long
@@ -71,19 +73,70 @@ def test_the_order_of_cases_hardly_changes_the_price():
 def test_a_round_makes_up_for_an_error_that_was_larger_than_predicted():
     """Only after the pilot, whose error falls as laws are told apart."""
     found = results(crossed(*CROSS))
-    judged = judge(found, fit_tfc(found, fixed=ALPHA), EXACT)
+    known = Known(found, EXACT)
+    judged = judge(known, fit_tfc(found, fixed=ALPHA))
     missed = replace(judged, predicted=0.7 * judged.sure_error)
-    pilot, later = (decide(found, missed, 0.8 * judged.error, EXACT, after_pilot=first) for first in (True, False))
+    pilot, later = (decide(known, missed, 0.8 * judged.error, after_pilot=first) for first in (True, False))
     assert later.predicted_error < 0.8 * pilot.predicted_error
 
 
 def test_a_round_is_judged_by_its_worst_group():
     found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
     alone = [found.isel(case=found["hurst"].values == hurst) for hurst in (0.3, 0.8)]
-    both, first, second = (judge(each, fit_tfc(each, fixed=ALPHA), EXACT) for each in (found, *alone))
+    both, first, second = (judge(Known(each, EXACT), fit_tfc(each, fixed=ALPHA)) for each in (found, *alone))
     assert first.predicted != pytest.approx(second.predicted, rel=1e-2)
     assert both.predicted == pytest.approx(max(first.predicted, second.predicted), rel=1e-2)
     assert both.error == pytest.approx(max(first.error, second.error), rel=1e-2)
+
+
+def test_laws_are_judged_at_the_worst_step_of_a_path():
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["extrapolation_error"].loc[{"limit": "eps_f"}] = [0.1, 0.05]
+    steps = [_doubts(fitted.isel(group=[group]), 1)[0] for group in range(2)]
+    (path,) = _doubts(fitted, 1)
+    assert steps[0].size != pytest.approx(steps[1].size, rel=1e-2)
+    worst = max(steps, key=lambda step: step.size)
+    assert path == replace(worst, error=max(step.error for step in steps))
+    assert _doubts(fitted, 2) == steps
+
+
+def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    fitted, known, aims = fit_tfc(found, fixed=ALPHA), Known(found, EXACT), []
+    monkeypatch.setattr(next_round, "_with_another", lambda state, group, aim, of_laws: aims.append((aim, of_laws)))
+    doubts = [_Doubt(size, "eps_f", size, 0.1) for size in (0.01, 0.03)]
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.05}), campaign_sha256="", rounds=(first,))
+    standing = next_round._Standing(known, fitted, 0.05, judge(known, fitted), doubts, None)
+    next_round._decided(state, standing, 1.0, may_refine=False)
+    assert aims == [(pytest.approx(0.04), 0.03)]
+
+
+@pytest.mark.parametrize(("of_levels", "cheaper"), [(13.0, True), (11.0, False)])
+def test_surfaces_come_first_if_levels_add_more_than_half_of_their_price(of_levels, cheaper):
+    one = {"realisations": (1,), "is_last": True}
+    surfaces, levels = (
+        Rounds(goal=Goal(targets={"kappa": 0.01}), campaign_sha256="", rounds=(Round(**one, **prices),))
+        for prices in ({"price": 14.0, "target_price": 14.0}, {"price": of_levels})
+    )
+    assert next_round._is_cheaper(surfaces, levels, spent=10.0) is cheaper
+
+
+def test_a_round_is_a_quarter_dearer_than_all_before():
+    found = results(crossed(*CROSS))
+    known = Known(found, EXACT)
+    now = judge(known, fit_tfc(found, fixed=ALPHA)).sure_error
+    assert decided(found, 1.5 * now).price >= 1.25 * known.whole_price(known.held)
+
+
+def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run():
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS)).assign_attrs(cpu_seconds=1.0)
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, 1.0]
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
+    assert "the levels contradict the fixed eps_f: 0.6" in after(state, [Fitted(Known(found, EXACT), fitted)]).ended
 
 
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():
@@ -134,7 +187,8 @@ def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
 def test_a_round_makes_the_best_of_a_budget():
     found = results(crossed(*CROSS))
     free = decided(found, 0.01)
-    spent = whole_price(found, price_of_realisations(found), found["realisations"].values)
+    known = Known(found, EXACT)
+    spent = known.whole_price(known.held)
     most = (spent + free.price) / 2
     bounded = decided(found, 0.01, most=most)
     assert spent < 0.8 * most < bounded.price <= most
@@ -154,6 +208,6 @@ def test_a_run_ends_with_the_advice_that_helps():
     found = results(crossed()).assign_attrs(cpu_seconds=1.0)
     first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
-    ended = after(state, [Fitted(found, fit_tfc(found, fixed=ALPHA), EXACT)]).ended
+    ended = after(state, [Fitted(Known(found, EXACT), fit_tfc(found, fixed=ALPHA))]).ended
     assert ended.startswith("not reached: 1000000 realisations of every case would leave an error of")
     assert ended.endswith("a cross level for every pair of limits under `limits: {cross: ...}`")

@@ -10,7 +10,7 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import FEWEST
-from gfmd_numba.campaign.next_round import Fit, Fitted, after
+from gfmd_numba.campaign.next_round import Fit, Fitted, Known, after
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rounds import Round, Rounds
 from gfmd_numba.scene import InputError
@@ -93,7 +93,7 @@ def test_a_measure_of_a_path_needs_one():
         plan({key: value for key, value in of(step=0).items() if key != "path"})
 
 
-MOST, SEEDS = 2000, 20
+MOST, SEEDS = 2000, 10
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
 
 
@@ -126,7 +126,7 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
         while not state.ended:
             results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
             fitted = fit_tfc(results, fixed=ALPHA)
-            state = after(state, [Fitted(results, fitted, Fit("kappa", ALPHA))])
+            state = after(state, [Fitted(Known(results, Fit("kappa", ALPHA)), fitted)])
         if "no law of the limits describes the means" in state.ended:  # by chance, as one in twenty means scatter
             continue
         assert state.ended == "reached"
@@ -136,5 +136,5 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
         distances.append((fitted["kappa_tfc"].values - TFC[0.8]) / fitted["kappa_tfc_error"].values)
     assert len(distances) >= 0.9 * SEEDS
     scatter = np.sqrt(np.mean(np.square(distances), axis=0))
-    assert (scatter > 0.57).all()
-    assert (scatter < 1.43).all()  # 2.7 standard errors of so many runs
+    assert (scatter > 0.4).all()
+    assert (scatter < 1.6).all()  # 2.7 standard errors of so many runs

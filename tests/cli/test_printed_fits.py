@@ -85,7 +85,8 @@ def test_a_missed_target_is_told_with_what_reaches_it(capsys):
 
 
 def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
-    fit = fitted(noisy(campaign(), np.random.default_rng(1))).assign_attrs(fixed="eps_f: 0.5..1.5")
+    fit = fitted(noisy(campaign(), np.random.default_rng(1)))
+    fit["alpha_low"].loc[{"limit": "eps_f"}], fit["alpha_high"].loc[{"limit": "eps_f"}] = 0.5, 1.5
     for error, said in ((0.99 / 12**0.5, True), (0.5 / 12**0.5, False)):
         fit["alpha_error"].loc[{"limit": "eps_f"}] = error
         tell(of_fit(fit))

@@ -43,7 +43,8 @@ def solved(bodies, heights, load, **more):
     return gfmd_numba.solve({"scene": scene | more})
 
 
-@pytest.mark.filterwarnings("ignore")
+@pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_two_half_spaces_give_way_as_one_of_their_reduced_modulus_and_each_by_its_share(dimension):
     heights, load = 0.05 * rough(32, dimension), 0.001
@@ -56,7 +57,8 @@ def test_two_half_spaces_give_way_as_one_of_their_reduced_modulus_and_each_by_it
     np.testing.assert_allclose(two["counter_body_displacement"], SHARE * moved, atol=1e-7 * abs(moved).max())
 
 
-@pytest.mark.filterwarnings("ignore")
+@pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_two_rough_bodies_are_the_sum_of_their_heights(dimension):
     """Whoever has them, a punch or either body; what the slopes add is told to be of their size."""
@@ -73,7 +75,8 @@ def test_two_rough_bodies_are_the_sum_of_their_heights(dimension):
     np.testing.assert_allclose(inside["stress_3"].isel(z=0), -borne, atol=1e-3 * float(borne.max()))
 
 
-@pytest.mark.filterwarnings("ignore")
+@pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 def test_equal_bodies_do_not_rub_and_a_rigid_one_rubs_as_a_punch_does():
     """Pressure moves the surfaces of equal bodies along one another (Dundurs' beta is 0)."""
     heights, friction = 0.1 * rough(48, 1), {"interface": WALL | {"friction": {"coefficient": 0.4}}}
@@ -175,7 +178,7 @@ def test_at_the_surface_of_layers_displacements_are_those_of_their_kernel(ends):
     np.testing.assert_allclose(found, expected, atol=2e-4 * abs(expected).max())
 
 
-@pytest.mark.filterwarnings("ignore")
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_a_punch_meets_a_body_that_prescribed_tractions_have_deflected(tmp_path, dimension):
     """As one whose heights are lower by the deflection: in the middle of a square that pulls, it is Love's."""

@@ -261,7 +261,7 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it(tabor, wo
     From near Derjaguin, Muller and Toporov's 2 pi w to near Johnson, Kendall and Roberts's 3 pi w / 2.
     """
     length, unit = work ** (2.0 / 3.0) / tabor, (9.0 * np.pi * work / 8.0) ** (2.0 / 3.0)
-    way = (around + np.linspace(0.1, -0.1, 5)) * unit
+    way = (around + np.array([0.1, 0.0, -0.1])) * unit
     scene = {
         "dimension": 2,
         "body": {"poissons_ratio": 0.3},
@@ -273,7 +273,7 @@ def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it(tabor, wo
     path = [{"displacement": float(step)} for step in way[1:]]
     found = gfmd_numba.solve({"scene": scene, "path": path, "numerics": {"residual": 1e-6}})
     assert (found["status"] == 0).all()
-    bent, tilt, largest = np.polyfit(np.arange(-2, 3), -found["mean_pressure"].values, 2)
+    bent, tilt, largest = np.polyfit(np.arange(-1, 2), -found["mean_pressure"].values, 2)
     known = pull_off(work, length, 160 if tabor < 1.0 else 640)
     assert largest - tilt**2 / (4.0 * bent) == pytest.approx(known, rel=error)
     assert float(found["pull_off_pressure"]) == pytest.approx(known, rel=5e-3)

@@ -1,7 +1,5 @@
 """The balance of energy along a path, compared with what slipping nodes take and with the energy of a branch."""
 
-from warnings import catch_warnings
-
 import numpy as np
 import pytest
 
@@ -136,8 +134,7 @@ def test_a_ball_that_is_drawn_off_loses_little_down_the_tail_of_its_attraction()
         "loading": {"displacement": 0.0},
     }
     path = [{"displacement": f"{d} nm"} for d in (-160, -200, -500, -1000)]
-    with catch_warnings(action="ignore"):
-        found = gfmd_numba.solve({"scene": scene, "path": path})
+    found = gfmd_numba.solve({"scene": scene, "path": path})
     assert (found["status"] == 0).all()
     assert 0.0 <= float(found["energy_lost"][3:].sum()) < 10e-6
 

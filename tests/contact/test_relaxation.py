@@ -1,5 +1,6 @@
 """Bodies that creep: what Lee and Radok, and Ting, know of them, their limits, the order of their steps and energy."""
 
+import copy
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,8 @@ from scipy.optimize import brentq
 
 import gfmd_numba
 from gfmd_numba.contact import time_steps
+from gfmd_numba.contact.contact_input import read_contact
+from gfmd_numba.contact.doubts import FEWEST
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, given_surface
 from gfmd_numba.contact.relaxation import Relaxation
@@ -19,6 +22,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.scene.scene_file import load_scene
+from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, in_a_window, modulus, relaxation
 
@@ -80,6 +85,67 @@ def test_a_rough_map_is_too():
             float(elastic["contact_area_fraction"]), rel=1e-6
         )
         assert float(creeping["mean_gap"][i]) == pytest.approx(float(elastic["mean_gap"]), rel=1e-4)
+
+
+@pytest.mark.parametrize("slab", [{}, {"aspect_ratio": 0.2}], ids=["half-spaces", "slabs"])
+@pytest.mark.parametrize("other", [STANDARD, None], ids=["both", "one"])
+def test_of_two_bodies_the_creep_compliances_add_up(slab, other):
+    """Under a constant load their contact is that of two elastic bodies of 1 / E* = J_1 / E_1* + J_2 / E_2*."""
+    series, moduli = (THREE, other), (1.0, 3.0)
+    bodies = [
+        slab | {"youngs_modulus": e, "poissons_ratio": 0.3} | ({} if s is None else {"relaxation": relaxation(s, e)})
+        for s, e in zip(series, moduli, strict=True)
+    ]
+
+    def pair(load, bodies):
+        rough, above = bodies
+        rough = rough | {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}}
+        whole = scene(load=load) | {"length": 1.0, "body": rough, "counter_body": above}
+        return {name: value for name, value in whole.items() if name != "roughness"}
+
+    def file(whole, **more):
+        return {"scene": whole, "discretisation": EPS[1] | {"eps_c": 1 / 2}, "seed": 3} | more
+
+    creeping = gfmd_numba.solve(file(pair(0.05, bodies), path=dwells((0.5, 5.0)), numerics={"time_tolerance": 1e-2}))
+    elastic = [{key: value for key, value in each.items() if key != "relaxation"} for each in bodies]
+    for i, time in enumerate((0.0, 0.5, 5.0)):
+        each = [1.0 if s is None else compliance(s, time) for s in series]
+        softer = (3.0 * each[0] + each[1]) / 4.0
+        now, then = creeping.isel(step=i), file(pair(0.05 * softer, elastic), numerics={"topography_order": 0})
+        expected = gfmd_numba.solve(then)
+        error = abs(now["gap"] - expected["gap"]).max() / expected["gap"].max()
+        assert float(error) <= max(float(now["time_error"]), 1e-8)
+    assert creeping["displacement"].long_name.startswith("normal displacements of both bodies together")
+
+
+def test_it_does_not_matter_whether_a_body_that_creeps_or_the_punch_is_rough():
+    """At order 0 in the slope; a steep body is warned of."""
+    on_punch = scene(series=STANDARD)
+    on_punch["roughness"] |= {"rms_gradient": 0.05}
+    on_body = copy.deepcopy(on_punch)
+    on_body["body"]["roughness"] = on_body.pop("roughness")
+    rest = {"discretisation": EPS[1], "seed": 3, "path": dwells((1.0,)), "numerics": {"time_tolerance": 0.05}}
+    one = gfmd_numba.solve({"scene": on_punch} | rest)
+    with pytest.warns(UserWarning, match="order 0 in the slope, at which bodies that creep are pressed"):
+        other = gfmd_numba.solve({"scene": on_body} | rest)
+    for name in ("gap", "pressure", "energy_lost"):
+        np.testing.assert_allclose(other[name], one[name], atol=1e-9 * float(abs(one[name]).max()))
+    assert other["height"].long_name.startswith("sum of the heights")
+
+
+def test_layers_that_relax_alike_creep_as_the_one_body_that_they_are():
+    def of(load, **body):
+        whole = scene(load=load)
+        whole["body"] = body
+        return whole
+
+    stack = {"layers": [{"youngs_modulus": 2.0, "poissons_ratio": 0.4, "height": 0.02}], "base": "rigid"}
+    stack["layers"] += [{"youngs_modulus": 20.0, "poissons_ratio": 0.2, "height": 0.1}]
+    found = solved(of(0.05, **stack, relaxation=relaxation(THREE, 2.0)), dwells((0.5, 5.0)), time_tolerance=1e-2)
+    for i, time in enumerate((0.0, 0.5, 5.0)):
+        elastic = solved(of(0.05 * compliance(THREE, time), **stack))
+        error = abs(found["gap"][i] - elastic["gap"]).max() / elastic["gap"].max()
+        assert float(error) <= max(float(found["time_error"][i]), 1e-8)
 
 
 def test_under_a_load_that_grows_evenly_the_profile_is_that_of_the_equivalent_load():
@@ -198,7 +264,7 @@ def random_history(seed, tolerance):
 
 
 def worst_of(seed, tolerance, monkeypatch):
-    """Largest error of a random history against ten times finer divisions, and the largest that is reported."""
+    """Largest error of a random history against four times finer divisions, and the largest that is reported."""
     problem, counts = random_history(seed, tolerance), []
     divided = time_steps._divided
 
@@ -213,7 +279,7 @@ def worst_of(seed, tolerance, monkeypatch):
     state, errors = begin(problem, range(1)), []
     for step, contact in zip((problem.step, *problem.path), found, strict=True):
         one = problem.under(step)
-        fine = divided(one, state, 10 * taken[step] if step.duration else 1)[0]
+        fine = divided(one, state, 4 * taken[step] if step.duration else 1)[0]
         assert contact.equilibrium.status[0] == fine.equilibrium.status[0] == 0
         errors.append(time_steps.difference(contact, fine))
         state = fine.after
@@ -297,7 +363,8 @@ def test_a_difference_is_the_larger_one_over_what_it_came_from():
     def contact(pressure, stretch, largest=(0.0, 0.0)):
         moved = np.array([stretch, np.zeros(2)])[:, np.newaxis, np.newaxis]
         after = SimpleNamespace(memory={"springs": SimpleNamespace(stretch=moved, largest=largest)})
-        return SimpleNamespace(after=after, equilibrium=SimpleNamespace(pressure=np.array([pressure]), tangential=None))
+        equilibrium = SimpleNamespace(pressure=np.array([pressure]), tangential=None, displacement=None)
+        return SimpleNamespace(after=after, equilibrium=equilibrium)
 
     coarse = contact([1.0, 1.0], [2.0, 2.0])
     assert time_steps.difference(coarse, contact([1.0, 1.1], [2.0, 3.0], (21.0, 10.0))) == pytest.approx(0.1)
@@ -309,3 +376,25 @@ def test_springs_remember_the_largest_load():
     high = solve(problem, begin(problem, range(1))).after
     low = solve(problem.under(LoadStep(1e-3, (0.0,), 2.0)), high).after
     assert low.memory["springs"].largest[0] == pytest.approx(high.memory["springs"].largest[0])
+
+
+def test_where_a_division_of_time_fails_nothing_is_said_of_the_end_of_the_step(monkeypatch):
+    """The contact is then one on the way, of fewer nodes, and its error in time is unknown."""
+    solve_one, loading = solve, {"line_load": 0.25 * np.pi * 0.25**2 / 4.0, "duration": 1.0}
+
+    def failing(problem, state):
+        found = solve_one(problem, state)
+        found.equilibrium.status[:] = Status.stagnated if problem.duration < 1.0 else Status.ok
+        return found
+
+    scene = {"periodic": False, "length": 1.0, "form": {"radius": 4.0, "points": 26}, "interface": {"hard_wall": {}}}
+    scene |= {"body": {"poissons_ratio": 0.5, "youngs_modulus": 0.75, "relaxation": relaxation(STANDARD, 0.75)}}
+    file = {"scene": scene | {"loading": loading}}
+    assert not gfmd_numba.solve(file | {"numerics": {"time_tolerance": 0.1}}).validity
+    monkeypatch.setattr(time_steps.solution, "solve", failing)
+    found = gfmd_numba.solve(file)
+    assert int(found["status"]) == Status.stagnated
+    assert 0 < int((found["pressure"] > 0.0).sum()) < FEWEST
+    assert not found.validity
+    problem, _ = read_contact(*load_scene(file)).reduced
+    assert np.isnan(next(solve_path(problem, 0)).time_error)

@@ -1,12 +1,17 @@
 """Wear by Archard's law: the worn volume, the flat that a sine wears to, and steps of any length."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 import gfmd_numba
+from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.processes import Wear
+from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.scene.scene_file import load_scene
 
 EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
 
@@ -118,3 +123,78 @@ def test_without_wear_nothing_is_remembered(monkeypatch):
     found = solved(whole, [{"reduced_pressure": 0.06}])
     assert not {"worn_depth", "mean_worn_depth"} & set(found.variables)
     assert LoadStep(0.0, (0.0,)).towards(LoadStep(1.0, (2.0,), 4.0), 0.25) == LoadStep(0.25, (0.5,), 1.0)
+
+
+def rubbing(path, rate=2.0, coefficient=0.3, periodic=True, body=None, **numerics):
+    """The file of a rough punch that rubs and wears."""
+    whole = scene(periodic=periodic, rate=rate, **body or {"aspect_ratio": 0.4})
+    whole["interface"]["friction"] = {"coefficient": coefficient}
+    eps = EPS[1] | {"eps_c": 1 / 4}
+    return {"scene": whole, "path": path, "seed": 2, "discretisation": eps, "numerics": {"residual": 1e-9} | numerics}
+
+
+def followed(file, divisions):
+    """Contacts at the ends of divisions of the first step."""
+    problem, _ = read_contact(*load_scene(file)).reduced
+    state = begin(problem, range(1))
+    found = [solve(problem.at_each_load[0], state)]
+    for i in range(divisions):
+        step = problem.step.towards(problem.path[0], (i + 1) / divisions)
+        found.append(solve(problem.under(step), found[-1].after))
+    assert not any(each.equilibrium.status[0] for each in found)
+    return problem, found
+
+
+def test_each_node_wears_by_its_own_slip():
+    """The volume is the rate times the sum over nodes of mean pressure times slip, as far as nodes keep touching."""
+    problem, found = followed(rubbing([{"sliding": 2e-3}]), 32)
+    expected = problem.wear_rate * abs(found[0].equilibrium.tangential.slip[0, 0]) * found[0].equilibrium.pressure[0]
+    expected *= 0.5
+    for last, now in pairwise(found):
+        way = now.step.sliding[0] - last.step.sliding[0]
+        assert problem.wear_rate * way * np.pi * now.heights.shape[-1] / 2.0 < 2.0  # short enough for the mean
+        moved = now.sideways[0, 0] - last.sideways[0, 0]
+        slip = np.where(now.equilibrium.touching[0], way - moved, 0.0)
+        expected += 0.5 * problem.wear_rate * abs(slip) * (last.equilibrium.pressure[0] + now.equilibrium.pressure[0])
+    sticks = (found[1].equilibrium.tangential.slip[0, 0] == 0.0) & found[1].equilibrium.touching[0]
+    assert sticks.any()
+    worn = found[-1].after.memory["worn"][0]
+    assert worn.mean() == pytest.approx(expected.mean(), rel=1e-10)
+    np.testing.assert_allclose(worn, expected, atol=1e-10 * worn.max())
+
+
+def test_divisions_of_short_steps_are_of_second_order():
+    file = rubbing([{"sliding": 1e-3}])
+    depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (16, 32, 64, 128)]
+    changes = [abs(one - other).sum() for one, other in pairwise(depths)]
+    assert changes[0] / changes[2] > 9.0  # 16 of second order, 4 of first
+
+
+@pytest.mark.filterwarnings("ignore:the punch has slid")
+@pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
+def test_a_punch_that_slides_far_wears_as_without_friction():
+    """On an incompressible half-space friction does not change the pressure; the punch first drags it along a bit."""
+    body = {"poissons_ratio": 0.5}
+    file = rubbing([{"sliding": 0.4}], 1.0, 0.01, periodic=False, body=body, time_tolerance=5e-3)
+    found = gfmd_numba.solve(file)
+    del file["scene"]["interface"]["friction"]
+    file |= {"path": [{"sliding": (i + 1) * 0.4 / 64} for i in range(64)], "numerics": {"residual": 1e-9}}
+    plain = gfmd_numba.solve(file)
+    for name in ("worn_depth", "pressure"):
+        error = abs(found[name][-1] - plain[name][-1]).sum() / plain[name][-1].sum()
+        assert float(error) < 0.03  # first order of the 64 steps
+    assert float(found["mean_worn_depth"][-1]) == pytest.approx(float(plain["mean_worn_depth"][-1]), rel=5e-3)
+    assert 0.0 < float(found["time_error"][-1]) < 5e-3
+    assert "energy_lost" not in found
+
+
+def test_long_steps_of_a_punch_that_rubs_hold_their_tolerance():
+    """As no wave of the grid swings to and fro; beside eight times as many steps."""
+    path = [{"sliding": 1e-3}, {"sliding": 0.02}]
+    found = gfmd_numba.solve(rubbing(path, time_tolerance=2e-2))
+    ways = [*np.linspace(0.0, 1e-3, 9)[1:], *np.linspace(1e-3, 0.02, 9)[1:]]
+    fine = gfmd_numba.solve(rubbing([{"sliding": float(way)} for way in ways], time_tolerance=2e-2))
+    for name in ("worn_depth", "pressure", "displacement"):
+        error = abs(found[name][-1] - fine[name][-1]).sum() / abs(fine[name][-1]).sum()
+        assert float(error) < float(found["time_error"][-1]) + float(fine["time_error"][-1])
+    assert float(found["time_error"][-1]) < 2e-2

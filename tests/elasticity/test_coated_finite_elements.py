@@ -72,12 +72,12 @@ def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spect
     touching = (found.pressure[0] > 0).mean()
     assert 0.05 < touching < 0.5
     lengths = []
-    for columns, rows in ((32, 13), (64, 25), (128, 49)):
+    for columns, rows in ((16, 7), (32, 13), (64, 25)):
         over = nx // (2 * columns)
         mesh = coated(columns, edges(rows), body)
         solution = mesh.press(wall[::over], wall[::over] < 0.0)
         errors.append(abs(mesh.along_top(solution)[1] - found.displacement[0][::over]).max())
         lengths.append(solution.touching.mean())
-    assert errors[-1] < 5e-6, errors
+    assert errors[-1] < 2e-5, errors  # of second order in the size of the elements: at half of it 5e-6
     assert errors[-1] < errors[0] / 4, errors
-    assert lengths[-1] == pytest.approx(touching, abs=2 / 256)
+    assert lengths[-1] == pytest.approx(touching, abs=2 / 128)

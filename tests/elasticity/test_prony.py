@@ -1,11 +1,12 @@
 """The Prony series of a generalised Maxwell body, against quadrature."""
 
+import mpmath as mp
 import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from gfmd_numba.elasticity.prony import PronySeries
-from support.viscoelastic import THREE, modulus
+from gfmd_numba.elasticity.prony import PronySeries, in_series
+from support.viscoelastic import THREE, compliance, modulus
 
 SERIES = PronySeries(*zip(*THREE, strict=True))
 
@@ -35,3 +36,43 @@ def test_springs_and_dashpots_of_a_step_are_those_of_quadrature(duration):
         pairs = ((old, old), (old, new), (new, new))
         expected = [quad(lambda s, f=f, g=g: f(s) * g(s), 0.0, x, epsabs=0.0, epsrel=1e-11)[0] for f, g in pairs]
         np.testing.assert_allclose(losses[:, i], expected, rtol=1e-8)
+
+
+STEEP = PronySeries((4.0, 0.3, 20.0), (1e-6, 1e-2, 3.0))
+ELASTIC = PronySeries((), ())
+
+
+@pytest.mark.parametrize(
+    "parts", [((1.0, SERIES), (1.0, STEEP)), ((0.2, SERIES), (0.8, ELASTIC)), ((0.5, STEEP), (0.5, STEEP))]
+)
+def test_the_creep_compliances_of_bodies_in_series_add_up(parts):
+    """E(t) of the two together, and J = 1 / E, against the inverse Laplace transform of 1 / (s^2 sum J_i / s)."""
+    both, whole = in_series(parts), sum(share for share, _ in parts)
+
+    def transform(series, s):  # s times that of E(t), in many digits
+        pairs = zip(series.moduli, series.times, strict=True)
+        return 1 + sum(mp.mpf(m) * s * mp.mpf(tau) / (1 + s * mp.mpf(tau)) for m, tau in pairs)
+
+    def modulus_of_both(s):
+        return whole / sum(share / transform(series, s) for share, series in parts)
+
+    for time in (1e-7, 1e-5, 1e-2, 0.7, 30.0):
+        expected = mp.invertlaplace(lambda s: modulus_of_both(s) / s, time, method="talbot", degree=40)
+        assert both.modulus(time) == pytest.approx(float(expected), rel=1e-11)
+        compliance_of_both = sum(
+            share * compliance(tuple(zip(series.moduli, series.times, strict=True)), time) if series.moduli else share
+            for share, series in parts
+        )
+        own = tuple(zip(both.moduli, both.times, strict=True))
+        assert compliance(own, time) == pytest.approx(compliance_of_both / whole, rel=1e-8)
+    frequency = np.geomspace(1e-4, 1e8, 13)
+    expected = whole / sum(share / series.complex_modulus(frequency) for share, series in parts)
+    np.testing.assert_allclose(both.complex_modulus(frequency), expected, rtol=1e-11)
+    assert len(both.times) <= sum(len(series.times) for _, series in parts)
+
+
+def test_two_bodies_of_one_material_are_one_and_elastic_ones_none():
+    both = in_series(((0.3, SERIES), (0.7, SERIES)))
+    one, other = (sorted(zip(each.times, each.moduli, strict=True)) for each in (SERIES, both))
+    np.testing.assert_allclose(other, one, rtol=1e-12)
+    assert in_series(((0.5, ELASTIC), (0.5, ELASTIC))) == ELASTIC

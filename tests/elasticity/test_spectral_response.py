@@ -152,3 +152,16 @@ def test_principal_stiffnesses_bound_the_energy():
     found = np.linalg.eigvalsh(matrices(whole.elements))
     np.testing.assert_allclose(smallest, found[..., 0], rtol=1e-12)
     np.testing.assert_allclose(largest, found[..., 2], rtol=1e-12)
+
+
+@pytest.mark.parametrize("shape", [(12,), (8, 8)])
+@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.3, 0.4), ElasticBody(0.5, 0.4)])
+def test_a_wall_that_yields_adds_to_the_normal_compliance_alone(shape, body):
+    """A mean that nothing restores stays so, and one that is rigid gives way with the wall."""
+    response = body.response(shape)
+    yielding = response.with_yielding(0.7)
+    more = yielding.inverse() - response.inverse()
+    moved = np.zeros_like(more)
+    moved[-1] = 0.7
+    moved[-1].flat[0] = 0.7 if response.normal.flat[0] > 0.0 else 0.0
+    np.testing.assert_allclose(more, moved, atol=1e-12)

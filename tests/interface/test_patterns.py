@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import gfmd_numba
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.patterned import PatternedLaw
+from gfmd_numba.interface.power_laws import LennardJonesLaw
 from gfmd_numba.scene import InputError
 
 N = 128
@@ -80,6 +82,19 @@ def test_a_patterned_law_is_that_of_each_node():
     assert patterned.stiffest(np.inf, hard_wall=True) == pytest.approx(2.0 * law.stiffest(np.inf, hard_wall=True))
     with pytest.raises(ValueError, match="gaps of shape"):
         patterned.traction(np.zeros(5))
+
+
+def test_the_weakest_node_stiffens_most_under_a_pressure_where_repulsion_grows_fast():
+    """Each share of the law of Lennard and Jones takes the gap at which that repels with the whole pressure."""
+    law, pressure = LennardJonesLaw((-4.0 / 3.0, 1.0 / 3.0), (2.0, 8.0), 1.0, 0.0, 0.5), 200.0
+    shares = np.array([[1.0, 0.0], [0.25, 2.0]])
+    stiffest = []
+    for share in shares[shares > 0.0]:
+        gap = brentq(lambda z, share=share: 8.0 / 3.0 * share * (z**-9 - z**-3) - pressure, 0.51, 1.0)
+        stiffest.append(8.0 / 3.0 * share * (9.0 * gap**-10 - 3.0 * gap**-4))
+    assert stiffest[1] == max(stiffest)
+    found = PatternedLaw.of(law, shares, (2, 2)).stiffest(pressure, hard_wall=False)
+    assert found == pytest.approx(max(stiffest), rel=1e-9)
 
 
 @pytest.mark.parametrize(

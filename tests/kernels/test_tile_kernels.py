@@ -74,34 +74,66 @@ def test_a_stencil_is_a_periodic_convolution(kernel, reach, rng):
     np.testing.assert_allclose(product[:-1], cut(expected)[TILES], atol=1e-12)
 
 
-def sharing(weights):
+def sharing(weights, per_tile):
     """Matrices `[coarse node, node]` that share values along y and along x among the coarse nodes of a torus."""
+    before = (weights.shape[1] - per_tile - 1) // 2
 
     def along(tiles):
-        matrix = np.zeros((2 * tiles, SIDE * tiles))
+        matrix = np.zeros((per_tile * tiles, SIDE * tiles))
         for t in range(tiles):
             for a in range(weights.shape[1]):
-                matrix[(2 * t - 1 + a) % (2 * tiles), SIDE * t : SIDE * (t + 1)] += weights[:, a]
+                matrix[(per_tile * t - before + a) % (per_tile * tiles), SIDE * t : SIDE * (t + 1)] += weights[:, a]
         return matrix
 
     return along(DOWN), along(ACROSS)
 
 
+@pytest.mark.parametrize(("per_tile", "wide"), [(2, 5), (1, 6)])
 @pytest.mark.parametrize("kernel", both(kernels.spread))
-def test_values_are_shared_among_coarse_nodes(kernel, rng):
-    values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
-    rows, columns = sharing(weights)
-    kernel(values, TILES, ACROSS, weights, coarse, 2 * DOWN, 2 * ACROSS)
-    np.testing.assert_allclose(coarse[:, : 2 * ACROSS], rows @ joined(values) @ columns.T, atol=1e-12)
+def test_values_are_shared_among_coarse_nodes(kernel, per_tile, wide, rng):
+    down, across = per_tile * DOWN, per_tile * ACROSS
+    values, weights, coarse = random_values(rng), rng.random((SIDE, wide)), rng.random((down, across + 3))
+    rows, columns = sharing(weights, per_tile)
+    kernel(values, TILES, ACROSS, per_tile, weights, coarse, down, across)
+    np.testing.assert_allclose(coarse[:, :across], rows @ joined(values) @ columns.T, atol=1e-12)
 
 
+@pytest.mark.parametrize(("per_tile", "wide"), [(2, 5), (1, 6)])
 @pytest.mark.parametrize("kernel", both(kernels.gather_back))
-def test_values_are_read_back_as_they_were_shared(kernel, rng):
-    values, weights, coarse = random_values(rng), rng.random((SIDE, 5)), rng.random((2 * DOWN, 2 * ACROSS + 3))
-    rows, columns = sharing(weights)
-    expected = cut(joined(values) + rows.T @ coarse[:, : 2 * ACROSS] @ columns)[TILES]
-    kernel(coarse, TILES, ACROSS, weights, 2 * DOWN, 2 * ACROSS, values)
+def test_values_are_read_back_as_they_were_shared(kernel, per_tile, wide, rng):
+    down, across = per_tile * DOWN, per_tile * ACROSS
+    values, weights, coarse = random_values(rng), rng.random((SIDE, wide)), rng.random((down, across + 3))
+    rows, columns = sharing(weights, per_tile)
+    expected = cut(joined(values) + rows.T @ coarse[:, :across] @ columns)[TILES]
+    kernel(coarse, TILES, ACROSS, per_tile, weights, down, across, values)
     np.testing.assert_allclose(values[:-1], expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("ends", [(False, False), (True, False), (False, True)])
+@pytest.mark.parametrize("kernel", both(kernels.convolve_loaded))
+def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rng):
+    """Random nodes of the listed tiles against shifted maps, on a torus or an end."""
+    values, product = random_values(rng) * (rng.random((TILES.size + 1, SIDE, SIDE)) < 0.3), np.empty((8, SIDE, SIDE))
+    loaded = np.empty(len(values) + 1, dtype=np.int64), np.empty(values.size, dtype=np.int64), np.empty(values.size)
+    kernels.list_loaded(values, *loaded)
+    reach = 2 * SIDE - 1
+    around = rng.normal(size=(2 * reach + 1, 2 * reach + 1))
+    around += around[::-1, ::-1]
+    kernel(loaded, TILES, PLACES, (DOWN, ACROSS), ends, around, product)
+    pad = [(2 * SIDE, 2 * SIDE)] * 2
+    image, expected = joined(values), np.empty((TILES.size, SIDE, SIDE))
+    for axis, end in enumerate(ends):
+        wide = [(0, 0), (0, 0)]
+        wide[axis] = pad[axis]
+        image = np.pad(image, wide) if end else np.pad(image, wide, mode="wrap")
+    for k, tile in enumerate(TILES):
+        y, x = tile // ACROSS * SIDE, tile % ACROSS * SIDE
+        near = image[y + SIDE : y + 4 * SIDE, x + SIDE : x + 4 * SIDE]  # the tile and those around it
+        for j in range(SIDE):
+            for i in range(SIDE):
+                rows, columns = (reach - SIDE - n + np.arange(3 * SIDE) for n in (j, i))
+                expected[k, j, i] = (near * around[np.ix_(rows, columns)]).sum()
+    np.testing.assert_allclose(product[: TILES.size], expected, atol=1e-12)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.sum_tiles))
@@ -120,11 +152,6 @@ def test_what_a_block_shares_is_taken_off(kernel, rng):
     expected = pressure[:-1] - weights[:-1] * cut(common)[TILES]
     kernel(pressure, weights, shared, TILES, ACROSS)
     np.testing.assert_allclose(pressure[:-1], expected)
-
-
-def test_tiles_of_a_map_with_longer_rows(rng):
-    rows = rng.random((NY, PADDED))
-    np.testing.assert_array_equal(newton.tiles_of(rows, NX).reshape(-1, SIDE, SIDE), cut(rows))
 
 
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))
@@ -167,9 +194,9 @@ def test_the_displacement_touches_in_contact_and_overlap(kernel, rng):
 @pytest.mark.parametrize("kernel", both(kernels.restore_map))
 def test_what_restores_a_displacement_is_less_by_the_pressure_that_caused_it(kernel, rng):
     pressure, rows = random_values(rng), rng.random((NY, PADDED))
-    expected = rows[:, :NX] + 0.3 - joined(pressure)
-    kernel(pressure, TILES, NX, 0.3, rows)
-    np.testing.assert_allclose(rows[:, :NX], expected, atol=1e-15)
+    restoring = np.empty((NY, NX))
+    kernel(pressure, TILES, rows, 0.3, restoring)
+    np.testing.assert_allclose(restoring, rows[:, :NX] + 0.3 - joined(pressure), atol=1e-15)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.tractions_around))
@@ -177,14 +204,6 @@ def test_tractions_around_a_corner_are_those_beyond_it(kernel, rng):
     rows = rng.normal(size=(NY, PADDED))
     beyond = 0.2 - np.concatenate((rows[5:, :NX].ravel(), rows[:5, 7:NX].ravel()))
     assert kernel(rows, 5, 7, NX, 0.2) == pytest.approx((abs(beyond).max(), beyond.sum()))
-
-
-@pytest.mark.parametrize("kernel", both(kernels.pack_rows))
-def test_rows_are_packed_in_their_own_memory(kernel, rng):
-    rows = rng.random((NY, PADDED))
-    expected = rows[:, :NX].copy()
-    kernel(rows, NX)
-    np.testing.assert_array_equal(rows.reshape(-1)[: NY * NX].reshape(NY, NX), expected)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.refine_pressure))
@@ -195,3 +214,21 @@ def test_a_pressure_is_interpolated_inside_its_contact(kernel):
     np.testing.assert_array_equal(fine[:, :6], [[0.0, 2.0, 4.0, 3.0, 2.0, 1.0]] * 2)
     kernel(p, np.zeros(2, dtype=np.int64), np.array([0.0, 0.5]), left, 0.4 * share, fine)
     np.testing.assert_allclose(fine[:, :6], [[0.0, 0.0, 4.0, 3.6, 2.0, 1.6]] * 2)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.refine_map))
+def test_a_map_is_interpolated_linearly(kernel):
+    coarse, fine = np.array([[0.0, 4.0, 2.0], [1.0, 1.0, 1.0]]), np.empty((2, 6))
+    left, share = np.arange(6) // 2, np.arange(6) % 2 / 2.0
+    kernel(coarse, np.array([0, 1]), np.array([0.0, 0.25]), left, share, fine)
+    np.testing.assert_allclose(fine, [[0.0, 2.0, 4.0, 3.0, 2.0, 1.0], [0.75, 1.25, 1.75, 1.5, 1.25, 1.0]])
+
+
+@pytest.mark.parametrize("kernel", both(kernels.refine_tiles))
+def test_tiles_take_what_the_whole_map_would(kernel, rng):
+    p, fine, whole = rng.random((12, 16)) - 0.3, np.zeros((TILES.size + 1, SIDE, SIDE)), np.empty((NY, NX))
+    places = [divmod(k, 2) for k in range(NX)]
+    at, share = np.array([a for a, _ in places]), np.array([b / 2.0 for _, b in places])
+    kernels.refine_pressure(p, at[:NY], share[:NY], at, share, whole)
+    kernel(p, at[:NY], share[:NY], at, share, TILES, ACROSS, fine)
+    np.testing.assert_array_equal(fine[:-1], cut(whole)[TILES])

@@ -64,13 +64,6 @@ FUNCTIONS = {
     "gfmd_numba.gap_percolation": lambda things: {"dataset": things.map()},
     "gfmd_numba.leakage": lambda things: {"dataset": things.map()},
     "gfmd_numba.contact_conductance": lambda things: {"contact": things.contact()},
-    "gfmd_numba.analysis.cheapest_design": lambda things: {
-        "pilot": things.results(),
-        "seconds": [0.01] * 10,
-        "target": 0.05,
-        "variable": "kappa",
-        "fixed": EXPONENTS,
-    },
     "gfmd_numba.analysis.contact_stiffness": lambda things: {"dataset": things.results()},
     "gfmd_numba.analysis.ensemble_mean": lambda things: {"cases": things.results(), "variable": "kappa"},
     "gfmd_numba.analysis.plot_accuracy": lambda things: {"dataset": things.accuracy(), "width": "single"},
@@ -106,12 +99,6 @@ FUNCTIONS = {
         "width": "single",
     },
     "gfmd_numba.analysis.plot_surface": lambda things: {"dataset": gfmd_numba.make_surface(SURFACE), "width": "single"},
-    "gfmd_numba.analysis.predictions": lambda things: {
-        "results": things.results(),
-        "counts": [20] * 10,
-        "variable": "kappa",
-        "fixed": EXPONENTS,
-    },
     "gfmd_numba.analysis.select_limit": lambda things: {"dataset": things.results(), "limit": "eps_c"},
     "gfmd_numba.analysis.smooth_function": lambda things: {"fit": things.fit_of_loads()},
 }

@@ -1,4 +1,4 @@
-"""The site in a browser, on a phone and on a desk: no page is too wide, no code is cut off, no picture is missing."""
+"""The site in a browser, on a phone and on a desk: nothing is too wide or cut off, no picture or formula is missing."""
 
 import html
 import json
@@ -28,6 +28,12 @@ onload = () => {
             if (!picture.naturalWidth) fault(`lacks ${picture.src}`);
             if (picture.getBoundingClientRect().right > width) fault(`cuts off ${picture.src}`);
         }
+        for (const formula of inside.querySelectorAll("article math")) {
+            const {width: across, height: high} = formula.getBoundingClientRect();
+            if (!across || !high) fault(`does not draw ${formula.textContent}`);
+            if (across > width) fault(`cuts off ${formula.textContent}`);
+        }
+        if (inside.querySelector("merror, article .math")) fault("has formulas that are not typeset");
         const blocks = [...inside.querySelectorAll("article div.highlight pre")];
         const copied = blocks.filter((block) => !block.closest(".highlight-text, .output"));
         if (inside.querySelectorAll("button.copy").length !== copied.length) fault("lacks a copy button");
@@ -43,6 +49,12 @@ def opened(address, *options):
     return subprocess.run(command, capture_output=True, text=True, timeout=300).stdout
 
 
+def _prose(page):
+    """Text of a page without its blocks and code."""
+    text = re.sub(r"^ *```.*?^ *```$", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    return re.sub(r"^    .*$|`[^`]*`", "", text, flags=re.MULTILINE)
+
+
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
     pytest.importorskip("sphinx", reason="the extra `docs` is not installed")
@@ -55,6 +67,11 @@ def site(tmp_path_factory):
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
 def test_a_reader_sees_all_of_every_page_and_finds_it(site):
     pages = sorted(str(path.relative_to(site)) for path in site.rglob("*.html") if "_modules" not in path.parts)
+    assert pages
+    typeset = {page for page in pages if "<math " in (site / page).read_text(encoding="utf-8")}
+    written = {f"docs/{page.stem}.html" for page in (ROOT / "docs").glob("*.md") if "$" in _prose(page)}
+    assert written
+    assert written <= typeset
     frame = '<iframe src="{0}" title="{0}" width="{1}" height="900"></iframe>'
     frames = "".join(frame.format(page, width) for page in pages for width in WIDTHS)
     (site / "look.html").write_text(f"<!doctype html><title></title><script>{LOOK}</script>{frames}")

@@ -270,4 +270,7 @@ def test_entries_of_a_header_state_the_units_of_columns(tmp_path):
 def test_columns_and_units_are_known_by_their_labels():
     assert stated_units(["Profile", "Lateral unit: mm", "Z unit: um"], 2) == ("mm", "um")
     assert columns_by_label(["Nr.;Weg [mm];Höhe [mil];Zeit"], 4)[0] == [1, 2]
+    assert columns_by_label(["Nr.;Weg/mm;Höhe/mil"], 3) == ([1, 2], ("mm", "mil"))
+    assert columns_by_label(["Nr.;Weg in mm;Höhe in mil"], 3) == ([1, 2], ("mm", "mil"))
+    assert columns_by_label(["Nr.;Auflösung;px/mm"], 3) is None
     assert columns_by_label(["Nr.;x;Weg [mm];Höhe [mil]"], 4) is None  # three may be positions or heights

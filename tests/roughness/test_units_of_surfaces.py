@@ -1,7 +1,5 @@
 """Units of measured surfaces: none is invented, and none but m and L_x is taken for one of them."""
 
-from warnings import catch_warnings
-
 import numpy as np
 import pytest
 import xarray as xr
@@ -148,8 +146,7 @@ def test_a_spacing_tells_the_period_of_heights_without_positions(periodic):
     heights = np.random.default_rng(0).normal(size=(12, 12))
     found, twice = (2.0 if periodic == "mirror" else 1.0), {"units": {"z": "nm"}, "periodic": periodic}
     surface = {"method": "measured", "heights": heights, "spacing": "1.5 um", **twice}
-    with catch_warnings(action="ignore"):
-        made = make_surface({"surface": surface})
+    made = make_surface({"surface": surface})
     assert float(made["x"][1]) == pytest.approx(1.5e-6)
     assert made.sizes["x"] == 12 * found
     assert float(abs(made["height"]).max()) == pytest.approx(1e-9 * abs(heights - heights.mean()).max(), rel=0.5)

@@ -65,6 +65,17 @@ def test_layers_on_a_half_space_have_no_reference_for_displacement():
     assert said.startswith("path[0].sliding: you gave 0.0001; gfmd allows nothing without base rigid")
 
 
+def test_a_layer_too_soft_around_a_window_is_told_the_least_modulus():
+    """A tenth of that of the stiffest layer above it."""
+    soft = HARD_ON_SOFT["layers"][1] | {"height": 2.0}
+    said = refused({"layers": [TOP, soft, soft], "base": "rigid"}, periodic=False)
+    assert said.startswith("scene.body.layers[1].youngs_modulus: you gave 1.0; gfmd allows without a period only at ")
+    assert said.count("at least 10 Pa, 0.1 times the modulus of the stiffest layer above it") == 2
+    soft |= {"youngs_modulus": "8 kPa"}
+    said = refused({"layers": [TOP | {"youngs_modulus": "0.1 MPa"}, soft], "base": "rigid"}, periodic=False, length=1.0)
+    assert "you gave '8 kPa'; gfmd allows without a period only at least 10 kPa, 0.1 times" in said
+
+
 def test_the_schema_says_whose_modulus_counts():
     result = CliRunner().invoke(main, ["schema", "scene"])
     layers = json.loads(result.output)["$defs"]["Body"]["properties"]["layers"]

@@ -22,6 +22,9 @@ CREEP = {
     "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2},
     "seed": 1,
 }
+PAIR = copy.deepcopy(CREEP)
+PAIR["scene"]["counter_body"] = PAIR["scene"]["body"] | {"youngs_modulus": "1 MPa"}
+PAIR["scene"]["counter_body"]["roughness"] = PAIR["scene"].pop("roughness")
 WEAR = copy.deepcopy(CREEP)
 del WEAR["scene"]["body"]["relaxation"]
 WEAR["scene"]["interface"]["wear"] = {"rate": "1e-8 m^2/N"}
@@ -71,9 +74,13 @@ REFUSED = {
         "numerics.time_tolerance: you gave 0.001; gfmd allows nothing without a relaxation",
     ),
     "wear without a way": (changed(WEAR, path=[{"pressure": "10 kPa"}]), "scene.interface.wear: you gave"),
-    "wear with friction": (
+    "wear with friction that drags a half-space along": (
         changed(WEAR, "scene", "interface", friction={"coefficient": 0.3}),
-        "scene.interface.friction: you gave ... gfmd allows no friction with wear: this is not built yet",
+        "path[0].sliding: you gave '5 mm'; gfmd allows nothing without a finite aspect_ratio",
+    ),
+    "wear of nodes that stick": (
+        changed(changed(WEAR, "scene", "interface", friction={"coefficient": np.inf}), "scene", "body", aspect_ratio=1),
+        "scene.interface.wear: you gave ... gfmd allows nothing with an infinite coefficient of friction",
     ),
     "a speed with friction": (
         changed(changed(CREEP, "scene", "loading", speed="1 mm/s"), "scene", "interface", friction={"coefficient": 0.3})
@@ -87,9 +94,25 @@ REFUSED = {
         ),
         "path[0].sliding: you gave '1 um'; gfmd allows nothing without a finite aspect_ratio",
     ),
-    "creep of a rough body": (
-        changed(CREEP, "scene", "body", roughness=CREEP["scene"]["roughness"]),
-        "scene.body.roughness: you gave ... gfmd allows a rigid punch on one smooth body with a viscoelastic body",
+    "creep of two bodies that give way differently": (
+        changed(PAIR, "scene", "counter_body", aspect_ratio=0.3),
+        "scene.counter_body: you gave ... gfmd allows a counter_body that gives way as the body does",
+    ),
+    "creep of two bodies that rub": (
+        changed(PAIR, "scene", "interface", friction={"coefficient": 0.3}),
+        "scene.counter_body: you gave ... gfmd allows a counter_body that gives way as the body does",
+    ),
+    "slopes of bodies that creep": (
+        PAIR | {"numerics": {"topography_order": 1}},
+        "numerics.topography_order: you gave 1; gfmd allows 0, or nothing, with a viscoelastic body",
+    ),
+    "a rough body that slides": (
+        changed(PAIR, path=[{"sliding": "1 mm", "duration": 1.0}]),
+        "path[0].sliding: you gave '1 mm'; gfmd allows no sliding over a viscoelastic body, or a rigid punch on one",
+    ),
+    "two bodies at a speed": (
+        changed(PAIR, "scene", "loading", speed="1 mm/s") | {"path": []},
+        "scene.counter_body: you gave ... gfmd allows a rigid punch on one smooth body with a sliding speed",
     ),
     "a speed with adhesion": (
         changed(
@@ -194,7 +217,7 @@ def test_the_limit_of_what_has_worn_off_is_that_of_archard(tmp_path):
     campaign |= {"reference": CREEP["discretisation"], "limits": {"eps_c": [1 / 2, 1 / 8]}}
     results = gfmd_numba.run(campaign | {"fit": {"fixed": fixed, "variable": "mean_worn_depth"}}, tmp_path / "wear")
     found = gfmd_numba.fit_tfc(results, "mean_worn_depth", fixed=fixed, step=1)
-    assert float(found["mean_worn_depth_tfc"][0]) == pytest.approx(1e-8 * 20e3 * 5e-3, rel=1e-8)
+    assert float(found["mean_worn_depth_tfc"][0]) == pytest.approx(1e-8 * 20e3 * 5e-3, rel=1e-8, abs=0.0)
 
 
 def test_a_campaign_slides_at_one_speed_after_another(tmp_path):
@@ -232,7 +255,7 @@ def test_a_pressure_that_changes_at_a_rate_takes_the_time_that_it_takes():
 
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
     monkeypatch.setattr(time_steps, "HALVINGS", 1)
-    with pytest.warns(UserWarning, match="the divisions of time leave an error of"):
+    with pytest.warns(UserWarning, match="the divisions of steps leave an error of"):
         found = gfmd_numba.solve(CREEP)
     assert float(found["time_error"].max()) > 1e-3
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from gfmd_numba.contact.problem import Tractions
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.tractions import tractions
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.generators import RandomSurface
@@ -118,10 +118,10 @@ def test_tractions_are_part_of_the_identity_and_of_the_effects():
     problem, effects = reduced()
     assert problem.tractions is None
     assert [e.state for e in effects if e.name == "prescribed tractions"] == ["off"]
-    one, two = (reduced(tractions(SHEAR, wave)) for wave in (WAVE, 2 * WAVE))
+    one, two = (reduced(Tractions.of(SHEAR, wave)) for wave in (WAVE, 2 * WAVE))
     assert len({problem.identity, one[0].identity, two[0].identity}) == 3
     assert [e.state for e in one[1] if e.name == "prescribed tractions"] == ["on"]
     assert one[0].body.poissons_ratio == 0.3  # tangential tractions move the surface up and down by it
     scene["body"]["aspect_ratio"] = 6.0
-    assert reduced(tractions(SHEAR, WAVE))[0].body.aspect_ratio == 6.0  # however deep, its mean shear counts
+    assert reduced(Tractions.of(SHEAR, WAVE))[0].body.aspect_ratio == 6.0  # however deep, its mean shear counts
     assert reduced()[0].body.aspect_ratio is None

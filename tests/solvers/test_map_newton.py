@@ -13,7 +13,7 @@ from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
-from gfmd_numba.solvers.tiles.compliance import SplitCompliance
+from gfmd_numba.solvers.tiles.compliance import FAR, NEAR, SplitCompliance
 from support.maps import body, press, rough
 
 NEWTON, GRADIENTS = Options("active_set_newton"), Options("conjugate_gradients")
@@ -31,16 +31,19 @@ def oblong(shape, hurst, seed=3):
 @pytest.mark.parametrize("slab", SLABS)
 @pytest.mark.parametrize("shape", [(128, 128), (96, 160), (104, 200)])
 @pytest.mark.parametrize("share", [0.02, 0.5])
-def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, share):
-    """Compared with the exact convolution, of random pressures and of equal ones, up to a uniform displacement."""
+@pytest.mark.parametrize(("split", "most"), [(NEAR, 0.02), (FAR, 2e-3)])
+def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split, most):
+    """Compared with the exact convolution, of random pressures and of equal ones, up to a uniform displacement.
+
+    Bodies about as thick as the distance that is summed up are softest there.
+    """
+    most *= {(0.33, 0.05): 2.0, (0.5, 0.1): 15.0 if split is FAR else 4.0}.get(slab, 1.0)
     rng = np.random.default_rng(2)
     stiff, tiles_each_way = body(shape, slab), (shape[0] // 8, shape[1] // 8)
-    marks = rng.random(tiles_each_way[0] * tiles_each_way[1]) < share
-    tiles, places = newton.listed(marks)
-    m, around = tiles.size, np.empty((tiles.size, 9), dtype=np.int64)
-    kernels.surround(tiles, places, *tiles_each_way, (False, False), around)
-    compliance = SplitCompliance(stiff, shape, tiles_each_way[1])
-    compliance.place(tiles, around)
+    tiles, places = newton.listed(rng.random(tiles_each_way[0] * tiles_each_way[1]) < share)
+    m = tiles.size
+    compliance = SplitCompliance(stiff, shape, tiles_each_way, split=split)
+    compliance.place(tiles, places)
     soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
     for values in (rng.normal(size=(m + 1, 8, 8)), rng.random((m + 1, 8, 8)), np.ones((m + 1, 8, 8))):
         values[-1] = 0.0
@@ -50,7 +53,7 @@ def test_the_compliance_between_tiles_is_within_two_hundredths(shape, slab, shar
         exact, expected = np.fft.irfft2(np.fft.rfft2(image) * soft, shape), np.zeros_like(values)
         kernels.take_tiles(exact, tiles, shape[1], expected)
         error, scale = found[:-1] - expected[:-1], expected[:-1] - expected[:-1].mean()
-        assert np.std(error) < 0.02 * np.sqrt((scale**2).mean())
+        assert np.std(error) < most * np.sqrt((scale**2).mean())
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
@@ -117,7 +120,7 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
         assert alone.n_transforms[0] == together.n_transforms[i]
 
 
-@pytest.mark.parametrize("load", [0.003, 0.3])
+@pytest.mark.parametrize("load", [0.001, 0.003])
 def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     punch, stiff = rough(128), body((128, 128))
     found = equilibrate(punch, SpectralResponse.of_normal(stiff), load, Options("active_set_newton", max_iterations=1))
@@ -131,9 +134,14 @@ def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     assert found.residual[0] > 1e-8
 
 
-def test_the_residual_is_no_certificate_before_it_is_small():
-    """While the pressure is known to be wrong, its error is told in place of the certificate, which costs more."""
-    punch, stiff = rough(128), body((128, 128))
+@pytest.mark.parametrize("slab", [None, (0.33, 0.05)])
+@pytest.mark.parametrize("exactly", [False, True])
+def test_the_certificate_takes_transforms_only_where_its_bound_does_not_do(monkeypatch, slab, exactly):
+    """What it bounds is found from the displacement alone; both say that the contact is the same."""
+    if exactly:
+        monkeypatch.setattr(newton.MapContact, "bound", lambda contact: np.inf)
+    punch, stiff = rough(128), body((128, 128), slab)
+    stiff[0, 0] = 0.0  # the load is prescribed
     solver = begin(
         Batch(punch, SpectralResponse.of_normal(stiff), np.array([0.01]), HARD_WALL, Start.at_rest(punch)), NEWTON
     )
@@ -146,8 +154,13 @@ def test_the_residual_is_no_certificate_before_it_is_small():
         made.append(int(solver.n_transforms[0]) - before)
         if residual <= 1e-8:
             break
-    assert made[-1] == 2
     assert not any(made[:-1])
+    assert made[-1] == (2 if exactly else 0)
+    displacement = solver.displacement.reshape(128, 128)
+    traction = 0.01 - np.fft.irfft2(np.fft.rfft2(displacement) * stiff, (128, 128))
+    touching = displacement >= punch[0]
+    violation = abs(traction - np.where(touching, np.maximum(traction, 0.0), 0.0)).max() / traction.max()
+    assert violation <= residual * (1.0 + 1e-3)
 
 
 @pytest.mark.parametrize("hurst", [0.3, 0.8])

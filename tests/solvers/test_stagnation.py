@@ -121,9 +121,10 @@ def run(random, solver):
     return first, equilibrate(punch, stiffness, 1.01 * load, options, laws, following(first, punch, 0.0))
 
 
-def check(monkeypatch, solver, runs):
+@pytest.mark.parametrize("solver", ["conjugate_gradients", "truncated_newton", "verlet", "fire", "gronbech_jensen"])
+def test_runs_that_converge_are_left_alone(solver, monkeypatch):
     """No run that ends ok would have been stopped before."""
-    stopped = []
+    stopped, runs = [], 5
 
     class Recorded(Stagnation):
         def __init__(self, rows):
@@ -142,19 +143,3 @@ def check(monkeypatch, solver, runs):
             assert not (flags & (found.status == 0)).any()
             ok += int((found.status == 0).sum())
     assert ok > 5.4 * runs  # of six
-
-
-SOLVERS = pytest.mark.parametrize(
-    "solver", ["conjugate_gradients", "truncated_newton", "verlet", "fire", "gronbech_jensen"]
-)
-
-
-@SOLVERS
-def test_runs_that_converge_are_left_alone(solver, monkeypatch):
-    check(monkeypatch, solver, 5)
-
-
-@pytest.mark.long
-@SOLVERS
-def test_many_runs_that_converge_are_left_alone(solver, monkeypatch):
-    check(monkeypatch, solver, 15)

@@ -125,13 +125,13 @@ def small_disk(tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="no disk to mount")
 def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp_path):
     path, out, filler = campaign(tmp_path), small_disk / "out", small_disk / "filler"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=0"]
+    command = ["run", str(path), "-o", str(out), "--workers=0"]
     for left in (0, 20_000, 100_000):  # no room for the claim, for the shards, for the results
         filler.unlink(missing_ok=True)
         room = os.statvfs(small_disk)
         filler.write_bytes(bytes(max(0, room.f_bavail * room.f_frsize - left)))
-        stopped = subprocess.run(command, capture_output=True, text=True)
-        assert stopped.returncode == 3, stopped.stderr
+        stopped = gfmd(command)
+        assert stopped.exit_code == 3, stopped.stderr
         lines = stopped.stderr.splitlines()
         said = unfolded(" ".join(line for line in lines if not line.startswith(("blocks", "busy"))))
         assert said.count("gfmd: ") == 1
@@ -141,7 +141,7 @@ def test_a_run_on_a_disk_that_is_full_resumes_once_there_is_room(small_disk, tmp
         assert all(finished.is_sound(name) for name in finished)
         assert not list(small_disk.rglob("*.tmp"))
     filler.unlink()
-    assert subprocess.run(command, capture_output=True).returncode == 0
+    assert gfmd(command).exit_code == 0
 
 
 def test_a_replaced_file_keeps_its_permissions(tmp_path):

@@ -18,20 +18,8 @@ MUTANTS = [
     ),
     (
         "laws.py",
-        "1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0",
-        "1.0 / (1.0 - unseen[same.ravel()]) - 1.0",
-        "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
-    ),
-    (
-        "laws.py",
-        "unseen[same.ravel()]) - 1.0",
-        "unseen[same.ravel()])",
-        "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
-    ),
-    (
-        "laws.py",
-        "_POINTS = 128",
-        "_POINTS = 8",
+        "1.0 / np.sqrt(1.0 - unseen[same]) - 1.0",
+        "1.0 / (1.0 - unseen[same]) - 1.0",
         "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
     ),
     (
@@ -91,12 +79,6 @@ MUTANTS = [
     ),
     (
         "posterior.py",
-        "np.log(weights / 2.0 * (right - left))",
-        "np.log(0.0 * weights + right - left)",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
-    ),
-    (
-        "posterior.py",
         "min(corrections[limit] for limit in both)",
         "max(corrections[limit] for limit in both)",
         "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
@@ -115,39 +97,9 @@ MUTANTS = [
     ),
     (
         "posterior.py",
-        "np.inf if wanes and set(both) == set(_WANING) else",
-        "",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "posterior.py",
         "wanes = {waning, by} <=",
         "wanes = {waning} <=",
         "test_posterior.py::test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights",
-    ),
-    (
-        "posterior.py",
-        "whole = whole + column * excess",
-        "whole = whole + 0.9 * column * excess",
-        "test_posterior.py::test_two_laws_count_by_how_well_each_fits_over_its_ranges",
-    ),
-    (
-        "posterior.py",
-        "_unit(scatter) * column)",
-        "column)",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "posterior.py",
-        "_unit(scatter) * of_first * of_second",
-        "_unit(scatter) * of_first * of_first",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "posterior.py",
-        "triangular[:, -1, -1] ** 2",
-        "abs(triangular[:, -1, -1])",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
     ),
     (
         "posterior.py",
@@ -161,43 +113,7 @@ MUTANTS = [
         "* each",
         "test_posterior.py::test_a_curve_passes_through_the_fit_of_each_case",
     ),
-    (
-        "posterior.py",
-        "change[:, row, 0] = around[:, 1]",
-        "change[:, row, 0] = around[:, 2]",
-        "test_posterior.py::test_two_laws_count_by_how_well_each_fits_over_its_ranges",
-    ),
-    (
-        "posterior.py",
-        "return self.waning if",
-        "return 1.0 if",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
     # estimates and errors
-    (
-        "tfc.py",
-        "_TAIL = 0.05",
-        "_TAIL = 0.1",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "tfc.py",
-        "freedom = group.n_realisations - 1",
-        "freedom = 10 * group.n_realisations",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "tfc.py",
-        "error = np.sqrt(weight @ (variance + (value - estimate) ** 2))",
-        "error = np.sqrt(weight @ variance)",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
-    ),
-    (
-        "tfc.py",
-        "estimate = likeliest + weight @ (value - likeliest)",
-        "estimate = likeliest",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
-    ),
     (
         "tfc.py",
         "coefficients[:, 1 + row] * scale**power",

@@ -105,7 +105,11 @@ def _value(axis: xr.DataArray, value: float) -> str:
     unit = axis.attrs.get("units", "1")
     factor, unit = (1.0, unit) if unit == "1" else si_prefix(abs(value), unit)
     symbol = str(axis.attrs.get("label", axis.name)).strip("$")
-    return f"{symbol} = {factor * value:g}".replace("inf", r"\infty") + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
+    number = f"{factor * value:g}".replace("inf", r"\infty")
+    if "e" in number:
+        mantissa, exponent = number.split("e")
+        number = rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}"
+    return f"{symbol} = {number}" + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
 
 
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
@@ -254,9 +258,7 @@ def plot_campaign(
         references = dataset["is_reference"].values  # none if it is one without limits that marks no references
         return plot_parameter(dataset.isel(case=references) if references.any() else dataset, variable, width)
     if fit is not None and fit.attrs["variable"] != variable:
-        raise InputError(
-            f"fit: you gave one of {fit.attrs['variable']!r}; gfmd allows one of {variable!r}, as is drawn"
-        )
+        raise InputError.of("fit", f"one of {fit.attrs['variable']!r}", f"one of {variable!r}, as is drawn")
     looks = looks_of(dataset)
     fitted = {} if fit is None else _fitted(fit, looks)
     widths = [3.0] * len(present) + [1.3] * bool(fitted)
@@ -300,12 +302,12 @@ def _usual_means(dataset: xr.Dataset, variable: str, fitted: dict[Key, xr.Datase
 def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:
     """Fit of each group that has one, by its parameters; raises InputError for a fit of other groups."""
     if not {*looks.names, *_OF_FIT} <= fit.variables.keys():
-        raise InputError("fit: you gave a fit of other parameters; gfmd allows that of the same dataset")
+        raise InputError.of("fit", "a fit of other parameters", "that of the same dataset")
     accepted = fit.isel(group=np.flatnonzero(fit["fit_status"].values == "ok"))
     single = [accepted.isel(group=index) for index in range(accepted.sizes["group"])]
     found = {selection.key({name: float(group[name]) for name in looks.names}): group for group in single}
     if not found.keys() <= looks.of.keys():
-        raise InputError("fit: you gave a fit of other groups; gfmd allows that of the same dataset")
+        raise InputError.of("fit", "a fit of other groups", "that of the same dataset")
     return found
 
 

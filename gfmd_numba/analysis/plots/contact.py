@@ -6,7 +6,9 @@ from typing import Annotated
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
@@ -24,16 +26,20 @@ def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width 
     """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
     if not any({counted, size} <= statistics.variables.keys() for counted, size, _ in _CONTACTS.values()):
         raise UnusableDataError("you gave no sizes of contacts; gfmd allows what `gfmd statistics` leaves")
-    with style.sheet(3, 3, (4.0, 3.6), width) as (figure, panels):
-        draw_statistics(panels, statistics)
-        handles = panels[0].get_legend_handles_labels()[0]
+    with style.sheet(_panels(statistics), 3, (4.0, 3.6), width) as (figure, panels):
+        handles = draw_statistics(panels, statistics)
         style.add_legend(figure, handles, len(handles))
     return figure
 
 
-def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
-    """Draw pressures, gaps and sizes of contacts, a panel each; what a legend explains is in the first."""
-    pressure, gap, contacts = panels
+def _panels(statistics: xr.Dataset) -> int:
+    """Return how many panels statistics have: gaps alone where nothing touches."""
+    return 3 if (statistics["pressure_density"] > 0.0).any() else 1
+
+
+def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Artist]:
+    """Draw gaps, or pressures, gaps and sizes of contacts, a panel each; return what a legend explains."""
+    gap = panels[len(panels) // 2]
     others = set(map(str, statistics.dims)) & set(_DENSITY_DIMS)
     drawn = [name for name, each in statistics.variables.items() if name not in others and set(each.dims) & others]
     mean = statistics.reset_coords([name for name in drawn if name in statistics.coords])[drawn]
@@ -51,26 +57,33 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> None:
         marker = style.MARKERS[i % len(style.MARKERS)]
         unloaded = f"step {i}" if "step" in mean.dims else "Simulation"
         label = rf"$\bar{{p}}^* = {loads[i]}$" if len(set(loads)) == len(steps) else unloaded
-        pressure.stairs(step["pressure_density"], style.edges(step["pressure"].values), color=colour, label=label)
+        gap.stairs(step["gap_density"], style.edges(step["gap"].values), color=colour, label=label)
+        if len(panels) == 1:
+            continue
+        panels[0].stairs(step["pressure_density"], style.edges(step["pressure"].values), color=colour)
         if "pressure_density_persson" in step:
-            pressure.plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
-        gap.stairs(step["gap_density"], style.edges(step["gap"].values), color=colour)
-        contacts.plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
-    if "pressure_density_persson" in mean:
-        pressure.plot([], [], "--", color="0.4", label="Persson")
-    top = None if (mean["pressure_density"] > 0.0).any() else 1.0  # where nothing touches
-    pressure.set(
-        xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact",
-        ylabel="Density",
-        ylim=(0, top),
-        xlim=(0, _end(mean, "pressure")),
-    )
+            panels[0].plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
+        panels[2].plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
     scale = "log" if (mean["gap_density"] > 0.0).any() else "linear"
     gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
+    logarithmic: list[Axis] = [gap.yaxis] if scale == "log" else []
+    if len(panels) > 1:
+        _name_axes_of_touching(panels[0], panels[2], mean, counted, label_of_size)
+        logarithmic += [panels[2].xaxis, panels[2].yaxis]
+    for axis in logarithmic:
+        style.log_ticks(axis)
+    explained = dict.fromkeys((gap, panels[0]))
+    return [handle for panel in explained for handle in panel.get_legend_handles_labels()[0]]
+
+
+def _name_axes_of_touching(pressure: Axes, contacts: Axes, mean: xr.Dataset, counted: str, label_of_size: str) -> None:
+    """Give pressures and sizes of contacts their axes."""
+    if "pressure_density_persson" in mean:
+        pressure.plot([], [], "--", color="0.4", label="Persson")
+    end = _end(mean, "pressure")
+    pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, None), xlim=(0, end))
     most = max(10.0, 1.5 * float(mean[counted].max()))
     contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
-    for axis in (contacts.xaxis, contacts.yaxis, *([gap.yaxis] if scale == "log" else [])):
-        style.log_ticks(axis)
 
 
 def _end(statistics: xr.Dataset, over: str) -> float:
@@ -175,7 +188,8 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
         statistics = None
     touching = dataset["gap"].values == 0.0
     drags = "tangential_traction_y" in dataset
-    count = 3 * (1 + drags + (statistics is not None))
+    added = 0 if statistics is None else _panels(statistics)
+    count = 3 * (1 + drags) + added
     with style.sheet(count, 3, panel_of(dataset, 3.3), width, title=step, **OF_MAPS) as (figure, axes):
         heights, pressure, gap = axes[:3]
         punch = dataset["height"] if "height" in dataset else dataset["displacement"] + dataset["gap"]
@@ -192,8 +206,8 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
             draw = draw_friction if "slip" in dataset else draw_cohesion
             draw(axes[3:6], dataset)
         if statistics is not None:
-            draw_statistics(axes[-3:], statistics)
-            style.add_legend(figure, axes[-3].get_legend_handles_labels()[0], 2, "outside lower center")
+            handles = draw_statistics(axes[-added:], statistics)
+            style.add_legend(figure, handles, 2, "outside lower center")
     return figure
 
 
@@ -217,10 +231,10 @@ def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
         axis,
         dataset,
         np.where(touching, np.nan, values),
-        f"{label}, contact in orange",
+        f"{label}, contact in orange" if touching.any() else label,
         "both",
         cmap=colours,
-        norm=decades(values),
+        norm=decades(values) if touching.any() else None,
     )
 
 

@@ -1,9 +1,11 @@
 """The compliance between tiles of a map, nearly, and a preconditioner of it on the nodes in contact."""
 
 import math
-from functools import lru_cache
+from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
+from scipy.special import erf
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
@@ -13,10 +15,25 @@ from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.tiles.near_field import Blocks, near_stencil
 
-_COARSENING = 4  # nodes of the map over those of the coarser grid, along each side
-_REACH = 5  # nodes in each direction that the stencil sees
-_SAMPLES = 64  # waves in each direction on which the stencil is fitted
-_SHARES = TILE // _COARSENING + 3  # coarse nodes in each direction that a tile's values are shared among
+_SAMPLES = 256  # nodes in each direction, of a grid on which the kernel between near tiles is what it is
+
+
+class Split(NamedTuple):
+    """How the compliance is split.
+
+    `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
+    tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
+    of a pressure is left.
+    """
+
+    coarsening: int
+    distance: int
+    sharp: float
+    order: int
+    error: float
+
+
+FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 1.4, 4, 5e-3)
 
 
 def fits(shape: tuple[int, ...]) -> bool:
@@ -25,31 +42,45 @@ def fits(shape: tuple[int, ...]) -> bool:
 
 
 class SplitCompliance:
-    """Displacement on some tiles of a map from the pressure on them, to about a hundredth of each wave.
+    """Displacement on some tiles of a map from the pressure on them, to about the error of a split.
 
-    The stencil is fitted to the compliance of the waves that the coarser grid cannot hold, and the coarser grid has
-    what the stencil leaves of the others. Cubic B-splines share each pressure among the coarse nodes around it, and
-    read the displacement back, as in particle-mesh Ewald sums (Essmann et al., J. Chem. Phys. 103:8577, 1995).
-    `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement. Tiles are listed row
-    by row, `tiles_across` of them.
+    What pressures do within some tiles is summed up node by node, with a kernel that fades fast. A coarser grid has the
+    rest, as in particle-mesh Ewald sums: B-splines share each pressure among the coarse nodes around it, and read the
+    displacement back (Essmann et al., J. Chem. Phys. 103:8577, 1995). As waves end at Nyquist, displacements alternate
+    along x and y, and fade with the square of the distance only; that is missing far away. `stiffness` is
+    `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement. There are (y, x) `tiles_each_way`,
+    which may end along either.
     """
 
-    def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        self._across = tiles_across
-        self._tiles = self._around = np.empty(0, dtype=np.int64)
-        self._coarse_shape = tuple(n // _COARSENING for n in shape)
+    def __init__(
+        self,
+        stiffness: Reals,
+        shape: tuple[int, ...],
+        tiles_each_way: tuple[int, int],
+        ends: tuple[bool, bool] = (False, False),
+        split: Split = NEAR,
+    ) -> None:
+        self.error, coarsening = split.error, split.coarsening
+        self._tiles_each_way, self._ends = tiles_each_way, ends
+        self._tiles = self._places = np.empty(0, dtype=np.int64)
+        self._coarse_shape = tuple(n // coarsening for n in shape)
+        self._per_tile = TILE // coarsening
         self._field = Transform(1, *self._coarse_shape, in_place=True)
-        nodes = np.arange(TILE) / _COARSENING - np.arange(-1, _SHARES - 1)[:, np.newaxis]
-        self._weights = np.ascontiguousarray(_cubic_spline(nodes).T)
-        self.stencil = _fitted(shape, _soft(stiffness[grid.some_waves(shape, _few(shape))]).tobytes())
+        before, spline = split.order // 2, _spline(split.order)
+        first, last = 1 - before, self._per_tile + before
+        self._weights = np.ascontiguousarray(
+            spline(np.arange(TILE)[:, np.newaxis] / coarsening - np.arange(first, last))
+        )
+        distance = min(split.distance, *((n // TILE - 1) // 2 for n in shape))
+        self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
         waves = grid.wave_indices(self._coarse_shape)
-        left = _soft(stiffness[waves]) - _transform(self.stencil, *_angles(waves, shape))
-        spline = np.arange(-2 * _COARSENING, 2 * _COARSENING + 1)
+        angles = _angles(waves, shape)
+        nodes = np.arange(-before * coarsening, before * coarsening + 1)
         shared = [
-            (np.cos(angle[..., np.newaxis] * spline) * _cubic_spline(spline / _COARSENING)).sum(axis=-1)
-            for angle in _angles(waves, shape)
+            (np.cos(angle[..., np.newaxis] * nodes) * spline(nodes / coarsening)).sum(axis=-1) for angle in angles
         ]
-        self._far = left * (_COARSENING / (shared[0] * shared[1])) ** 2
+        left = _soft(stiffness[waves]) - _transform(self._kernel, *angles)
+        self._far = left * (coarsening / (shared[0] * shared[1])) ** 2
 
     @property
     def transforms(self) -> int:
@@ -61,22 +92,27 @@ class SplitCompliance:
         """Number of nodes of the coarser grid."""
         return self._field.n
 
-    def place(self, tiles: Indices, around: Indices) -> None:
-        """Prepare `apply` for some tiles and the places of those around them."""
-        self._tiles, self._around = tiles, around
+    def place(self, tiles: Indices, places: Indices) -> None:
+        """Prepare `apply` for some tiles, and the place of each tile among them."""
+        self._tiles, self._places = tiles, places
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
-        convolve(pressure, self._around, self.stencil, displacement)
+        (_, across), per_tile, weights = self._tiles_each_way, self._per_tile, self._weights
+        loaded = (
+            np.empty(len(pressure) + 1, dtype=np.int64),
+            np.empty(pressure.size, dtype=np.int64),
+            np.empty(pressure.size),
+        )
+        kernels.list_loaded(pressure, *loaded)
         coarse = self._field.memory[0]
-        kernels.spread(pressure, self._tiles, self._across, self._weights, coarse, *self._coarse_shape)
+        kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
 
         def some(_: int, first: int, last: int) -> None:
-            tiles = self._tiles[first:last]
-            kernels.gather_back(
-                coarse, tiles, self._across, self._weights, *self._coarse_shape, displacement[first:last]
-            )
+            tiles, found = self._tiles[first:last], displacement[first:last]
+            kernels.convolve_loaded(loaded, tiles, self._places, self._tiles_each_way, self._ends, self._kernel, found)
+            kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
         team().share(some, self._tiles.size, displacement.size)
 
@@ -90,10 +126,17 @@ def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> 
     team().share(some, len(around), product.size)
 
 
-def _cubic_spline(x: Reals) -> Reals:
-    """Cubic B-spline of unit integral, of the distance in nodes."""
-    x = np.abs(x)
-    return np.where(x < 1.0, 2.0 / 3.0 - x**2 + 0.5 * x**3, np.clip(2.0 - x, 0.0, None) ** 3 / 6.0)
+def _spline(order: int) -> Callable[[Reals], Reals]:
+    """B-spline of an order and of unit integral, of the distance in nodes from its middle."""
+
+    def at(x: Reals) -> Reals:
+        # the divided difference of truncated powers, each of which grows from a knot on
+        knots = np.arange(order + 1)
+        weights = [(-1) ** k * math.comb(order, k) / math.factorial(order - 1) for k in knots]
+        from_end = order / 2.0 - abs(x[..., np.newaxis]) - knots  # from the nearer end, where few grow
+        return np.asarray((np.clip(from_end, 0.0, None) ** (order - 1)) @ weights)
+
+    return at
 
 
 def _soft(stiffness: Reals) -> Reals:
@@ -113,32 +156,22 @@ def _transform(stencil: Reals, along_y: Reals, along_x: Reals) -> Reals:
     return np.asarray(rows @ stencil @ columns.T)
 
 
-def _few(shape: tuple[int, ...]) -> tuple[int, ...]:
-    return tuple(min(n, _SAMPLES) for n in shape)
+def _near_kernel(stiffness: Reals, shape: tuple[int, ...], distance: int, sharp: float) -> Reals:
+    """Kernel `[2 r + 1, 2 r + 1]` that fades within some tiles of distance, r = (distance + 1) TILE - 1.
 
-
-@lru_cache(maxsize=64)  # maps of one size on one body, one block after another
-def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
-    """Even stencil whose relative error is least where the coarser grid cannot make up for it, of some waves.
-
-    A wave on the coarser grid is taken for another one, the more so the shorter it is: its error counts as much.
+    It is that of erf(K / a) / K, which is as smooth in q = 0 as K^2 is for all bodies. Short waves set a.
     """
-    along_y, along_x = _angles(grid.some_waves(shape, _few(shape)), shape)
-    soft = np.frombuffer(compliance).reshape(along_y.size, along_x.size)
-    kept = np.abs(along_y) / (2.0 * np.pi) * _COARSENING, along_x / (2.0 * np.pi) * _COARSENING
-    with np.errstate(divide="ignore"):
-        mistaken = [np.where(x < 0.5, (x / (1.0 - x)) ** 4, 1.0) for x in kept]
-    weight = np.minimum(mistaken[0] + mistaken[1], 1.0)
-    relative = np.divide(weight, soft, out=np.zeros_like(soft), where=soft > 0.0)
-    number = np.arange(_REACH + 1)
-    rows, columns = np.cos(along_y * number), np.cos(along_x.T * number)
-    basis = np.einsum("yj,xi,yx->yxji", rows, columns, relative).reshape(soft.size, -1)
-    quarter = np.linalg.lstsq(basis, (weight * (soft > 0.0)).ravel())[0].reshape(_REACH + 1, _REACH + 1)
-    quarter[1:] /= 2.0
-    quarter[:, 1:] /= 2.0
-    return np.ascontiguousarray(
-        quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
-    )
+    few = tuple(min(n, _SAMPLES) for n in shape)
+    waves = grid.some_waves(shape, few)
+    stiff = stiffness[waves]
+    (along_y, along_x), (ny, nx) = _angles(waves, shape), few
+    steep = max(stiff[ny // 2, 0] / abs(along_y[ny // 2, 0]), stiff[0, nx // 2] / along_x[0, nx // 2])
+    fades = 2.0 * sharp / (distance * TILE) * steep
+    with np.errstate(divide="ignore", invalid="ignore"):
+        near = np.where(stiff > 0.0, erf(stiff / fades) / stiff, 2.0 / (math.sqrt(math.pi) * fades))
+    reach = (distance + 1) * TILE - 1
+    nodes = np.arange(-reach, reach + 1)
+    return np.ascontiguousarray(grid.influence(near, *few)[np.ix_(nodes % few[0], nodes % few[1])])
 
 
 _SIDE = (

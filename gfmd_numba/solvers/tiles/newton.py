@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -15,31 +15,31 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.pressures import Closing, refine
+from gfmd_numba.solvers.pressures import Closing, between
 from gfmd_numba.solvers.table import SOLVERS, Options
-from gfmd_numba.solvers.tiles.compliance import SplitCompliance, TileField, fits
+from gfmd_numba.solvers.tiles.compliance import FAR, NEAR, SplitCompliance, TileField, fits
 
 T = TypeVar("T", bound=np.generic)
 
 _NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
-_EXACT = 5e-3  # of the error before is left by the compliance between tiles, which is as inexact
+_MOST_LEFT = 0.1  # of the error before, by a step that goes on as the last one did
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
+_DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
+_SAMPLES, _MORE = 256, 1.1  # nodes in each direction that feel one node; all feel less than this times more
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
 @dataclass
 class Level:
-    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it.
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it once it is asked for.
 
     `held` are the nodes (y, x) in a corner, in whole tiles, which alone are ever in contact.
     """
 
     shape: tuple[int, ...]
     stiffness: Reals
-    compliance: SplitCompliance
-    inverse: TileField
     held: tuple[int, ...]
 
     @property
@@ -48,110 +48,195 @@ class Level:
         return self.held[0] < self.shape[0], self.held[1] < self.shape[1]
 
     @property
+    def tiles_each_way(self) -> tuple[int, int]:
+        """Tiles (y, x) of what is held."""
+        return self.held[0] // TILE, self.held[1] // TILE
+
+    @property
     def is_filled_in_part(self) -> bool:
         """Whether some rows never hold a pressure."""
         return self.ends[0]
+
+    @cached_property
+    def inverse(self) -> TileField:
+        """Preconditioner of the compliance."""
+        return TileField(self.stiffness, self.shape, self.tiles_each_way[1])
+
+    @cached_property
+    def near(self) -> SplitCompliance:
+        """Compliance between tiles."""
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, NEAR)
+
+    @cached_property
+    def far(self) -> SplitCompliance:
+        """Compliance between few tiles, which is closer to the exact one."""
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FAR)
+
+    @cached_property
+    def largest_traction(self) -> float:
+        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node."""
+        few = tuple(min(n, _SAMPLES) for n in self.shape)
+        influence = grid.influence(self.stiffness[grid.some_waves(self.shape, few)], *few)
+        return _MORE * float(abs(influence).sum())
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
         return Transform(rows, *self.shape, in_place=True, filled=self.held[0] if self.is_filled_in_part else None)
 
-    def transforms_since(self, before: tuple[int, int]) -> float:
-        """Transforms of coarser grids made since some were counted, in proportion to the cost of one of this grid."""
+    def transforms(self) -> float:
+        """Transforms of coarser grids made so far, in proportion to the cost of one of this grid."""
+        made = (self.__dict__.get(name) for name in ("inverse", "near", "far"))
         n = math.prod(self.shape)
-        near = (self.compliance.transforms - before[0]) * grid.relative_cost(self.compliance.nodes, n)
-        return near + (self.inverse.transforms - before[1]) * grid.relative_cost(self.inverse.nodes, n)
-
-    def count_transforms(self) -> tuple[int, int]:
-        """Transforms of coarser grids made so far."""
-        return self.compliance.transforms, self.inverse.transforms
+        return float(sum(each.transforms * grid.relative_cost(each.nodes, n) for each in made if each is not None))
 
     @classmethod
     def of(cls, stiffness: Reals, shape: tuple[int, ...], share: tuple[float, ...]) -> "Level":
         """Prepare a grid of which contacts stay in a corner, a share of it in each direction."""
         held = tuple(TILE * math.ceil(n * part / TILE) for n, part in zip(shape, share, strict=True))
-        across = held[1] // TILE
-        return cls(
-            shape, stiffness, SplitCompliance(stiffness, shape, across), TileField(stiffness, shape, across), held
-        )
+        return cls(shape, stiffness, held)
 
 
 class MapContact:
-    """Pressure of one map on the tiles that its contact may reach, and the gap it leaves wherever a level is held.
+    """Pressure of one map on the tiles that its contact may reach, the gap it leaves there, and its relative error.
 
-    `wall` and `gap` are `[y, x]` there; the latter is memory to be filled, as is that of the `transform`, which holds
-    the first pressure. `load` is the mean pressure, or None where the position of the punch prescribes the
-    displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    The `wall` is `[y, x]` wherever a level is held. `load` is the mean pressure, or None where the position of the
+    punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
-    def __init__(self, level: Level, wall: Reals, gap: Reals, transform: Transform, load: float | None) -> None:
-        self._level, self.wall, self.gap, self.transform, self._load = level, wall, gap, transform, load
+    def __init__(self, level: Level, wall: Reals, transform: Transform, load: float | None) -> None:
+        self._level, self.wall, self.transform, self._load = level, wall, transform, load
         self.rows = transform.memory[0, : wall.shape[0]]
-        self.free_mean, self.approach = load is not None, 0.0
+        self.free_mean, self.approach, self.error = load is not None, 0.0, np.inf
+        self._left = 0.0  # of the error, by the last step
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
-        self._tiles_each_way = tuple(n // TILE for n in wall.shape)
-        self._marks: Flags = (tiles_of(self.rows, wall.shape[1]).max(axis=(2, 3)) > 0.0).ravel()
+        self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
-        self.pressure = self._zeros()
-        kernels.take_tiles(self.rows, self.tiles, wall.shape[1], self.pressure)
+        self.pressure, self._gap = self._zeros(), self._zeros()
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
-        self._fresh = True  # the transform holds the pressure
 
-    def look(self) -> float:
-        """Find the exact gap and the tiles that the contact may reach; relative error of the pressure."""
-        nx, level, rows = self.wall.shape[1], self._level, self.rows
-        if not self._fresh:
-            put_tiles(self.pressure, self.tiles, rows, nx)
-        self._fresh = False
-        self.transform.soften(level.stiffness, level.is_filled_in_part)
-        gaps = self._gaps_in_contact()
-        self.count, approach, spread = gaps.size, 0.0, 0.0
-        if gaps.size:
-            approach = float(gaps.mean()) if self.free_mean else 0.0
-            spread = math.sqrt(((gaps - approach) ** 2).mean())
-        self.approach, self._marks[:] = approach, False
-        self._open(approach, _NEAR * spread)
-        self._marks[self.tiles[self.contact[:-1].any(axis=(1, 2))]] = True
+    def begin(self, pressure: float) -> None:
+        """Begin with a uniform pressure on all nodes."""
+        self._marks[:] = True
         self._retile()
-        kernels.take_tiles(self.gap, self.tiles, nx, self._gap)
-        self._exact = not any(level.ends) and self.tiles.size > _DENSE * self._marks.size
-        before = level.count_transforms()
-        level.inverse.place(self.tiles, self._around)
-        error = self._error()
-        self.coarse_transforms += level.transforms_since(before)
-        return error
+        self.pressure[:-1], self.contact[:-1] = pressure, pressure > 0.0
+        self.count = int(np.count_nonzero(self.contact))
+        self._begin_on_tiles()
 
-    def _gaps_in_contact(self) -> Reals:
-        """Gaps `[node]` on the nodes in contact, up to the approach."""
-        gaps, displacement = self._zeros(), self._zeros()
-        kernels.take_tiles(self.wall, self.tiles, self.wall.shape[1], gaps)
-        kernels.take_tiles(self.rows, self.tiles, self.wall.shape[1], displacement)
-        gaps += displacement
-        return gaps[self.contact]
+    def follow(self, coarse: "MapContact", gap: Reals) -> None:
+        """Begin with the contact of a coarser grid, and the tiles that it may reach under the displacement there.
 
-    def _open(self, approach: float, near: float) -> None:
-        """Find the gap and mark the tiles where it is anywhere below `near`."""
-        across = self._tiles_each_way[1]
+        The `gap` `[y, x]` is room.
+        """
+        shape, coarse_shape, across = self.wall.shape, coarse.transform.shape, self._level.tiles_each_way[1]
+        places = between(coarse_shape, self.transform.shape)
+        (above, down), (left, right) = ((at[:n], part[:n]) for (at, part), n in zip(places, shape, strict=True))
+        loaded = coarse.loaded_tiles()
+        for axis, at in enumerate((above, left)):  # the tiles that a tile lies on
+            ends = at[::TILE], (at[TILE - 1 :: TILE] + 1) % coarse_shape[axis]
+            first, last = (np.minimum(each // TILE, loaded.shape[axis] - 1) for each in ends)
+            loaded = loaded.take(first, axis) | loaded.take(last, axis)
+        self._marks[:] = loaded.ravel()
+        self._retile()
+        samples = coarse.transform.samples[0, : coarse.wall.shape[0]]
+        coarse.put()
+        kernels.refine_tiles(samples, above, down, left, right, self.tiles, across, self.pressure)
+        total = float(self.pressure.sum())
+        if self._load is not None and total > 0.0:
+            self.pressure *= self._load * self.transform.n / total
+        np.greater(self.pressure, 0.0, out=self.contact)
+        coarse.displace()
+
+        def some(rows: slice) -> None:
+            kernels.refine_map(samples, above[rows], down[rows], left, right, gap[rows])
+
+        team().by_rows(some, gap.shape)
+        self._open(gap, gap)
+        self._begin_on_tiles()
+
+    def loaded_tiles(self) -> Flags:
+        """Whether each tile `[y, x]` is in contact."""
+        loaded = np.zeros(self._marks.size, dtype=np.bool_)
+        loaded[self.tiles] = self.contact[:-1].any(axis=(1, 2))
+        return loaded.reshape(self._level.tiles_each_way)
+
+    def put(self) -> None:
+        """Put the pressure on the map into the transform."""
+        put_tiles(self.pressure, self.tiles, self.rows, self.wall.shape[1])
+
+    def displace(self) -> None:
+        """Replace what `put` has put there by the displacement that it causes."""
+        self.transform.soften(self._level.stiffness, self._level.is_filled_in_part)
+
+    def look(self, gap: Reals) -> None:
+        """Fill the exact gap `[y, x]`, up to the approach, and find the tiles that the contact may reach."""
+        self.put()
+        self.displace()
+        self._open(self.rows, gap)
+        self._take(gap, self._gap)
+        before, error = self._level.transforms(), self.error
+        self._choose()
+        self.error = self._error()
+        self._left = min(self.error / error, _MOST_LEFT) if error > 0.0 else 0.0
+        self.coarse_transforms += self._level.transforms() - before
+
+    def _open(self, displacement: Reals, gap: Reals) -> None:
+        """Fill the gap of a displacement, and list the tiles where it may close."""
+        pushed, gaps, across = self._zeros(), self._zeros(), self._level.tiles_each_way[1]
+        self._take(displacement, pushed)
+        self._take(self.wall, gaps)
+        in_contact = (gaps + pushed)[self.contact]
+        self.count, self.approach, near = in_contact.size, 0.0, 0.0
+        if in_contact.size:
+            self.approach = float(in_contact.mean()) if self.free_mean else 0.0
+            near = _NEAR * math.sqrt(((in_contact - self.approach) ** 2).mean())
+        self._marks[:] = False
 
         def some(_: int, first: int, last: int) -> None:
             nodes, tiles = slice(first * TILE, last * TILE), slice(first * across, last * across)
-            each = self.wall[nodes], self.rows[nodes], approach, near, self.gap[nodes], self._marks[tiles]
+            each = self.wall[nodes], displacement[nodes], self.approach, near, gap[nodes], self._marks[tiles]
             kernels.open_map(*each)
 
-        team().share(some, self._tiles_each_way[0], self.wall.size)
+        team().share(some, self._level.tiles_each_way[0], self.wall.size)
+        self._marks[self.tiles[self.contact[:-1].any(axis=(1, 2))]] = True
+        self._retile()
 
-    def settle(self, error: float, target: float) -> None:
+    def _take(self, image: Reals, values: Reals) -> None:
+        kernels.take_tiles(image, self.tiles, self.wall.shape[1], values)
+
+    def _begin_on_tiles(self) -> None:
+        """Find the gap on the tiles as well as the compliance between them is known."""
+        walls, before = self._zeros(), self._level.transforms()
+        self._choose()
+        self._soften(self.pressure, self._gap)
+        self._take(self.wall, walls)
+        self._gap += walls
+        self.error = self._error()
+        self.coarse_transforms += self._level.transforms() - before
+
+    def _choose(self) -> None:
+        """Choose and prepare the compliance between the tiles."""
+        share = self.tiles.size / self._marks.size
+        self._exact = not any(self._level.ends) and share > _DENSE
+        self._compliance = self._level.far if share < _DILUTE else self._level.near
+        self._place()
+
+    def _place(self) -> None:
+        """Prepare compliance and preconditioner, which other maps use too."""
+        self._compliance.place(self.tiles, self._places)
+        self._level.inverse.place(self.tiles, self._around)
+
+    def settle(self, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
 
-        `error` is that of the pressure now; below the relative error `target` nothing is gained.
+        Below the relative error `target` nothing is gained.
         """
-        goal = target if self._exact else max(_EXACT * min(error, 1.0), target)
+        error = self.error
+        goal = target if self._exact else max(max(self._compliance.error, self._left) * min(error, 1.0), target)
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
         level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
-        counted = level.count_transforms()
-        level.compliance.place(self.tiles, self._around)  # other maps share the level
-        level.inverse.place(self.tiles, self._around)
+        counted = level.transforms()
+        self._place()
         total = 0.0 if self._load is None else self._load * self.transform.n
         for _ in range(_STEPS):
             closing = self._closing()
@@ -168,7 +253,7 @@ class MapContact:
                 self._gap += gap
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
-        self.coarse_transforms += level.transforms_since(counted)
+        self.coarse_transforms += level.transforms() - counted
 
     def _closing(self) -> Closing:
         """Problem of the pressure that closes the gap on the nodes in contact."""
@@ -183,12 +268,11 @@ class MapContact:
     def _soften(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""
         if not self._exact:
-            self._level.compliance.apply(pressure, displacement)
+            self._compliance.apply(pressure, displacement)
             return
-        rows, nx = self.rows, self.wall.shape[1]
-        put_tiles(pressure, self.tiles, rows, nx)
-        self.transform.soften(self._level.stiffness, self._level.is_filled_in_part)
-        kernels.take_tiles(rows, self.tiles, nx, displacement)
+        put_tiles(pressure, self.tiles, self.rows, self.wall.shape[1])
+        self.displace()
+        self._take(self.rows, displacement)
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
@@ -196,6 +280,12 @@ class MapContact:
         if self.count == 0:
             return np.inf if overlap > self._rounding else 0.0
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
+
+    def bound(self) -> float:
+        """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
+        gap, contact = self._gap[:-1], self.contact[:-1]
+        wrong = max(float(abs(gap[contact]).max(initial=0.0)), -float(gap[~contact].min(initial=0.0)))
+        return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
 
     def _zeros(self) -> Reals:
         return np.zeros((self.tiles.size + 1, TILE, TILE))
@@ -205,15 +295,10 @@ class MapContact:
         before, pressure, contact = self._places, self.pressure, self.contact
         self.tiles, self._places = listed(self._marks)
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
-        kernels.surround(self.tiles, self._places, *self._tiles_each_way, self._level.ends, self._around)
+        kernels.surround(self.tiles, self._places, *self._level.tiles_each_way, self._level.ends, self._around)
         self.pressure, self._gap = self._zeros(), self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         self.pressure[:-1], self.contact[:-1] = pressure[before[self.tiles]], contact[before[self.tiles]]
-
-
-def tiles_of(rows: Reals, nx: int) -> Reals:
-    """View `[y, x, TILE, TILE]` of the tiles of a map of nx columns, whose rows may be longer."""
-    return rows[:, :nx].reshape(-1, TILE, nx // TILE, TILE).swapaxes(1, 2)
 
 
 def listed(marks: Flags) -> tuple[Indices, Indices]:
@@ -251,17 +336,17 @@ def levels(stiffness: Reals, shape: tuple[int, ...], held: tuple[int, ...]) -> l
 
 
 def guess(
-    grids: list[Level], wall: Reals, around: float, transform: Transform, load: float | None, start: float
-) -> float:
-    """Fill the transform of the first grid with a pressure; transforms of coarser grids, by their cost on this one.
+    grids: list[Level], wall: Reals, around: float, transform: Transform, load: float | None, start: float, gap: Reals
+) -> MapContact:
+    """Begin a contact on the first grid with what is found on coarser ones.
 
-    `start` is the uniform pressure that the coarsest grid begins with. The wall is flat `around` where it is held.
+    `start` is the uniform pressure that the coarsest grid begins with. The wall is flat `around` where it is held. The
+    `gap` `[y, x]` is room.
     """
-    ny, nx = grids[0].held
+    contact, (ny, nx) = MapContact(grids[0], wall, transform, load), grids[0].held
     if len(grids) == 1:
-        transform.samples[0] = 0.0
-        transform.samples[0, :ny, :nx] = start * (1.0 if load is None else transform.n / (ny * nx))
-        return 0.0
+        contact.begin(start * (1.0 if load is None else transform.n / (ny * nx)))
+        return contact
     coarse = grids[1]
     own = coarse.transform()
 
@@ -272,17 +357,12 @@ def guess(
     team().by_rows(begin, wall.shape)
     transform.coarsen(own, grids[0].is_filled_in_part)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
-    spent = guess(grids[1:], smooth, around, own, load, start)
-    contact = MapContact(coarse, smooth, np.empty(coarse.held), own, load)
-    contact.settle(contact.look(), _SETTLED)
-    put_tiles(contact.pressure, contact.tiles, own.memory[0], coarse.held[1])
-    samples = transform.samples[0, :ny]
-    refine(own.samples[0], samples, transform.shape[0])
-    samples[:, nx:] = 0.0
-    if load is not None:
-        factor = load * (transform.n / samples.size) / samples.mean()
-        team().by_rows(lambda some: np.multiply(samples[some], factor, out=samples[some]), samples.shape)
-    return (spent + int(own.n_transforms[0]) + contact.coarse_transforms) * grid.relative_cost(own.n, transform.n)
+    before = guess(grids[1:], smooth, around, own, load, start, np.empty(coarse.held))
+    before.settle(_SETTLED)
+    contact.follow(before, gap)
+    spent = int(own.n_transforms[0]) + before.coarse_transforms
+    contact.coarse_transforms += spent * grid.relative_cost(own.n, transform.n)
+    return contact
 
 
 _EXACT_ENOUGH = 0.1  # error of the pressure aimed at, over the residual asked for
@@ -300,12 +380,13 @@ class TileNewton:
     An iteration closes the gap on the tiles of the map that the contact may reach, by a compliance between them that
     is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
     of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
-    from a cascade of coarser grids. The certificate costs two transforms more, and is looked at once the error of the
-    pressure is that small; until then `residual` is that error. What restores the displacement that a pressure causes
-    is that pressure, so that only what closing the gap adds to it is transformed.
+    from a cascade of coarser grids. The certificate is looked at once the error of the pressure is that small; until
+    then `residual` is that error. What restores the displacement that a pressure causes is that pressure, so that only
+    what closing the gap adds to it restores more. A bound of that costs nothing; where it is too large, that is
+    transformed.
 
-    Of the size of the map are the displacement, which is the gap until the certificate needs it, and the memory of the
-    transform, which is the restoring traction afterwards; pressures live on tiles. Without a period the map is the
+    Of the size of the map are the displacement, which is the gap until the certificate needs it, the memory of the
+    transform, and the pressure, which takes memory only where it has been touched. Without a period the map is the
     window of the punch, and only the transform is larger.
     """
 
@@ -319,38 +400,35 @@ class TileNewton:
         self.field = Held(math.prod(held), held)
         room = batch.room if batch.room is not None and batch.room.shape == wall.shape else np.empty(wall.shape)
         self.wall, self.displacement = wall.reshape(rows, -1), room.reshape(rows, -1)
-        self.load, self._transform = batch.loads, grids[0].transform(rows)
-        self.state = kernels.State.of_normal(self.displacement, self._transform.result, self.wall, self.load)
+        borne = batch.room_of_pressure
+        borne = borne if borne is not None and borne.shape == wall.shape else np.zeros(wall.shape)
+        self.load, self._transform, self._pressure = batch.loads, grids[0].transform(rows), borne.reshape(rows, -1)
+        self.state = kernels.State.of_normal(self.displacement, self._pressure, self.wall, self.load)
         self.certificate = batch.certificate()
+        self._bears = self.certificate.bears = np.zeros(rows, dtype=np.bool_)
         if batch.around is not None:
             self.certificate.mean_displacement = np.zeros(rows)
         self._stiffness, self._residual = stiffness, options.residual
         # the certificate of the last iteration is looked at whatever the error
         self._left = np.full(rows, min(options.max_iterations, SOLVERS[options.solver].gives_up_after or np.inf))
-        self._error = np.full(rows, np.nan)
-        self._coarse_transforms = np.zeros(rows)
         self._contacts: list[MapContact] = []
         for i in range(rows):
-            transform = self._transform.row(i)
             load = None if batch.load is None else float(batch.load[i])
             around = 0.0 if batch.around is None else float(batch.around[i].item())
-            start = float(batch.uniform_pressure[i])
-            self._coarse_transforms[i] = guess(grids, wall[i], around, transform, load, start)
-            self._contacts.append(MapContact(grids[0], wall[i], self.displacement[i].reshape(held), transform, load))
+            start, gap = float(batch.uniform_pressure[i]), self.displacement[i].reshape(held)
+            self._contacts.append(guess(grids, wall[i], around, self._transform.row(i), load, start, gap))
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
         """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        others = self._coarse_transforms + np.array([contact.coarse_transforms for contact in self._contacts])
+        others = np.array([contact.coarse_transforms for contact in self._contacts])
         return np.asarray(self._transform.n_transforms + np.ceil(others).astype(np.int64))
 
     def advance(self, active: Indices) -> None:
         """Close the gap of each active row as it is known, and find the exact one."""
         for i in active:
-            contact = self._contacts[i]
-            if not np.isnan(self._error[i]):
-                contact.settle(self._error[i], _EXACT_ENOUGH * self._residual)
-            self._error[i] = contact.look()
+            self._contacts[i].settle(_EXACT_ENOUGH * self._residual)
+            self._contacts[i].look(self.displacement[i].reshape(self.field.shape))
             self._left[i] -= 1
 
     def residual(self, active: Indices) -> Reals:
@@ -358,25 +436,31 @@ class TileNewton:
         return np.array([self._violation(i) for i in active])
 
     def _violation(self, i: int) -> float:
-        error = float(self._error[i])
-        if error > self._residual and self._left[i] > 0:
-            return error
-        contact, row, (ny, nx) = self._contacts[i], np.array([i]), self.field.shape
+        contact, (ny, nx) = self._contacts[i], self.field.shape
+        if contact.error > self._residual and self._left[i] > 0:
+            return contact.error
+        gap = self.displacement[i].reshape(ny, nx)
         transform, memory, stiffest = contact.transform, contact.transform.memory[0], float(self._stiffness[0, 0])
         held = 0.0 < stiffest < np.inf
         mean = float(contact.pressure.sum()) / transform.n
-        kernels.close_map(contact.wall, contact.gap, contact.contact, contact.tiles, memory)
+        bound = np.inf if self.certificate.rigid_mean is not None else contact.bound()
+        kernels.close_map(contact.wall, gap, contact.contact, contact.tiles, memory)
         if self.certificate.mean_displacement is not None:
             added = float(memory[:ny, :nx].sum()) / transform.n
             self.certificate.mean_displacement[i] = contact.approach + added - (mean / stiffest if held else 0.0)
+        borne = self._pressure[i].reshape(ny, nx)
+        if bound <= self._residual:
+            kernels.put_tiles(contact.pressure, contact.tiles, borne, nx)
+            self._bears[i] = True
+            imbalance = 0.0 if held else abs(mean - float(self.load[i]))
+            return self.certificate.bounded(i, self.load, bound, float(contact.pressure.max(initial=0.0)), imbalance)
         transform.stiffen(self._stiffness)
         shift = 0.0 if held else mean  # nothing restores a mean displacement, or it is rigid
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = mean
         largest, total = kernels.tractions_around(memory, ny, nx, transform.shape[1], float(self.load[i]) - shift)
-        kernels.restore_map(contact.pressure, contact.tiles, nx, shift, contact.rows)
-        kernels.pack_rows(contact.rows, nx)
-        self.certificate.look(self.state, row, self.field.n)
+        kernels.restore_map(contact.pressure, contact.tiles, contact.rows, shift, borne)
+        self.certificate.look(self.state, np.array([i]), self.field.n)
         share = self.field.n / transform.n
         return self.certificate.with_surroundings(i, self.load, largest, total / transform.n, share)
 

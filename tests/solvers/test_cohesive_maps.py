@@ -166,3 +166,15 @@ def test_damped_dynamics_without_a_wall_goes_on_from_an_overlap():
     first, drag = press(punch, body, 0.02, law, False), np.reshape((8e-4, 6e-4), (2, 1, 1))
     assert (punch - first.displacement).min() < -1e-3
     press(punch, body, 0.021, law, False, following(first, punch, drag), drag, "verlet")
+
+
+def test_a_map_at_rest_begins_on_coarser_grids():
+    """And ends in the same equilibrium for half the transforms; a start of its own takes no coarser grid."""
+    heights = self_affine.SelfAffineWaves(0.8, 2, 8).heights((128, 128), 4, range(1))
+    punch, body = heights.max(axis=(1, 2), keepdims=True) - heights, ElasticBody(0.3, 0.5)
+    law = XuNeedlemanLaw(1.5e-4, 1e-3, 3e-3)
+    coarse, at_rest = (press(punch, body, 0.02, law, start=start) for start in (None, Start.at_rest(punch)))
+    np.testing.assert_array_equal(coarse.touching, at_rest.touching)
+    for one, other in ((coarse.pressure, at_rest.pressure), (coarse.tangential.traction, at_rest.tangential.traction)):
+        np.testing.assert_allclose(one, other, rtol=0, atol=1e-6 * at_rest.pressure.max())
+    assert (2 * coarse.n_transforms < at_rest.n_transforms).all()

@@ -404,8 +404,8 @@ def _entries(pairs: list[tuple[str, str]]) -> Iterator[str]:
     alike: dict[str, list[str]] = {}
     for present, others in refused.items():
         alike.setdefault("; ".join(others), []).append(_phrase(present))
-    for others, present in alike.items():
-        yield f"**{_capital('; '.join(present))}** with {others}"
+    for unwanted, features in alike.items():
+        yield f"**{_capital('; '.join(features))}** with {unwanted}"
 
 
 def _solvers() -> Iterator[str]:

@@ -139,6 +139,17 @@ def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run():
     assert "the levels contradict the fixed eps_f: 0.6" in after(state, [Fitted(Known(found, EXACT), fitted)]).ended
 
 
+@pytest.mark.parametrize("rounds", [2, 3])
+def test_a_limit_of_zero_is_told_after_two_rounds_more_than_the_pilot(rounds):
+    found = results(crossed(*CROSS)).assign_attrs(cpu_seconds=1.0)
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["kappa_tfc_error"] = 0.6 * fitted["kappa_tfc"]
+    each = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.01}), campaign_sha256="", rounds=(each,) * rounds)
+    ended = after(state, [Fitted(Known(found, EXACT), fitted)]).ended or ""
+    assert ("the limit of kappa is 0 within two standard errors" in ended) is (rounds > 2)
+
+
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     """An eps of the grid gives each of its values a reference, and cross levels of the same name."""
     fine = crossed({"eps_f": 1 / 512, "eps_t": 1})

@@ -7,7 +7,7 @@ import slab_stiffness
 from finite_elements import Body, graded
 from inner_fields import inside
 
-from gfmd_numba.contact import problem
+from gfmd_numba.contact import rough_surfaces
 from gfmd_numba.contact import two_step as rough_bodies
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
@@ -85,7 +85,7 @@ class Surface:
 
 def two_step(case, order):
     """Surface `[NX]`, what was solved, and the surface from which fields inside follow."""
-    profile, gradient = problem.given_surface(case.topography)
+    profile, gradient = rough_surfaces.given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     slopes = Slopes(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order, None)
     pressed = rough_bodies.solve(asked, State.untouched(profile.heights[np.newaxis], (slopes,)))

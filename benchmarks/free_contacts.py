@@ -17,7 +17,8 @@ from scipy.special import ellipe, ellipk
 import gfmd_numba
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_radius
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import free_body

@@ -20,7 +20,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.edges import HALF_SPACE
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody

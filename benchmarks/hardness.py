@@ -11,7 +11,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import Contact, LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness

@@ -51,9 +51,8 @@ materials. [Contacts without a period](free_contacts.md#other-codes) are compare
 
 ## Programs that stop at an error
 
-QMCPy and drivers of multilevel and multi-index Monte Carlo also add samples, and finer levels, until a tolerance is
-met. A run of gfmd-numba knows more of its three limits: their laws, their interactions, and the distance from the
-finest level.
+QMCPy and drivers of multilevel Monte Carlo also add samples, and finer levels, until a tolerance is met. gfmd-numba
+knows more of its three limits: their laws, their interactions, and the distance from the finest level.
 """
 
 

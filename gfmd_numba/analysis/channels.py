@@ -8,11 +8,8 @@ from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
+import scipy  # its modules load with their first use
 import xarray as xr
-from scipy.ndimage import label
-from scipy.sparse import coo_array, csc_array, diags_array
-from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import splu
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
@@ -24,7 +21,7 @@ def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.N
 
     Nodes of one region share sides; corners do not connect. `around_y` and `around_x` join the two ends of a period.
     """
-    labels, count = label(flags)
+    labels, count = scipy.ndimage.label(flags)
     ends = [
         ends
         for ends, joined in (((labels[0], labels[-1]), around_y), ((labels.T[0], labels.T[-1]), around_x))
@@ -34,8 +31,8 @@ def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.N
         return np.asarray(labels)
     one, other = (np.concatenate(side) for side in zip(*ends, strict=True))
     both = (one > 0) & (other > 0)
-    graph = coo_array((np.ones(int(both.sum())), (one[both], other[both])), shape=(count + 1, count + 1))
-    joined = connected_components(graph, directed=False)[1]
+    graph = scipy.sparse.coo_array((np.ones(int(both.sum())), (one[both], other[both])), shape=(count + 1, count + 1))
+    joined = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
     # the background is a component of its own, as no pair holds label 0
     number = np.unique(np.delete(joined, 0), return_inverse=True)[1] + 1
     return np.asarray(np.concatenate([[0], number])[labels], dtype=np.int32)
@@ -254,11 +251,13 @@ def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, ou
     diagonal = inlet + outlet + np.bincount(one, conductance, n) + np.bincount(other, conductance, n)
     scale = 1.0 / np.sqrt(diagonal)  # conductances differ by dozens of orders
     coupling = conductance * scale[one] * scale[other]
-    upper = coo_array((coupling, (one, other)), shape=(n, n))
-    matrix = csc_array(diags_array(np.ones(n)) - upper - upper.T)
+    upper = scipy.sparse.coo_array((coupling, (one, other)), shape=(n, n))
+    matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(np.ones(n)) - upper - upper.T)
     # symmetric and diagonally dominant: pivots stay on the diagonal
     try:
-        factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+        factors = scipy.sparse.linalg.splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
     except MemoryError:
         raise UnusableDataError(
             f"you gave channels of {n} nodes, whose flow takes more memory than there is; gfmd allows a map of fewer "

@@ -8,7 +8,6 @@ from functools import cache
 
 import numpy as np
 import xarray as xr
-from matplotlib.mathtext import MathTextParser
 
 from gfmd_numba.text.input_error import InputError, brief
 
@@ -141,6 +140,8 @@ def _is_drawn(text: str) -> bool:
     """Whether a text is one that figures can draw."""
     if text.count("$") < 2:
         return True
+    from matplotlib.mathtext import MathTextParser  # here: it takes long, and few texts have formulae
+
     try:
         MathTextParser("path").parse(text)
     except ValueError:

@@ -14,12 +14,13 @@ from typing import Any
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact.contact_input import read_boundary, tractions_on_the_body, with_measured
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, Tractions, given_surface
+from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import (
     MeasuredSurfaces,
     check_drawn,
     ensemble_of_rough_bodies,
+    given_surface,
     punch_on_its_form,
     random_surface,
 )

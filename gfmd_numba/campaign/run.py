@@ -31,6 +31,7 @@ from gfmd_numba.scene.document import Source
 from gfmd_numba.storage import mark
 from gfmd_numba.storage.atomic_file import check as check_file
 
+_KEPT = "finished work is kept, the same command resumes"
 _PILOT_SECONDS = 2.0  # of a run, where nothing was planned before
 
 Progress = Callable[[int], None]  # told of blocks that ended
@@ -93,7 +94,11 @@ def _at_work(planned: Plan, directory: Path) -> Iterator[None]:
         with claimed(directory, planned.campaign.name, document.text, document.folder):
             yield
     except OSError as error:
-        raise StoppedError(f"{error}; finished work is kept, the same command resumes") from error
+        raise StoppedError(f"{error}; {_KEPT}") from error
+    except KeyboardInterrupt as interrupt:
+        if any(True for _ in shards.Finished(directory)):
+            interrupt.args = (_KEPT,)  # which the command line tells
+        raise
 
 
 def finish(
@@ -194,7 +199,7 @@ def run_until(
     """Run a campaign round after round until its limit has a relative error, with as many realisations as needed.
 
     Raises as `run` does; also InputError for a campaign without limits or a budget that its pilot exceeds, and
-    InterruptedRunError for Ctrl-C after the pilot.
+    InterruptedRunError for Ctrl-C after the contacts of the pilot.
     """
     run = _prepared(source, goal, output, workers, watch=watch, choice=choice, told=told)
     with _at_work(run.planned, run.directory):
@@ -260,12 +265,13 @@ class _Run:
                 state = following
             return self.collected(state)
         except KeyboardInterrupt:
-            if len(state.rounds) == 1:  # there is nothing to extrapolate from
-                raise
             now = in_round(self.planned, state.now)
-            earlier = dict(zip(state.rounds[-2].cases, state.rounds[-2].realisations, strict=True))
-            fewest = [earlier.get(case, 0) for case in state.now.cases]
-            counts = finished(now, self.directory, fewest)
+            earlier: dict[Any, int] = {}
+            for last in state.rounds[-2:-1]:
+                earlier = dict(zip(last.cases, last.realisations, strict=True))
+            counts = finished(now, self.directory, [earlier.get(case, 0) for case in state.now.cases])
+            if not earlier and counts != [case.realisations for case in now.cases]:
+                raise  # in the pilot: there is nothing to extrapolate from
             partial: Plan | None = with_realisations(now, counts)
             if min(counts) < 1:  # a new level has no results yet
                 state, partial = state.without_last(), None

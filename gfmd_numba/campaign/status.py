@@ -14,6 +14,7 @@ from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.output_directory import LABEL, MARK, at_work, check_label
 from gfmd_numba.campaign.plan import Plan, plan
+from gfmd_numba.campaign.rounds import Rounds
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.storage.atomic_file import foreign as foreign_file
 from gfmd_numba.storage.mark import is_note
@@ -26,7 +27,8 @@ _OTHERS = "a file that gfmd did not write, or that was changed since"
 class Progress:
     """Blocks of a campaign: in all, done and failed; `seconds_left` is None if it cannot be estimated.
 
-    `retry` has the command that runs each failed block again, in one process.
+    `retry` has the command that runs each failed block again, in one process. `ended` says how a run with a target has
+    ended, and is empty if it has not; None without a target.
     """
 
     campaign: str
@@ -36,6 +38,7 @@ class Progress:
     failed: dict[str, Failure]
     seconds_left: float | None
     retry: dict[str, str]
+    ended: str | None
 
 
 @dataclass(frozen=True)
@@ -54,18 +57,23 @@ class Verdict:
 
 def campaign_in(directory: Path) -> Plan:
     """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
+    return _found_in(directory)[0]
+
+
+def _found_in(directory: Path) -> tuple[Plan, Rounds | None]:
+    """Return the plan in an output directory, and the rounds whose last one it is, if any; raises InputError."""
     check_label(directory)
     found = rounds.read(directory)
     if found is None:
-        return plan(directory / LABEL)
+        return plan(directory / LABEL), None
     planned = plan(directory / LABEL, found.goal.targets)
     piloted = rounds.pilot_plan(planned, found.goal)
-    return rounds.in_round(piloted, found.now) if found.of(groups(piloted.cases)) else planned
+    return (rounds.in_round(piloted, found.now), found) if found.of(groups(piloted.cases)) else (planned, None)
 
 
 def progress(directory: Path) -> Progress:
     """Return the progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
-    planned = campaign_in(directory)
+    planned, found = _found_in(directory)
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
     begun = (directory / MARK).stat().st_mtime
@@ -83,6 +91,7 @@ def progress(directory: Path) -> Progress:
         failed=failed,
         seconds_left=seconds_left if left > 0.0 else 0.0,
         retry={name: _retry(directory, missing[name]) for name in failed},
+        ended=None if found is None else found.ended,
     )
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
     from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
+    from gfmd_numba.campaign.status import Progress
 
 
 @main.command()
@@ -313,7 +314,7 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
             click.echo(json.dumps(asdict(now)))
         else:
             left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
-            state = "running" if now.running else "finished" if now.done == now.blocks else "not running"
+            state = "running" if now.running else _stopped(now)
             failed = f", {len(now.failed)} failed" if now.failed else ""
             say("", f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}", width=0)
         if not watch or not now.running:
@@ -323,6 +324,15 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
         for block, failure in now.failed.items():
             say(failure.status, f"{block}: {failure.reason}", width=10)
             say_command(now.retry[block], width=10)
+
+
+def _stopped(now: Progress) -> str:
+    """Return how a run has stopped that is not at work; blocks that are done are no target that is reached."""
+    from gfmd_numba.campaign.next_round import REACHED
+
+    if now.ended and now.ended != REACHED:
+        return now.ended
+    return "finished" if now.done == now.blocks and now.ended != "" else "not running"
 
 
 @main.command()

@@ -73,8 +73,8 @@ class _Gfmd(click.Group):
             drop_output()
             _tell(f"standard output cannot be written ({error}); files that were written are kept")
             ctx.exit(UNTOLD)
-        except KeyboardInterrupt:
-            _tell("interrupted; finished work is kept, the same command resumes")
+        except KeyboardInterrupt as interrupt:  # with what a run has to say
+            _tell("; ".join(("interrupted", *map(str, interrupt.args))))
             ctx.exit(INTERRUPTED)
 
 

@@ -9,7 +9,7 @@ from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse.linalg import lobpcg
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import free_window, solution
@@ -58,7 +58,7 @@ def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals
     if curvature.any():  # about where the law softens most; a mode exactly would end the search for a lower one
         guess[:, 0] = np.abs(curvature) / np.abs(curvature).max() + 0.1 * guess[:, 0]
     with warnings.catch_warnings(action="ignore", category=UserWarning):  # of the larger ones, which nobody needs
-        values, _ = lobpcg(
+        values, _ = scipy.sparse.linalg.lobpcg(
             energy, guess, body, partial(filtered, 1.0 / positive), tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False
         )
     return float(values.min())

@@ -82,14 +82,11 @@ def _without_a_period() -> Iterator[Refusal]:
 
 def _of_threads() -> Iterator[Refusal]:
     """Where threads have nothing to share."""
-    alone = {
-        "dimension 1": "with dimension 1, as a profile is solved by one thread",
-        "prescribed": "without a punch, as such a body is solved by one thread",
-        "hardness": "with a hardness, as such a contact is solved by one thread",
-        "campaign": "in a campaign, whose workers solve contacts side by side: `--workers` says how many",
-    }
-    for feature, why in alone.items():
-        yield Refusal(feature, "threads", f"1 {why}", "without effect")
+    alone = "1 but for maps under a punch without a hardness, as others are solved by one thread"
+    for feature in ("dimension 1", "prescribed", "hardness"):
+        yield Refusal(feature, "threads", alone, "without effect")
+    workers = "1 in a campaign, whose workers solve contacts side by side: `--workers` says how many"
+    yield Refusal("campaign", "threads", workers, "without effect")
 
 
 def _in_time() -> Iterator[Refusal]:
@@ -134,6 +131,8 @@ def _in_time() -> Iterator[Refusal]:
         yield Refusal("elastic bodies", feature, nothing, "without effect")
     nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
     yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
+    told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
+    yield Refusal("sticking", "wear", told, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 

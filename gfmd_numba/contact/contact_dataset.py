@@ -350,6 +350,8 @@ def _add_bodies(
         unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
+        without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
+        alone = None if pairing is None else tractions_on(body, without, pressed, rms_gradient, pairing)
         along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
         if any(problem.ends):
             own = [_moved_around_a_window(body, whose, along, pressure, problem.ends)]
@@ -358,20 +360,19 @@ def _add_bodies(
                 *_moved(body, whose, response, along, pressure),
                 *forming_tractions(body, whose, problem.rough.order),
             ]
-        if pairing is not None:
-            without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-            along, pressure = tractions_on(body, without, pressed, rms_gradient, pairing)
-            assert along is not None  # between inclined surfaces
+        if alone is not None:
+            rubbed, normal = alone
+            assert rubbed is not None  # between inclined surfaces
             if prefix:  # the pressure on the lower body is that of the contact
-                own.append(("pressure", "pressure", f"contact pressure on the {whose}", pressure))
+                own.append(("pressure", "pressure", f"contact pressure on the {whose}", normal))
             rubs = f"tangential traction of the contact on the {whose}, along the plane"
-            own += _by_axis("tangential_traction", "pressure", rubs, along)
+            own += _by_axis("tangential_traction", "pressure", rubs, rubbed)
         found.update({prefix + key: variable for key, variable in unit.variables(dims, own).items()})
     if pairing is not None and problem.interface.couples:  # what friction compares, on the axes of the surfaces
         equilibrium = pressed.equilibrium
         assert equilibrium.tangential is not None  # where something rubs
-        normal = "contact pressure along the normal of the touching surface"
-        found["surface_pressure"] = whole.variable(dims, "pressure", normal, equilibrium.pressure[0])
+        told = "contact pressure along the normal of the touching surface"
+        found["surface_pressure"] = whole.variable(dims, "pressure", told, equilibrium.pressure[0])
         rubs, values = "traction on the body along the touching surface", equilibrium.tangential.traction[0]
         found.update(whole.variables(dims, _by_axis("surface_traction", "pressure", rubs, values)))
     row = ROUGH_BODY_OBSERVABLES["next_order"]

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.ndimage import label
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.contact import edges
@@ -98,7 +98,7 @@ def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
 
 def _clusters(flags: npt.NDArray[np.bool_], ends: tuple[bool, ...]) -> int:
     """Clusters of flags `[y, x]` that touch with a side of a node, on a torus but for axes along which it `ends`."""
-    labels, count = label(flags)
+    labels, count = scipy.ndimage.label(flags)
     joined = np.arange(count + 1)
     sides = (labels[0], labels[-1]), (labels[:, 0], labels[:, -1])
     for (one, other), end in zip(sides, ends, strict=True):

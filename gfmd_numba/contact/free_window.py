@@ -98,7 +98,6 @@ def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ..
 
 def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any], ends: tuple[bool, ...]) -> npt.NDArray[Any]:
     """Values `[realisation, (y,) x]` in the corner of the padded grid, and others around them, of that shape or 1."""
-    whole = np.empty((len(values), *free_body.padded_shape(values.shape[1:], ends)), dtype=values.dtype)
-    whole[:] = around
+    whole = np.broadcast_to(around, (len(values), *free_body.padded_shape(values.shape[1:], ends))).astype(values.dtype)
     whole[grid.corner(values.shape[1:])] = values
     return whole

@@ -6,26 +6,21 @@ Lengths are in L_x, heights in g L_x and stresses in g E*, g the rms gradient.
 
 import hashlib
 import json
-import math
 import re
 from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
-
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
-from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface
+from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.table import LAWS
-from gfmd_numba.roughness import statistics
-from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options
 
@@ -172,29 +167,6 @@ class Problem:
         pressure, displacement = (step.load, None) if self.displacement is None else (None, step.load)
         moved = replace(self, sliding=step.sliding, duration=step.duration, speed=step.speed, path=())
         return replace(moved, mean_pressure=pressure, displacement=displacement)
-
-
-def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
-    """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
-
-    Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
-    """
-    scale, slope = scaled_gradient(heights, ends_of(periodic, heights.ndim))
-    rounding = heights.shape[-1] * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
-    own = slope * scale
-    if slope <= 100.0 * rounding:
-        size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
-        raise ValueError(f"{size}: it is flat but for rounding")
-    if not SMALLEST <= own <= LARGEST:
-        raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
-    unit = heights / scale / (slope if gradient is None else gradient / scale)
-    return GivenSurface.of(unit), own if gradient is None else gradient
-
-
-def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
-    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
-    scale = math.ldexp(1.0, math.frexp(np.abs(heights).max())[1] - 1)
-    return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
 _TABLES = OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES

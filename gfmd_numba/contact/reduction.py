@@ -70,11 +70,8 @@ def reduce(
     if facing is not None:
         other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
         counter = CounterBody(other, facing.share)
-        elasticity += tuple(
-            replace(effect, name=f"{effect.name}, of the counter_body")
-            for effect in others
-            if effect.state == "dropped"
-        )
+        dropped = (effect for effect in others if effect.state == "dropped")
+        elasticity += tuple(replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped)
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
     problem = Problem(

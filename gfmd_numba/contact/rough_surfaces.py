@@ -3,17 +3,17 @@
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from math import hypot, prod
+from math import frexp, hypot, ldexp, prod
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import DeformableBody, RoughBodies, given_surface, scaled_gradient
+from gfmd_numba.contact.problem import DeformableBody, RoughBodies
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.surfaces import GivenSurface, SmoothSurface, SummedSurface, Surface, Topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import generators
+from gfmd_numba.roughness import generators, statistics
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
@@ -27,6 +27,7 @@ from gfmd_numba.scene import (
     Scene,
     SceneFile,
 )
+from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import in_reduced_units
 
@@ -98,6 +99,29 @@ def pressed_surfaces(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces,
         return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+
+
+def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
+    """Surface in units of a `gradient` g, by default the rms gradient of its heights (in L_x), and that gradient.
+
+    Raises ValueError for a flat surface, without roughness to speak of, or one too large for its gradient.
+    """
+    scale, slope = scaled_gradient(heights, ends_of(periodic, heights.ndim))
+    rounding = heights.shape[-1] * np.finfo(float).eps  # about the rms gradient of heights of order 1 that are rounded
+    own = slope * scale
+    if slope <= 100.0 * rounding:
+        size = f"an rms gradient of {own:.2g} in heights of up to {np.abs(heights).max():.3g}"
+        raise ValueError(f"{size}: it is flat but for rounding")
+    if not SMALLEST <= own <= LARGEST:
+        raise ValueError(f"an rms gradient of {own:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
+    unit = heights / scale / (slope if gradient is None else gradient / scale)
+    return GivenSurface.of(unit), own if gradient is None else gradient
+
+
+def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
+    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
+    scale = ldexp(1.0, frexp(np.abs(heights).max())[1] - 1)
+    return scale, float(statistics.rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
 def random_surface(

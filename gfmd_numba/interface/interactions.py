@@ -21,7 +21,8 @@ class Interactions:
     """What keeps the surfaces apart or together; an absent effect is None.
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
-    `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*. `laws` are the names of
+    `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*, which rises by
+    `shear_rise` times the pressure. `laws` are the names of
     all that acts, as in the scene file.
     """
 
@@ -31,6 +32,7 @@ class Interactions:
     cohesive: XuNeedlemanLaw | None = None
     hardness: float | None = None
     shear_limit: float | None = None
+    shear_rise: float = 0.0
 
     @classmethod
     def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
@@ -40,7 +42,10 @@ class Interactions:
             for law in asked.laws.values()
             if law.implementation is not None
         }
-        friction, limit = (None, None) if (rubs := asked.friction) is None else (rubs.coefficient, rubs.limit)
+        rubs = asked.friction
+        friction, limit, rise = (
+            (None, None, 0.0) if rubs is None else (rubs.coefficient, rubs.limit, rubs.pressure_coefficient)
+        )
         return cls(
             asked.hard_wall is not None,
             computed.get("normal law"),
@@ -48,6 +53,7 @@ class Interactions:
             computed.get("cohesive law"),
             None if asked.hardness is None else asked.hardness / (energy / length),
             None if limit is None else limit / (energy / length),
+            rise,
         )
 
     def patterned(self, pattern: Reals, padded: tuple[int, ...]) -> Self:
@@ -72,7 +78,7 @@ class Interactions:
     def conditions(self) -> kernels.Conditions:
         """What holds at a node that touches."""
         hardness, limit = (np.inf if each is None else each for each in (self.hardness, self.shear_limit))
-        return kernels.Conditions(hardness, self.friction or 0.0, limit)
+        return kernels.Conditions(hardness, self.friction or 0.0, limit, self.shear_rise)
 
     @property
     def softening(self) -> float:

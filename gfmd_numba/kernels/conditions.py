@@ -12,17 +12,18 @@ class Conditions(NamedTuple):
     """What holds at a node that touches: its pressure is at most `hardness`, its `friction` holds that times pressure.
 
     Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction. None
-    bears more than the `limit`.
+    bears more than the `limit`, which may have a `rise` with the pressure.
     """
 
     hardness: float = np.inf
     friction: float = 0.0
     limit: float = np.inf
+    rise: float = 0.0
 
     def held(self, pressure: Reals) -> Reals:
         """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
         held = np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
-        return np.minimum(held, self.limit)
+        return np.minimum(held, self.limit + self.rise * np.maximum(pressure, 0.0))
 
 
 class State(NamedTuple):
@@ -106,7 +107,7 @@ def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -
             way += (u[i, c, j] - anchor[i, c, j]) ** 2
         violation, slid = np.sqrt(traction), np.sqrt(way)
         pressure = load[i] - ku[i, normal, j]
-        held = min(friction * pressure, conditions.limit)
+        held = min(friction * pressure, conditions.limit + conditions.rise * pressure)
         if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
             if slid > 0.0 and np.isinf(friction):
                 violation = max(violation, pressure)

@@ -46,7 +46,8 @@ def friction_step(state: State, u_old: Reals, conditions: Conditions, active: In
             square = 0.0
             for c in range(normal):
                 square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
-            slid, held = np.sqrt(square), 0.5 * push * min(conditions.friction * pressure, conditions.limit)
+            most = min(conditions.friction * pressure, conditions.limit + conditions.rise * pressure)
+            slid, held = np.sqrt(square), 0.5 * push * most
             left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
             for c in range(normal):
                 pulled = u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]

@@ -8,7 +8,7 @@ a spike is small: what extends over more than three points is an edge, a scratch
 """
 
 import numpy as np
-from scipy import ndimage
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.roughness.processing import polynomial
@@ -114,11 +114,11 @@ def _windows(field: Reals, at: Indices, half: int) -> Reals:
 
 def _alone(far: Flags, off: Reals) -> Flags:
     """Those of the points far off that stand in small groups, next to which no point is off by nearly as much."""
-    groups, count = ndimage.label(far, np.ones((3,) * far.ndim))
+    groups, count = scipy.ndimage.label(far, np.ones((3,) * far.ndim))
     if not count:
         return far
     every = np.arange(1, count + 1)
-    around = ndimage.maximum_filter(np.where(far, 0.0, off), 3, mode="constant")
-    alone = ndimage.maximum(around, groups, every) < NEIGHBOUR * ndimage.maximum(off, groups, every)
+    around = scipy.ndimage.maximum_filter(np.where(far, 0.0, off), 3, mode="constant")
+    alone = scipy.ndimage.maximum(around, groups, every) < NEIGHBOUR * scipy.ndimage.maximum(off, groups, every)
     small = np.bincount(groups.ravel())[1:] <= MOST
     return np.asarray(np.concatenate([[False], alone & small])[groups])

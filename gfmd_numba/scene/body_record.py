@@ -113,7 +113,7 @@ class Body(BaseModel):
         strict=False,
         min_length=1,
         description="Branches of a viscoelastic body, whose youngs_modulus is then the relaxed one; its Poisson's "
-        "ratio is constant",
+        "ratio is constant. Layers and their base relax all alike, and moduli of branches are beside the topmost layer",
     )
     plasticity: Plasticity | None = Field(None, description="Plastic flow inside the body; None: it is elastic")
     stiffness_scale: Size = Field(

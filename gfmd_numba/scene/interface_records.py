@@ -192,9 +192,19 @@ class Friction(LawRecord):
     limit: Pressure | None = Field(
         None, description="Largest tangential traction in Pa (E* without moduli), the shear strength; None: no limit"
     )
+    pressure_coefficient: float = Field(
+        0.0,
+        ge=0,
+        description="What the limit rises by over the pressure, as shear strengths of films do (dimensionless)",
+    )
 
     @model_validator(mode="after")
     def _limits(self) -> Self:
+        if self.pressure_coefficient and (self.limit is None or self.pressure_coefficient >= self.coefficient):
+            allowed = (
+                "nothing without a limit, which it raises, and less than the coefficient, which it does not replace"
+            )
+            raise broken_rule(("pressure_coefficient",), allowed)
         if self.limit is not None and isinf(self.coefficient):
             raise broken_rule(("limit",), "no limit with an infinite coefficient, under which touching nodes stick")
         return self

@@ -133,7 +133,6 @@ _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _HELD = 10.0  # stiffness that holds a mean over the largest of the body, where no law softens
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_STILL_STEEP = 0.5  # slope at the end of a step over that at its start from which on a longer one is tried
 _COARSEST = 64  # nodes along the shorter side of a map up to which bodies begin at rest
 _SETTLED = 1e-2  # residual with which a coarser grid is left
 _COARSE_STEPS = 60  # Newton steps there, at most
@@ -393,7 +392,6 @@ class TruncatedNewton:
         i, direction = row[0], self._nodes(self._direction)
         step = self._law.longest(lambda: (self._gap(i), self._slip(i)), direction)
         change, slope = self._trial(row, step)
-        steep = slope / step
         while not _decreases(change, slope):
             step *= _shorter(change, slope)
             if step < _SHORTEST:
@@ -404,16 +402,9 @@ class TruncatedNewton:
                 return
             change, slope = self._trial(row, step)
         self._accept(i)
-        while bends_down and 1.0 <= step < _LONGEST and self._slope(i) < _STILL_STEEP * steep:
-            if not _decreases(*self._trial(row, step)):
-                break
+        while bends_down and 1.0 <= step < _LONGEST and _decreases(*self._trial(row, step)):
             self._accept(i)
             step *= 2.0
-
-    def _slope(self, i: int) -> float:
-        """Slope of a row's energy along its direction; costs no transform."""
-        goes_on = self._u[i] < self._bound[i]
-        return float(((self._restoring[i] - self._load[i]) * self._direction).sum(where=goes_on))
 
     def _trial(self, row: Indices, step: float) -> tuple[float, float]:
         """Change of a row's energy by a step, and what its slope promises; two transforms."""

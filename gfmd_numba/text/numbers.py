@@ -1,7 +1,8 @@
 """Numbers as text, chosen here alone for tables, figures and sentences: with an SI prefix, with a standard error."""
 
 from collections.abc import Iterable
-from math import floor, isfinite, isnan, log10, sqrt
+from math import floor, isfinite, isnan, log10
+from statistics import median
 
 _PREFIXES = (
     (1e9, "G"),
@@ -46,15 +47,15 @@ _FAR = 100.0
 def typical(values: Iterable[float]) -> float:
     """Return the size that tables and pictures choose the prefix of many numbers by.
 
-    It is the largest if all others are within a hundredth of it. Else it is halfway between their powers, as 1 to 1000
-    MPa read better than 0.001 to 1 GPa, but no less than this hundredth: few small numbers make no large one long.
+    It is the largest if all others are within a hundredth of it. Else it is their median, as 1 to 1000 MPa read better
+    than 0.001 to 1 GPa, but no less than this hundredth: few small numbers make no large one long.
     """
     known = [abs(value) for value in values if isfinite(value)]
     sizes = [size for size in known if size > _ROUNDING * max(known)]
     if not sizes:
         return 0.0
     least, most = min(sizes), max(sizes)
-    return most if most <= _FAR * least else max(sqrt(least) * sqrt(most), most / _FAR)
+    return most if most <= _FAR * least else max(median(sizes), most / _FAR)
 
 
 _FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten

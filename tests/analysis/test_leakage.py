@@ -179,6 +179,6 @@ def test_more_nodes_than_memory_takes_are_told(monkeypatch):
     def factorise(*arguments, **options):
         raise MemoryError
 
-    monkeypatch.setattr(channels, "splu", factorise)
+    monkeypatch.setattr(channels.scipy.sparse.linalg, "splu", factorise)
     with pytest.raises(UnusableDataError, match="you gave channels of 1024 nodes, whose flow takes more memory"):
         leakage(made(OPEN))

@@ -113,6 +113,43 @@ def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):
     assert aims == [(pytest.approx(0.04), 0.03)]
 
 
+@pytest.mark.parametrize(("of_levels", "cheaper"), [(13.0, True), (11.0, False)])
+def test_surfaces_come_first_if_levels_add_more_than_half_of_their_price(of_levels, cheaper):
+    one = {"realisations": (1,), "is_last": True}
+    surfaces, levels = (
+        Rounds(goal=Goal(targets={"kappa": 0.01}), campaign_sha256="", rounds=(Round(**one, **prices),))
+        for prices in ({"price": 14.0, "target_price": 14.0}, {"price": of_levels})
+    )
+    assert next_round._is_cheaper(surfaces, levels, spent=10.0) is cheaper
+
+
+def test_a_round_is_a_quarter_dearer_than_all_before():
+    found = results(crossed(*CROSS))
+    known = Known(found, EXACT)
+    now = judge(known, fit_tfc(found, fixed=ALPHA)).sure_error
+    assert decided(found, 1.5 * now).price >= 1.25 * known.whole_price(known.held)
+
+
+def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run():
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS)).assign_attrs(cpu_seconds=1.0)
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, 1.0]
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
+    assert "the levels contradict the fixed eps_f: 0.6" in after(state, [Fitted(Known(found, EXACT), fitted)]).ended
+
+
+@pytest.mark.parametrize("rounds", [2, 3])
+def test_a_limit_of_zero_is_told_after_two_rounds_more_than_the_pilot(rounds):
+    found = results(crossed(*CROSS)).assign_attrs(cpu_seconds=1.0)
+    fitted = fit_tfc(found, fixed=ALPHA)
+    fitted["kappa_tfc_error"] = 0.6 * fitted["kappa_tfc"]
+    each = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.01}), campaign_sha256="", rounds=(each,) * rounds)
+    ended = after(state, [Fitted(Known(found, EXACT), fitted)]).ended or ""
+    assert ("the limit of kappa is 0 within two standard errors" in ended) is (rounds > 2)
+
+
 def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     """An eps of the grid gives each of its values a reference, and cross levels of the same name."""
     fine = crossed({"eps_f": 1 / 512, "eps_t": 1})

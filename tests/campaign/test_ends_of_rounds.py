@@ -13,6 +13,7 @@ from gfmd_numba.campaign.goal import Goal, goal_of
 from gfmd_numba.campaign.run import Choice, InterruptedRunError, run_until
 from gfmd_numba.scene import InputError
 from support.campaigns import TINY, campaign
+from support.command_line import gfmd
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
@@ -206,6 +207,37 @@ def test_an_interrupt_in_the_pilot_is_one(tmp_path, monkeypatch):
     with pytest.raises(KeyboardInterrupt) as stopped:
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     assert not isinstance(stopped.value, InterruptedRunError)
+    assert not stopped.value.args  # nothing is done that could be kept
+
+
+def test_an_interrupt_before_a_run_begins_promises_nothing(tmp_path, monkeypatch):
+    def interrupted(*given):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runs, "plan", interrupted)
+    ran = gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--workers=0")
+    assert (ran.exit_code, ran.stderr) == (130, "gfmd: interrupted\n")
+
+
+def test_an_interrupt_between_the_contacts_of_a_pilot_and_their_fit_loses_none(tmp_path, monkeypatch):
+    """And the status says what became of the run: its blocks are done, its target is not reached."""
+
+    def interrupted(*given, **options):
+        raise KeyboardInterrupt
+
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    with monkeypatch.context() as patch:
+        patch.setattr(runs, "fit_tfc", interrupted)
+        with pytest.raises(InterruptedRunError) as stopped:
+            run_until(path, GOAL, out, HERE)
+    assert stopped.value.args == ("finished work is kept, the same command resumes",)
+    pilot = opened(stopped.value.outcome)
+    assert pilot.attrs["ended"] == "not reached: the run was interrupted"
+    assert (pilot["status"] == 0).any()
+    assert not (pilot["status"] == Ending.unfinished).any()
+    assert "blocks done; not reached: the run was interrupted" in gfmd("status", out).output
+    rounds.write(out, rounds.read(out).ending(""))  # as a run leaves it that is killed there
+    assert "blocks done; not running" in gfmd("status", out).output
 
 
 @pytest.mark.long

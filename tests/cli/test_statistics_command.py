@@ -21,7 +21,7 @@ def folder(tmp_path_factory):
         "map": MAP,
         "path": MAP + "path: [{reduced_pressure: 0.5}]\n",
         "profile": SCENE,
-        "failed": MAP + "numerics: {max_iterations: 1}\n",
+        "failed": MAP + "numerics: {solver: conjugate_gradients, max_iterations: 1}\n",
     }.items():
         (folder / f"{name}.yaml").write_text(text)
         gfmd("solve", folder / f"{name}.yaml", "-o", folder / f"{name}.nc")

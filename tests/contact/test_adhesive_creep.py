@@ -5,7 +5,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries

@@ -102,8 +102,8 @@ def test_the_tables_compile_nothing():
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ({"dimension": 1}, "with dimension 1, as a profile is solved by one thread"),
-        ({"interface": {"hard_wall": {"hardness": 0.5}}}, "with a hardness"),
+        ({"dimension": 1}, "1 but for maps under a punch"),
+        ({"interface": {"hard_wall": {"hardness": 0.5}}}, "as others are solved by one thread"),
         ({"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}, "with solver frictional_newton"),
     ],
 )

@@ -7,7 +7,8 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.body import ElasticBody

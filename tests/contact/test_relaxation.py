@@ -14,8 +14,9 @@ from gfmd_numba.contact import time_steps
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.doubts import FEWEST
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.problem import Problem, given_surface
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import Relaxation
+from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
@@ -363,7 +364,8 @@ def test_a_difference_is_the_larger_one_over_what_it_came_from():
     def contact(pressure, stretch, largest=(0.0, 0.0)):
         moved = np.array([stretch, np.zeros(2)])[:, np.newaxis, np.newaxis]
         after = SimpleNamespace(memory={"springs": SimpleNamespace(stretch=moved, largest=largest)})
-        return SimpleNamespace(after=after, equilibrium=SimpleNamespace(pressure=np.array([pressure]), tangential=None))
+        equilibrium = SimpleNamespace(pressure=np.array([pressure]), tangential=None, displacement=None)
+        return SimpleNamespace(after=after, equilibrium=equilibrium)
 
     coarse = contact([1.0, 1.0], [2.0, 2.0])
     assert time_steps.difference(coarse, contact([1.0, 1.1], [2.0, 3.0], (21.0, 10.0))) == pytest.approx(0.1)

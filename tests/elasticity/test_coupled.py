@@ -7,6 +7,7 @@ import slab_stiffness
 import textbook
 
 from gfmd_numba.elasticity import moduli
+from gfmd_numba.elasticity.body import ElasticBody
 
 RATIOS = [-0.99, -0.5, 0.0, 0.2, 0.25, 0.33, 0.49, 0.4999, 0.499999, 0.4999999999, 0.5 - 2**-50]
 WAVES = np.concatenate([np.logspace(-8, 2.5, 64), np.logspace(3, 8, 6)])
@@ -49,6 +50,17 @@ def test_slab_is_6_58():
                 assert abs(a13 - e13) < 1e-13 * size
                 if nu <= 0.25:
                     assert abs(a13 / e13 - 1) < 1e-13
+
+
+@pytest.mark.parametrize("nu", [*RATIOS, 0.5])
+def test_the_compliance_of_a_body_is_the_inverse_of_6_58(nu):
+    """Of the package itself, which makes every slab of layers; the elements above are those that other tests take."""
+    for k, found in zip(WAVES[::3], np.transpose(ElasticBody(nu, 1.0).layers.compliance(WAVES[::3])), strict=True):
+        with mpmath.workdps(digits(k)):
+            e11, e13, e33 = (incompressible(k) if nu == 0.5 else exact(k, nu))[:3]
+            determinant = e11 * e33 - e13**2
+            for value, element, whole in zip(found, (e33, e13, e11), (e33, mpmath.sqrt(e11 * e33), e11), strict=True):
+                assert abs(value * determinant - element) < 1e-12 * whole
 
 
 def test_coupling_keeps_its_digits_away_from_its_zero():

@@ -1,4 +1,4 @@
-"""Friction that holds at most a shear strength: min(mu p, limit) at each node that slips, in Newton's method alone."""
+"""Friction that holds at most a shear strength, which may rise with the pressure, in both solvers."""
 
 import numpy as np
 import pytest
@@ -8,6 +8,7 @@ from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.kernels import Conditions
+from gfmd_numba.scene import InputError
 from gfmd_numba.scene.scene_file import load_scene
 from gfmd_numba.solvers.friction.guess import Found, FrictionGuess
 
@@ -22,14 +23,18 @@ SCENE = {
 }
 
 
-@pytest.mark.parametrize("numerics", [{}, {"solver": "frictional_newton", "max_iterations": 60}])
-def test_a_punch_that_slides_bears_the_smaller_one_of_both_at_each_node(numerics):
+@pytest.mark.parametrize("rise", [0.0, 0.05])
+@pytest.mark.parametrize("numerics", [{"solver": "verlet"}, {"solver": "frictional_newton", "max_iterations": 60}])
+def test_a_punch_that_slides_bears_the_smaller_one_of_both_at_each_node(numerics, rise):
     path = [{"sliding": "0.5 um"}, {"sliding": "200 um"}]
-    found = gfmd_numba.solve({"scene": SCENE, "path": path, "numerics": numerics})
+    rubs = {"coefficient": 0.3, "limit": "5 MPa"} | ({"pressure_coefficient": rise} if rise else {})
+    scene = SCENE | {"interface": {"hard_wall": {}, "friction": rubs}}
+    found = gfmd_numba.solve({"scene": scene, "path": path, "numerics": numerics})
     assert (found["status"] == 0).all()
     pressure, traction = found["pressure"].values[-1], found["tangential_traction"].values[-1]
-    assert 0.3 * pressure.max() > 1.5 * 5e6  # the limit counts
-    np.testing.assert_allclose(abs(traction), np.minimum(0.3 * pressure, 5e6), atol=1e-6 * pressure.max())
+    assert (0.3 - rise) * pressure.max() > 1.2 * 5e6  # the limit counts
+    held = np.minimum(0.3 * pressure, 5e6 + rise * pressure)
+    np.testing.assert_allclose(abs(traction), held, atol=1e-6 * pressure.max())
 
 
 def test_a_half_space_without_a_drag_bears_no_more_than_the_shear_strength():
@@ -79,6 +84,15 @@ def test_the_balance_of_energy_knows_the_shear_strength():
     problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
     (found,) = solve_path(problem, 0)
     assert Balance.of(problem, found).rubbing.held.max() == pytest.approx(problem.interface.shear_limit)
+
+
+@pytest.mark.parametrize("rubs", [{}, {"limit": "5 MPa", "coefficient": 0.1}])
+def test_a_strength_that_rises_is_a_limit_that_rises_less_than_the_coefficient(rubs):
+    scene = SCENE | {
+        "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3, "pressure_coefficient": 0.1} | rubs}
+    }
+    with pytest.raises(InputError, match=r"(?s)pressure_coefficient.*less than the coefficient"):
+        load_scene({"scene": scene})
 
 
 @pytest.mark.parametrize(("limit", "residual"), [(200.0, 1e-8), (20e3, 1e-6)])

@@ -40,10 +40,10 @@ def test_couple_is_a_hermitian_matrix_for_each_wave(kernel, components, rng):
 
 
 @COMPONENTS
-@pytest.mark.parametrize(("friction", "limit"), [(0.4, np.inf), (0.4, 0.2), (np.inf, np.inf)])
+@pytest.mark.parametrize(("friction", "limit", "rise"), [(0.4, np.inf, 0.0), (0.4, 0.2, 0.1), (np.inf, np.inf, 0.0)])
 @pytest.mark.parametrize("kernels_of_step", [(kernels.verlet_step, kernels.friction_step)])
 @pytest.mark.parametrize("compiled", [True, False])
-def test_a_step_with_friction_is_its_plain_twin(kernels_of_step, compiled, friction, limit, components, rng):
+def test_a_step_with_friction_is_its_plain_twin(kernels_of_step, compiled, friction, limit, rise, components, rng):
     state, memory, push, last = random_state(rng, components), 0.8, 0.3, rng.normal(size=(ROWS, components + 1, PADDED))
     u, ku, wall, load, anchor = state
     pressure = load[:, np.newaxis] - ku[:, -1]
@@ -51,7 +51,7 @@ def test_a_step_with_friction_is_its_plain_twin(kernels_of_step, compiled, frict
     pulled = u[:, :-1] - 0.5 * push * ku[:, :-1] - anchor
     way = np.sqrt((pulled**2).sum(axis=1))
     with np.errstate(invalid="ignore"):
-        held = 0.5 * push * np.minimum(friction * pressure, limit)
+        held = 0.5 * push * np.minimum(friction * pressure, limit + rise * pressure)
         left = np.where(way > held, 1.0 - held / way, 0.0)[:, np.newaxis]
     free = u + memory * (u - last) - push * ku
     new = np.concatenate((np.where(touches, anchor + left * pulled, free[:, :-1]), free[:, -1:]), axis=1)
@@ -65,16 +65,18 @@ def test_a_step_with_friction_is_its_plain_twin(kernels_of_step, compiled, frict
         expected.append(whole)
     step, hold = (kernel if compiled else getattr(kernel, "py_func", kernel) for kernel in kernels_of_step)
     step(state, last, ACTIVE, N, memory, push)
-    hold(state, last, kernels.Conditions(friction=friction, limit=limit), ACTIVE, N, push)
+    hold(state, last, kernels.Conditions(friction=friction, limit=limit, rise=rise), ACTIVE, N, push)
     for found, asked in zip(changing, expected, strict=True):
         np.testing.assert_allclose(found, asked, rtol=1e-13, atol=1e-13)
     assert touches[ACTIVE, :, :N].any()
 
 
 @COMPONENTS
-@pytest.mark.parametrize(("friction", "limit"), [(0.0, np.inf), (0.4, np.inf), (0.4, 0.2), (np.inf, np.inf)])
+@pytest.mark.parametrize(
+    ("friction", "limit", "rise"), [(0.0, np.inf, 0.0), (0.4, np.inf, 0.0), (0.4, 0.2, 0.1), (np.inf, np.inf, 0.0)]
+)
 @pytest.mark.parametrize("kernel", both(tangential_violation))
-def test_the_violation_of_friction_is_its_plain_twin(kernel, friction, limit, components, rng):
+def test_the_violation_of_friction_is_its_plain_twin(kernel, friction, limit, rise, components, rng):
     state = random_state(rng, components)
     u, ku, wall, load, anchor = state
     pressure = load[:, np.newaxis] - ku[:, -1]
@@ -82,13 +84,13 @@ def test_the_violation_of_friction_is_its_plain_twin(kernel, friction, limit, co
     traction, slid = ku[:, :-1], u[:, :-1] - anchor
     size, way = (np.sqrt((each**2).sum(axis=1)) for each in (traction, slid))
     with np.errstate(invalid="ignore", divide="ignore"):
-        bound = np.minimum(friction * pressure, limit)
+        bound = np.minimum(friction * pressure, limit + rise * pressure)
         slips = np.sqrt(((traction + bound[:, None] * slid / way[:, None]) ** 2).sum(axis=1))
         slips = np.maximum(size, pressure) if np.isinf(friction) else slips  # none may slip
         violation = np.where(way > 0.0, slips, np.maximum(size - bound, 0.0))
     violation = np.where(touches, violation, size)
     for i in range(ROWS):
-        largest, total = kernel(state, kernels.Conditions(friction=friction, limit=limit), i, N)
+        largest, total = kernel(state, kernels.Conditions(friction=friction, limit=limit, rise=rise), i, N)
         assert largest == pytest.approx(violation[i, :N].max(), rel=1e-13)
         assert total == pytest.approx(traction[i, :, :N].sum())
 

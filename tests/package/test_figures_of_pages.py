@@ -21,6 +21,14 @@ def test_other_codes_take_as_long_in_the_readme_as_where_they_are_compared():
     assert said in page("README.md")
 
 
+def test_other_codes_take_as_many_times_as_long_as_the_readme_begins_with():
+    rows = re.findall(r"\| (?:profile|map) [^|]*\|(?:[^|]*\|){3}( [^\n]*?) \| [pm\-\"]", page("docs/peers.md"))
+    least = [float(low) for row in rows for low in re.findall(r"\(([\d.]+) to", row)]
+    assert len(least) > 10
+    assert min(least) > 10.0
+    assert "Other public codes take [over ten times as long](#how-it-compares)" in page("README.md")
+
+
 @pytest.mark.parametrize("name", ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))])
 def test_no_third_page_says_how_long_other_codes_take(name):
     if name not in ("docs/peers.md", "docs/free_contacts.md"):  # each for its own contacts

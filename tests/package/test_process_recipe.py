@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.problem import Problem, RoughBodies, given_surface
-from gfmd_numba.contact.rough_surfaces import DeformableBody
+from gfmd_numba.contact.problem import Problem, RoughBodies
+from gfmd_numba.contact.rough_surfaces import DeformableBody, given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Change, LoadStep
 from gfmd_numba.contact.surfaces import SummedSurface, Topography

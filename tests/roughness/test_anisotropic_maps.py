@@ -8,8 +8,8 @@ from gfmd_numba import fit_tfc, run
 from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
-from gfmd_numba.contact.problem import Problem, given_surface
-from gfmd_numba.contact.rough_surfaces import random_surface
+from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.rough_surfaces import given_surface, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics

@@ -78,6 +78,10 @@ REFUSED = {
         changed(WEAR, "scene", "interface", friction={"coefficient": 0.3}),
         "path[0].sliding: you gave '5 mm'; gfmd allows nothing without a finite aspect_ratio",
     ),
+    "wear of nodes that stick": (
+        changed(changed(WEAR, "scene", "interface", friction={"coefficient": np.inf}), "scene", "body", aspect_ratio=1),
+        "scene.interface.wear: you gave ... gfmd allows nothing with an infinite coefficient of friction",
+    ),
     "a speed with friction": (
         changed(changed(CREEP, "scene", "loading", speed="1 mm/s"), "scene", "interface", friction={"coefficient": 0.3})
         | {"path": []},

@@ -18,8 +18,8 @@ MUTANTS = [
     ),
     (
         "laws.py",
-        "1.0 / np.sqrt(1.0 - unseen[same.ravel()]) - 1.0",
-        "1.0 / (1.0 - unseen[same.ravel()]) - 1.0",
+        "1.0 / np.sqrt(1.0 - unseen[same]) - 1.0",
+        "1.0 / (1.0 - unseen[same]) - 1.0",
         "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
     ),
     (

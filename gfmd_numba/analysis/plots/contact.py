@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
@@ -65,7 +66,7 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
         panels[2].plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
     scale = "log" if (mean["gap_density"] > 0.0).any() else "linear"
     gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
-    logarithmic = [gap.yaxis] if scale == "log" else []
+    logarithmic: list[Axis] = [gap.yaxis] if scale == "log" else []
     if len(panels) > 1:
         _name_axes_of_touching(panels[0], panels[2], mean, counted, label_of_size)
         logarithmic += [panels[2].xaxis, panels[2].yaxis]
@@ -233,7 +234,7 @@ def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
         f"{label}, contact in orange" if touching.any() else label,
         "both",
         cmap=colours,
-        norm=decades(values),
+        norm=decades(values) if touching.any() else None,
     )
 
 

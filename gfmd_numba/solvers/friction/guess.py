@@ -92,7 +92,8 @@ class FrictionGuess:
         slip_compliance[goes_on] = size[goes_on] / held[goes_on]
         wrong = leaves | joins | gives_way | turns_back
         if np.isfinite(conditions.limit):
-            before, now = conditions.friction * np.array([self.tractions[-1], pressure]) - conditions.limit
+            slope = conditions.friction - conditions.rise
+            before, now = slope * np.array([self.tractions[-1], pressure]) - conditions.limit
             wrong |= goes_on & ((before > 0.0) != (now > 0.0)) & (abs(now) > unsure)
         return Revision(leaves, joins, direction, slip_compliance, np.flatnonzero(wrong))
 

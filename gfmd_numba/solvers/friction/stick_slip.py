@@ -2,8 +2,9 @@
 
 Unknown are the pressure p of the wall on touching nodes and, with a law of the gap, minus its traction on others; the
 tangential tractions of sticking nodes; and on maps the traction t of a slipping node across the direction e in which it
-slips. Along e it bears -mu p. The traction of a slip s turns by as much as the slip does, t / (mu p) = -ds / s across
-e, so that the node gives way by t s / (mu p) (Alart & Curnier, Comput. Methods Appl. Mech. Eng. 92:353, 1991).
+slips. Along e it bears -mu p, or at a limit a constant, which may rise with p. The traction of a slip s turns by as
+much as the slip does, t / (mu p) = -ds / s across e, so that the node gives way by t s / (mu p) (Alart & Curnier,
+Comput. Methods Appl. Mech. Eng. 92:353, 1991).
 
 It is solved by generalised minimal residuals, preconditioned by an approximate inverse of the compliance of each
 component on the nodes in contact.
@@ -204,9 +205,9 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        friction, limit = body.conditions.friction, body.conditions.limit
-        limited = friction * guess.tractions[-1, self.slipping] > limit
-        self._drag = np.where(limited, 0.0, -friction) * along  # tangential traction over pressure
+        _, friction, limit, rise = body.conditions
+        limited = (friction - rise) * guess.tractions[-1, self.slipping] > limit
+        self._drag = np.where(limited, -rise, -friction) * along  # tangential traction over pressure
         self._limit = np.where(limited, -limit, 0.0) * along if limited.any() else None
         self._turning = self.slipping if components == 2 else self.slipping[:0]
         self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]

@@ -137,12 +137,8 @@ def equilibrate(
     """
     _check_hardness(load, interface)
     hardness, realisations, n = interface.hardness, len(punch), punch[0].size
-    laws = (
-        interface.normal_law,
-        interface.cohesive,
-        hardness,
-    )  # what bounds of pressures are for, before a solver begins
-    scale = np.full(realisations, np.nan) if laws == (None, None, None) else pressure_scale(punch, response)
+    bounds = (interface.normal_law, interface.cohesive, hardness) != (None, None, None)  # of pressures, needed at once
+    scale = pressure_scale(punch, response) if bounds else np.full(realisations, np.nan)
     result = Equilibrium.empty(punch, scale, interface, sliding, around is not None)
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened

@@ -27,7 +27,8 @@ _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that i
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
 _DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
-_SAMPLES, _MORE = 256, 1.1  # nodes in each direction that feel one node; all feel less than this times more
+_SAMPLES, _MORE = 256, 1.1  # nodes in each direction of a half-space that feel one; all feel less than this times more
+_SAME = 1e-6  # relative difference of stiffness over wavenumber up to which a body is a half-space
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
@@ -74,10 +75,16 @@ class Level:
 
     @cached_property
     def largest_traction(self) -> float:
-        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node."""
-        few = tuple(min(n, _SAMPLES) for n in self.shape)
-        influence = grid.influence(self.stiffness[grid.some_waves(self.shape, few)], *few)
-        return _MORE * float(abs(influence).sum())
+        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node.
+
+        A half-space has the same on any grid, so that some of its waves do.
+        """
+        few, stiffness = self.shape, self.stiffness
+        along = stiffness[0, 1:] / np.arange(1, stiffness.shape[1])
+        if np.ptp(along) <= _SAME * along[0]:
+            few = tuple(min(n, _SAMPLES) for n in self.shape)
+            stiffness = stiffness[grid.some_waves(self.shape, few)]
+        return _MORE * float(abs(grid.influence(stiffness, *few)).sum())
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""

@@ -1,6 +1,6 @@
 """Plastic flow inside a body against theory, finite elements and Tamaas, and 200 random scenes.
 
-python benchmarks/plastic_flow.py [yield|hardness|residual|elements|scenes]
+python benchmarks/plastic_flow.py [yield|hardness|residual|elements|pei|scenes]
 python benchmarks/plastic_flow.py tamaas PYTHON, the interpreter of an environment that has Tamaas and SciPy
 """
 
@@ -97,8 +97,12 @@ def residual():
         )
 
 
-def elements(meshes=((32, 24), (64, 44))):
-    """A sinusoid with a plastic body in plane strain, on the grid and by finite elements, under equal loads."""
+def elements(meshes=((32, 24), (64, 44), (96, 66)), grids=((256, 32), (512, 64), (1024, 128))):
+    """A sinusoid with a plastic body in plane strain, on the grid and by finite elements, under equal loads.
+
+    The integral of the plastic strain converges slowly with the elements, and is also printed for each of our grids
+    (nodes, sublayers) under the loads of the last mesh.
+    """
     from elastoplastic_elements import PlasticBody
     from finite_elements import graded
 
@@ -126,6 +130,13 @@ def elements(meshes=((32, 24), (64, 44))):
         )
         told = "  ".join(f"{name} {own / other - 1.0:+.2%}" for name, other, own in both)
         print(f"{columns} x {rows} quadratic elements: {told}", flush=True)
+    for nodes, sublayers in grids:
+        heights = amplitude * np.cos(2.0 * np.pi * (np.arange(nodes) / nodes - 0.5))
+        flow = flow_measures.flow_of(
+            pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, sublayers, 1))[-1]
+        )
+        volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
+        print(f"{nodes} nodes, {sublayers} sublayers: integral of the plastic strain {volume:.5e}", flush=True)
 
 
 _TAMAAS = """
@@ -145,7 +156,7 @@ started = time.perf_counter(), time.process_time()
 error = both.acceleratedSolve(float(given["load"]))
 took = time.perf_counter() - started[0], time.process_time() - started[1]
 pressure, flown = (np.asarray(model[name]) for name in ("traction", "cumulated_plastic_strain"))
-np.savez(sys.argv[2], pressure=pressure[..., 2], flown=flown, took=took, error=error)
+np.savez(sys.argv[2], pressure=pressure[..., 2], flown=flown.reshape(nz, *heights.shape), took=took, error=error)
 """
 
 
@@ -167,13 +178,42 @@ def tamaas(interpreter):
         flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
         off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
         peak, most = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flown"].max()
-        mean = flow.equivalent.mean() / theirs["flown"].mean()
+        levels = theirs["flown"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
+        integral = np.trapezoid(levels, dx=depth / (nz - 1))
+        volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         print(
             f"{nodes} x {nodes} x {nz}: processor time {took:.2f} s, of Tamaas {theirs['took'][1]:.1f} s, ratio "
             f"{theirs['took'][1] / took:.0f}; pressures differ by {off:.2%}, their peaks by {peak - 1.0:+.2%}, the "
-            f"largest plastic strain by {most - 1.0:+.2%}, its mean by {mean - 1.0:+.2%}",
+            f"largest plastic strain by {most - 1.0:+.2%}, its integral by {volume / integral - 1.0:+.2%}",
             flush=True,
         )
+
+
+def pei(nodes=64, ratios=(0.05, 0.1, 0.2, 0.4), areas=(0.02, 0.04, 0.08)):
+    """Rough contacts at small areas: mean pressure over the yield stress, and how far the area is linear in the load.
+
+    Pei, Hyun, Molinari and Robbins (J. Mech. Phys. Solids 53:2385, 2005) find by finite elements that the area rises
+    linearly with the load for all yield stresses, faster the lower these are, as a power of them. `ratios` are yield
+    stresses over g E*, `areas` about those that the loads lead to.
+    """
+    q, rng, last = grid.magnitudes((nodes, nodes)), np.random.default_rng(2005), None
+    inside = (q > 0.0) & (q <= np.pi * nodes / 4.0)  # 8 nodes in the shortest wave
+    spectrum = np.where(inside, np.maximum(q, 4.0 * np.pi) ** -1.8, 0.0) * np.exp(2j * np.pi * rng.random(q.shape))
+    heights = grid.signal(spectrum, nodes, nodes)
+    heights /= np.sqrt((grid.signal(q * grid.coefficients(heights, 2), nodes, nodes) ** 2).mean())
+    for stress in ratios:
+        loads = [area * min(0.5, 2.5 * stress) for area in areas]
+        found = pressed(heights, loads, Plasticity(Hardening(stress), None, 24, 2))
+        assert all(each.equilibrium.status[0] == 0 for each in found)
+        pressures = np.array([p / c.equilibrium.touching.mean() for p, c in zip(loads, found, strict=True)])
+        told = ", ".join(f"{p / stress:.2f}" for p in pressures)
+        power = (
+            ""
+            if last is None
+            else f"; power of the yield stress {np.log(last[1] / pressures[-1]) / np.log(last[0] / stress):.2f}"
+        )
+        print(f"Y = {stress:4} g E*: mean contact pressure {told} Y at about {areas} of the area{power}", flush=True)
+        last = stress, pressures[-1]
 
 
 def random_scene(rng):
@@ -242,7 +282,14 @@ def scenes(count=200):
     print(f"processor time {time.process_time() - started:.0f} s")
 
 
-PARTS = {"yield": first_yield, "hardness": hardness, "residual": residual, "elements": elements, "scenes": scenes}
+PARTS = {
+    "yield": first_yield,
+    "hardness": hardness,
+    "residual": residual,
+    "elements": elements,
+    "pei": pei,
+    "scenes": scenes,
+}
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["tamaas"]:

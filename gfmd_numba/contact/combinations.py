@@ -383,19 +383,29 @@ def has_substitute(row: Refusal) -> bool:
 
 
 def _section(reason: str) -> str:
-    groups: dict[tuple[str, str], list[str]] = {}
+    pairs: dict[str, list[tuple[str, str]]] = {}
     for row in REFUSALS:
         if row.because == reason:
             allowed = f" Allowed: {row.allowed}.".replace("*", r"\*") if has_substitute(row) else ""
-            groups.setdefault((row.present, allowed), []).append(_phrase(row.refused))
-    entries: dict[tuple[str, str], list[str]] = {}
-    for (present, allowed), refused in groups.items():
-        entries.setdefault(("; ".join(refused), allowed), []).append(_phrase(present))
-    items = (
-        _item(f"**{_capital('; '.join(present))}** with {refused}.{allowed}")
-        for (refused, allowed), present in entries.items()
-    )
-    return "\n".join((_REASONS[reason], *items, ""))
+            pairs.setdefault(allowed, []).append((row.present, row.refused))
+    entries = (_item(f"{entry}.{allowed}") for allowed, features in pairs.items() for entry in _entries(features))
+    return "\n".join((_REASONS[reason], *entries, ""))
+
+
+def _entries(pairs: list[tuple[str, str]]) -> Iterator[str]:
+    """Features that are refused in place of the same: all with each other, or each with those it does not go with."""
+    every = dict.fromkeys(feature for pair in pairs for feature in pair)
+    if len(every) > 2 and len(pairs) == len(every) * (len(every) - 1) / 2:
+        yield f"**{_capital('; '.join(map(_phrase, every)))}** with each other"
+        return
+    refused: dict[str, list[str]] = {}
+    for present, other in pairs:
+        refused.setdefault(present, []).append(_phrase(other))
+    alike: dict[str, list[str]] = {}
+    for present, others in refused.items():
+        alike.setdefault("; ".join(others), []).append(_phrase(present))
+    for unwanted, features in alike.items():
+        yield f"**{_capital('; '.join(features))}** with {unwanted}"
 
 
 def _solvers() -> Iterator[str]:

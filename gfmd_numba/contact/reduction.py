@@ -51,11 +51,10 @@ def reduce(
     """
     scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
     displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
-    given = scales.bodies[0]
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
     may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
-    interface, interactions = _interface(scene.interface, given, facing, may_slip, scales, rms_gradient)
+    interface, interactions = _interface(scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient)
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
@@ -63,7 +62,7 @@ def reduce(
         facing = rough = None
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
-    body, elasticity = _body(given, interface, mean_matters, needs_nu, tolerance)
+    body, elasticity = _body(scales.bodies[0], interface, mean_matters, needs_nu, tolerance)
     needs = *interface.abilities, *(() if scene.loading.speed is None else ("speed",))
     options = _options(numerics, scene.dimension, needs)
     counter = None
@@ -92,8 +91,8 @@ def reduce(
         wear_rate=wear_rate(scene, rms_gradient),
         plasticity=plasticity(scene, rms_gradient),
     )
-    interactions += _slow_effects(scene)
-    return problem, _all_effects(elasticity, interactions, tractions is not None, scales.stiffness)
+    effects = interactions + _slow_effects(scene)
+    return problem, _all_effects(elasticity, effects, tractions is not None, scales.stiffness)
 
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:

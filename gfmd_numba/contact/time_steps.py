@@ -10,6 +10,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import expm1, inf, log1p, nan
 
+from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import tractions_of
@@ -89,15 +90,13 @@ def difference(coarse: Contact, fine: Contact) -> float:
     Or of what has worn; the largest counts. Of what falls again errors stay, and are measured by what they came from,
     which bodies that creep remember.
     """
-    memories = [each.after.memory for each in (coarse, fine)]
-    fields = [[tractions_of(each), each.equilibrium.displacement] for each in (coarse, fine)]
-    most = [0.0, 0.0]
-    if "springs" in memories[1]:
-        most = list(memories[1]["springs"].largest)
-        for memory, own in zip(memories, fields, strict=True):
-            own[1] = memory["springs"].stretch[0]
-    if "worn" in memories[1]:
-        most.append(0.0)
-        for memory, own in zip(memories, fields, strict=True):
-            own.append(memory["worn"])
-    return max(map(relative_difference, *fields, most))
+    springs = fine.after.memory.get("springs")
+    most = *((0.0, 0.0) if springs is None else springs.largest), 0.0
+    return max(map(relative_difference, _compared(coarse), _compared(fine), most))
+
+
+def _compared(contact: Contact) -> list[Reals]:
+    """Tractions, displacements and, of a punch that wears, what has worn."""
+    memory = contact.after.memory
+    moved = memory["springs"].stretch[0] if "springs" in memory else contact.equilibrium.displacement
+    return [tractions_of(contact), moved, *([memory["worn"]] if "worn" in memory else [])]

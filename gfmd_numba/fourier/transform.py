@@ -175,21 +175,26 @@ class Transform:
         kernels.multiply_map(self.waves[0], symbol, self.n, divide)
         self.inverse(_FIRST)
 
-    def coarsen(self, coarse: "Transform", filled: bool = False) -> None:
+    def coarsen(self, coarse: "Transform", filled: bool = False, stiffness: Reals | None = None) -> float:
         """Fill the first samples of a transform of fewer nodes with the waves of the first map that it holds.
 
-        What is not in the rows that may be `filled` counts as zero, if so asked.
+        What is not in the rows that may be `filled` counts as zero, if so asked. With a `stiffness` of maps, return the
+        root-mean-square traction that restores the map, but for its mean.
         """
+        power = 0.0
         ky, kx = wave_indices(coarse.shape)
         if self._blocks is not None:
-            self._blocks[0].coarsen(ky[:, 0], coarse.waves[0, :, : kx.size], filled)
+            power = self._blocks[0].coarsen(ky[:, 0], coarse.waves[0, :, : kx.size], filled, stiffness)
             kernels.count(self.n_transforms, _FIRST, 1)
         else:
             self.forward(_FIRST)
             coarse.waves[0, :, : kx.size] = self.waves[0, ky, kx]
+            if stiffness is not None:
+                power = kernels.restoring_power(self.waves[0].T, stiffness, 0)
         held = (np.abs(ky) < coarse.shape[0] / 2) & (kx < coarse.shape[1] / 2)
         coarse.waves[0, :, : kx.size] *= np.where(held, 1.0 / self.n, 0.0)
         coarse.inverse(_FIRST)
+        return math.sqrt(power) / self.n
 
     def row(self, i: int) -> "Transform":
         """Return the transform in place of one row alone, in the same memory."""
@@ -214,15 +219,23 @@ class _Blocks:
         self._lines = math.gcd(len(waves), self._filled, _ROWS)
         self._workers: list[_Worker] = []
 
-    def coarsen(self, ky: Indices, found: npt.NDArray[Any], filled: bool) -> None:
-        """Fill the transform `[row, column]` with some rows and the first columns of that of the map."""
+    def coarsen(self, ky: Indices, found: npt.NDArray[Any], filled: bool, stiffness: Reals | None) -> float:
+        """Fill the transform `[row, column]` with some rows and the first columns of that of the map.
+
+        Return the power of what restores the map, of all columns, if there is a stiffness.
+        """
         rows, columns = self._filled if filled else len(self._waves), found.shape[1]
+        powers = np.zeros(-(-self._waves.shape[1] // _COLUMNS))
 
         def take(own: "_Worker", x: int) -> None:
             end = min(x + _COLUMNS, columns)
-            found[:, x:end] = own.block[: end - x, ky].T
+            if x < end:
+                found[:, x:end] = own.block[: end - x, ky].T
+            if stiffness is not None:
+                powers[x // _COLUMNS] = kernels.restoring_power(own.block, stiffness, x)
 
-        self._along_both(rows, columns, take)
+        self._along_both(rows, columns if stiffness is None else self._waves.shape[1], take)
+        return float(powers.sum())
 
     def multiply(self, symbol: Reals, n: int, divide: bool, filled: bool) -> None:
         """Multiply the map by a symbol `[ky, kx]`, or `divide` it, where 0 and infinity stand for 0; and by 1/n."""

@@ -101,3 +101,22 @@ def put_columns(block: Complexes, first: int, waves: Complexes, rows: int) -> No
     for y in range(rows):
         for x in range(columns):
             waves[y, first + x] = block[x, y]
+
+
+@jit
+def restoring_power(columns: Complexes, stiffness: Reals, first: int) -> float:
+    """Sum of the squares of K times the transform `[x, y]` of a real map, for its columns from the `first` on.
+
+    Each counts as often as in a sum over all waves; the mean does not.
+    """
+    nyquist = stiffness.shape[1] - 1
+    total = 0.0
+    for c in range(min(columns.shape[0], stiffness.shape[1] - first)):
+        x = first + c
+        power = 0.0
+        for y in range(stiffness.shape[0]):
+            if x > 0 or y > 0:
+                value = columns[c, y]
+                power += (value.real**2 + value.imag**2) * stiffness[y, x] ** 2
+        total += power if x == 0 or x == nyquist else 2.0 * power
+    return total

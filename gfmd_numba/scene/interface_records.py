@@ -43,7 +43,9 @@ class HardWall(LawRecord):
     normal: ClassVar = True
     keeps_apart: ClassVar = True
     hardness: Pressure | None = Field(
-        None, description="Largest contact pressure in Pa (E* without moduli), where the wall gives way; None: no limit"
+        None,
+        description="Largest contact pressure in Pa (E* without moduli), where the wall gives way; None: no limit. "
+        "For flow inside the body take body.plasticity instead",
     )
 
 

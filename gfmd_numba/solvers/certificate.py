@@ -53,10 +53,12 @@ class Certificate:
     `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
     make any other violation look small.) Where the state is that of a corner of the grid alone, `mean_displacement` is
     that of the whole one. `bears` `[realisation]` is where the state has the pressure in place of what restores it.
+    `full_contact` `[realisation]` is the `pressure_scale`, where a solver has found it on its way.
     """
 
     mean_displacement: Reals | None = None
     bears: Flags | None = None
+    full_contact: Reals | None = None
 
     def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
         self.conditions, self.rigid_mean = conditions, rigid_mean

@@ -137,16 +137,16 @@ def equilibrate(
     """
     _check_hardness(load, interface)
     hardness, realisations, n = interface.hardness, len(punch), punch[0].size
-    scale = pressure_scale(punch, response)
+    bounds = (interface.normal_law, interface.cohesive, hardness) != (None, None, None)  # of pressures, needed at once
+    scale = pressure_scale(punch, response) if bounds else np.full(realisations, np.nan)
     result = Equilibrium.empty(punch, scale, interface, sliding, around is not None)
     elastic = response if load is None else response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
-    blown_up = _BLOWN_UP * (scale + borne)
     block = max(1, SOLVERS[options.solver].block_samples // n)
     for first in range(0, realisations, block):
         rows = np.arange(first, min(first + block, realisations))
         started = time.perf_counter()
-        largest = borne + _FLUCTUATIONS * float(scale[rows].max())
+        largest = borne + _FLUCTUATIONS * float(np.where(np.isnan(scale[rows]), np.inf, scale[rows]).max())
 
         def batch(rows: Indices, laws: Interactions, largest: float = largest) -> Batch:
             some = slice(rows[0], rows[-1] + 1) if rows[-1] - rows[0] == rows.size - 1 else rows
@@ -157,16 +157,16 @@ def equilibrate(
             return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, *room)
 
         if hardness is None:
-            _solve(batch, interface, rows, blown_up, options, result)
+            _solve(batch, interface, rows, borne, options, result)
         else:
-            _solve(batch, replace(interface, hardness=None), rows, blown_up, options, result, hardness)
+            _solve(batch, replace(interface, hardness=None), rows, borne, options, result, hardness)
             most = hardness * (1.0 + options.residual)
             yielding = rows[(result.status[rows] != Status.ok) | _above(most, result, rows)]
             for row in np.setdiff1d(rows, yielding):  # loaded again up to where it has yielded, but for the residual
                 excess = float(result.pressure[row].max()) / hardness - 1.0
                 result.residual[row] = max(result.residual[row], excess)
             if yielding.size:
-                _solve(batch, interface, yielding, blown_up, options, result)
+                _solve(batch, interface, yielding, borne, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()
         result.wall_time[rows] = (time.perf_counter() - started) * share
     with np.errstate(over="ignore", invalid="ignore"):  # of runs that diverge, as their status says
@@ -212,7 +212,7 @@ def _solve(
     batch: Callable[[Indices, Interactions], Batch],
     laws: Interactions,
     rows: Indices,
-    blown_up: Reals,
+    borne: float,
     options: Options,
     result: Equilibrium,
     hardness: float = np.inf,
@@ -222,13 +222,18 @@ def _solve(
     An elastic run stops once its peak pressure is far above the hardness: that contact surely yields.
     """
     solver, whole = SOLVERS[options.solver], batch(rows, laws)
-    _iterate(begin(whole, options), rows, blown_up, options, result, hardness)
+    iteration = begin(whole, options)
+    unknown = np.isnan(result.full_contact_pressure[rows])
+    if unknown.any():
+        found = iteration.certificate.full_contact
+        result.full_contact_pressure[rows] = pressure_scale(whole.punch, whole.response) if found is None else found
+    _iterate(iteration, rows, borne, options, result, hardness)
     if whole.response.is_rigid and solver.successor is not None and "rigid mean" not in SOLVERS[solver.successor].can:
         return
     stuck = rows[(result.status[rows] != Status.ok) & ~_above(_SURELY_YIELDS * hardness, result, rows)]
     if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
         other = replace(options, solver=solver.successor)
-        _iterate(begin(batch(stuck, laws), other), stuck, blown_up, other, result, hardness)
+        _iterate(begin(batch(stuck, laws), other), stuck, borne, other, result, hardness)
 
 
 def _fill(result: Equilibrium, row: int, displacement: Reals, pressure: Reals) -> None:
@@ -274,12 +279,13 @@ def _above(pressure: float, result: Equilibrium, rows: Indices) -> Flags:
 
 
 def _iterate(
-    solver: Iteration, rows: Indices, blown_up: Reals, options: Options, result: Equilibrium, hardness: float = np.inf
+    solver: Iteration, rows: Indices, borne: float, options: Options, result: Equilibrium, hardness: float = np.inf
 ) -> None:
     """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
     n = solver.field.n
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
     active, stagnation = np.arange(rows.size), Stagnation(rows.size)
+    blown_up = _BLOWN_UP * (result.full_contact_pressure[rows] + borne)
     iterations = 0
     while active.size:
         steps = min(solver.check_every, limit - iterations)
@@ -290,7 +296,7 @@ def _iterate(
         stays = stagnation.look(residual, active)
         status = np.where(stays, Status.stagnated, Status.steps_used_up).astype(np.int8)
         status[residual <= options.residual] = Status.ok
-        status[solver.certificate.worst[active] > blown_up[rows[active]]] = Status.unstable
+        status[solver.certificate.worst[active] > blown_up[active]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)

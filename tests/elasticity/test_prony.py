@@ -76,3 +76,16 @@ def test_two_bodies_of_one_material_are_one_and_elastic_ones_none():
     one, other = (sorted(zip(each.times, each.moduli, strict=True)) for each in (SERIES, both))
     np.testing.assert_allclose(other, one, rtol=1e-12)
     assert in_series(((0.5, ELASTIC), (0.5, ELASTIC))) == ELASTIC
+
+
+def test_series_over_twelve_decades_add_up_too():
+    draw, frequency = np.random.default_rng(0), np.geomspace(1e-5, 1e12, 60)
+    for _ in range(50):
+        sizes = draw.integers(1, 16, 2)
+        each = [PronySeries(tuple(10 ** draw.uniform(-4, 2, n)), tuple(10 ** draw.uniform(-9, 3, n))) for n in sizes]
+        parts = tuple(zip(draw.uniform(0.1, 1.0, 2), each, strict=True))
+        expected = sum(share for share, _ in parts)
+        expected /= sum(share / series.complex_modulus(frequency) for share, series in parts)
+        both = in_series(parts)
+        np.testing.assert_allclose(both.complex_modulus(frequency), expected, rtol=1e-7)
+        assert min(*both.moduli, *both.times) > 0.0

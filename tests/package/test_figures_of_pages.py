@@ -26,7 +26,7 @@ def test_other_codes_take_as_many_times_as_long_as_the_readme_begins_with():
     least = [float(low) for row in rows for low in re.findall(r"\(([\d.]+) to", row)]
     assert len(least) > 10
     assert min(least) > 10.0
-    assert "Other public codes take [over ten times as long](#how-it-compares)" in page("README.md")
+    assert "Other public codes take [over ten times as long](docs/peers.md)" in page("README.md")
 
 
 @pytest.mark.parametrize("name", ["README.md", *(f"docs/{path.name}" for path in sorted((ROOT / "docs").glob("*.md")))])

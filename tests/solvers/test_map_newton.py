@@ -8,6 +8,7 @@ import pytest
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.status import Status
@@ -134,6 +135,16 @@ def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     assert found.residual[0] > 1e-8
 
 
+@pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.01)])
+def test_the_bound_of_tractions_is_their_largest_sum(slab):
+    """Long waves are hard to press into a thin incompressible layer, whose nodes feel each other far away."""
+    stiff = body((512, 512), slab)
+    stiff[0, 0] = 0.0
+    felt = abs(np.fft.irfft2(stiff, (512, 512))).sum()
+    bound = newton.Level((512, 512), stiff, (512, 512)).largest_traction
+    assert felt <= bound <= 1.11 * felt
+
+
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05)])
 @pytest.mark.parametrize("exactly", [False, True])
 def test_the_certificate_takes_transforms_only_where_its_bound_does_not_do(monkeypatch, slab, exactly):
@@ -171,6 +182,19 @@ def test_few_contacts_take_few_transforms_on_any_grid(hurst):
         heights = self_affine.maps(hurst, 2, nx // 4, nx, 5, range(1))
         taken.append(press(heights.max() - heights, 0.005).n_transforms[0])
     assert max(taken) < 40
+
+
+@pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.1)])
+@pytest.mark.parametrize("nx", [64, 72, 1024])
+def test_the_pressure_of_full_contact_is_found_on_the_way(nx, slab):
+    """At 1024 nodes a side transforms are made in pieces; a map of 64 is the coarsest one."""
+    punch, response = rough(nx), SpectralResponse.of_normal(body((nx, nx), slab))
+    batch = Batch(punch, response.with_mean(0.0), np.array([1e-3]), HARD_WALL)
+    found = begin(batch, NEWTON).certificate.full_contact
+    if nx == 64:
+        assert found is None
+        found = equilibrate(punch, response, 1e-3, NEWTON).full_contact_pressure
+    np.testing.assert_allclose(found, pressure_scale(punch, response), rtol=1e-12)
 
 
 def test_a_map_of_few_contacts_takes_few_arrays():

@@ -114,7 +114,8 @@ class SplitCompliance:
             kernels.convolve_loaded(loaded, tiles, self._places, self._tiles_each_way, self._ends, self._kernel, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
-        team().share(some, self._tiles.size, displacement.size)
+        summed = int(loaded[0][-1]) * (self._kernel.size // TILE**2)  # loaded nodes times the tiles that each may reach
+        team().share(some, self._tiles.size, max(displacement.size, summed))
 
 
 def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:

@@ -27,7 +27,8 @@ _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that i
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
 _DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
-_SAMPLES, _MORE = 256, 1.1  # nodes in each direction that feel one node; all feel less than this times more
+_SAMPLES, _MORE = 256, 1.1  # nodes in each direction of a half-space that feel one; all feel less than this times more
+_SAME = 1e-6  # relative difference of stiffness over wavenumber up to which a body is a half-space
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
 
 
@@ -74,10 +75,16 @@ class Level:
 
     @cached_property
     def largest_traction(self) -> float:
-        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node."""
-        few = tuple(min(n, _SAMPLES) for n in self.shape)
-        influence = grid.influence(self.stiffness[grid.some_waves(self.shape, few)], *few)
-        return _MORE * float(abs(influence).sum())
+        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node.
+
+        A half-space has the same on any grid, so that some of its waves do.
+        """
+        few, stiffness = self.shape, self.stiffness
+        along = stiffness[0, 1:] / np.arange(1, stiffness.shape[1])
+        if np.ptp(along) <= _SAME * along[0]:
+            few = tuple(min(n, _SAMPLES) for n in self.shape)
+            stiffness = stiffness[grid.some_waves(self.shape, few)]
+        return _MORE * float(abs(grid.influence(stiffness, *few)).sum())
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
@@ -107,7 +114,7 @@ class MapContact:
         self._level, self.wall, self.transform, self._load = level, wall, transform, load
         self.rows = transform.memory[0, : wall.shape[0]]
         self.free_mean, self.approach, self.error = load is not None, 0.0, np.inf
-        self._left = 0.0  # of the error, by the last step
+        self._left, self.full_contact = 0.0, 0.0  # of the error, by the last step; rms pressure, or 0 if not known
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
@@ -336,12 +343,19 @@ def levels(stiffness: Reals, shape: tuple[int, ...], held: tuple[int, ...]) -> l
 
 
 def guess(
-    grids: list[Level], wall: Reals, around: float, transform: Transform, load: float | None, start: float, gap: Reals
+    grids: list[Level],
+    wall: Reals,
+    around: float,
+    transform: Transform,
+    load: float | None,
+    start: float,
+    gap: Reals,
+    finest: bool,
 ) -> MapContact:
     """Begin a contact on the first grid with what is found on coarser ones.
 
     `start` is the uniform pressure that the coarsest grid begins with. The wall is flat `around` where it is held. The
-    `gap` `[y, x]` is room.
+    `gap` `[y, x]` is room. On the `finest` grid the pressure of full contact is found on the way.
     """
     contact, (ny, nx) = MapContact(grids[0], wall, transform, load), grids[0].held
     if len(grids) == 1:
@@ -355,9 +369,10 @@ def guess(
         np.subtract(wall[some], around, out=transform.samples[0, some, :nx])
 
     team().by_rows(begin, wall.shape)
-    transform.coarsen(own, grids[0].is_filled_in_part)
+    stiffness = grids[0].stiffness if finest and not any(grids[0].ends) else None
+    contact.full_contact = transform.coarsen(own, grids[0].is_filled_in_part, stiffness)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
-    before = guess(grids[1:], smooth, around, own, load, start, np.empty(coarse.held))
+    before = guess(grids[1:], smooth, around, own, load, start, np.empty(coarse.held), False)
     before.settle(_SETTLED)
     contact.follow(before, gap)
     spent = int(own.n_transforms[0]) + before.coarse_transforms
@@ -416,7 +431,9 @@ class TileNewton:
             load = None if batch.load is None else float(batch.load[i])
             around = 0.0 if batch.around is None else float(batch.around[i].item())
             start, gap = float(batch.uniform_pressure[i]), self.displacement[i].reshape(held)
-            self._contacts.append(guess(grids, wall[i], around, self._transform.row(i), load, start, gap))
+            self._contacts.append(guess(grids, wall[i], around, self._transform.row(i), load, start, gap, True))
+        if len(grids) > 1 and not any(grids[0].ends):
+            self.certificate.full_contact = np.array([contact.full_contact for contact in self._contacts])
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:

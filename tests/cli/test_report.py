@@ -139,7 +139,7 @@ def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, 
     states = iter([True, True, False])
 
     def progress(directory):
-        return Progress("small", next(states), 10, 4, {}, 90.0, {})
+        return Progress("small", next(states), 10, 4, {}, 90.0, {}, None)
 
     def sleep(seconds):
         seen.append(page.read_text())

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ class Split(NamedTuple):
 
     `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
     tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
-    of a pressure is left.
+    of a pressure is left. A distance of 0 stands for a fitted stencil: on compact contacts it costs less than the sum.
     """
 
     coarsening: int
@@ -33,7 +34,9 @@ class Split(NamedTuple):
     error: float
 
 
-FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 1.4, 4, 5e-3)
+FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 0, 0.0, 4, 5e-3)
+_REACH = 5  # nodes in each direction that the stencil of NEAR sees
+_FITTED = 64  # waves in each direction on which that is fitted
 
 
 def fits(shape: tuple[int, ...]) -> bool:
@@ -62,7 +65,7 @@ class SplitCompliance:
     ) -> None:
         self.error, coarsening = split.error, split.coarsening
         self._tiles_each_way, self._ends = tiles_each_way, ends
-        self._tiles = self._places = np.empty(0, dtype=np.int64)
+        self._tiles = self._places = self._around = np.empty(0, dtype=np.int64)
         self._coarse_shape = tuple(n // coarsening for n in shape)
         self._per_tile = TILE // coarsening
         self._field = Transform(1, *self._coarse_shape, in_place=True)
@@ -72,7 +75,12 @@ class SplitCompliance:
             spline(np.arange(TILE)[:, np.newaxis] / coarsening - np.arange(first, last))
         )
         distance = min(split.distance, *((n // TILE - 1) // 2 for n in shape))
-        self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
+        self._is_summed = distance > 0
+        if self._is_summed:
+            self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
+        else:
+            few = tuple(min(n, _FITTED) for n in shape)
+            self._kernel = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
         waves = grid.wave_indices(self._coarse_shape)
         angles = _angles(waves, shape)
         nodes = np.arange(-before * coarsening, before * coarsening + 1)
@@ -92,9 +100,9 @@ class SplitCompliance:
         """Number of nodes of the coarser grid."""
         return self._field.n
 
-    def place(self, tiles: Indices, places: Indices) -> None:
-        """Prepare `apply` for some tiles, and the place of each tile among them."""
-        self._tiles, self._places = tiles, places
+    def place(self, tiles: Indices, places: Indices, around: Indices) -> None:
+        """Prepare `apply` for some tiles, the place of each tile among them, and of those around each."""
+        self._tiles, self._places, self._around = tiles, places, around
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
@@ -104,17 +112,24 @@ class SplitCompliance:
             np.empty(pressure.size, dtype=np.int64),
             np.empty(pressure.size),
         )
-        kernels.list_loaded(pressure, *loaded)
+        if self._is_summed:
+            kernels.list_loaded(pressure, *loaded)
+        else:
+            convolve(pressure, self._around, self._kernel, displacement)
         coarse = self._field.memory[0]
         kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
 
         def some(_: int, first: int, last: int) -> None:
             tiles, found = self._tiles[first:last], displacement[first:last]
-            kernels.convolve_loaded(loaded, tiles, self._places, self._tiles_each_way, self._ends, self._kernel, found)
+            if self._is_summed:
+                each = tiles, self._places, self._tiles_each_way, self._ends
+                kernels.convolve_loaded(loaded, *each, self._kernel, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
-        summed = int(loaded[0][-1]) * (self._kernel.size // TILE**2)  # loaded nodes times the tiles that each may reach
+        summed = (
+            int(loaded[0][-1]) * (self._kernel.size // TILE**2) if self._is_summed else 0
+        )  # loaded nodes times the tiles that each may reach
         team().share(some, self._tiles.size, max(displacement.size, summed))
 
 
@@ -173,6 +188,31 @@ def _near_kernel(stiffness: Reals, shape: tuple[int, ...], distance: int, sharp:
     reach = (distance + 1) * TILE - 1
     nodes = np.arange(-reach, reach + 1)
     return np.ascontiguousarray(grid.influence(near, *few)[np.ix_(nodes % few[0], nodes % few[1])])
+
+
+@lru_cache(maxsize=64)  # maps of one size on one body, one block after another
+def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
+    """Even stencil whose relative error is least where the coarser grid cannot make up for it, of some waves.
+
+    A wave on the coarser grid is taken for another one, the more so the shorter it is: its error counts as much.
+    """
+    few = tuple(min(n, _FITTED) for n in shape)
+    along_y, along_x = _angles(grid.some_waves(shape, few), shape)
+    soft = np.frombuffer(compliance).reshape(along_y.size, along_x.size)
+    kept = np.abs(along_y) / (2.0 * np.pi) * NEAR.coarsening, along_x / (2.0 * np.pi) * NEAR.coarsening
+    with np.errstate(divide="ignore"):
+        mistaken = [np.where(x < 0.5, (x / (1.0 - x)) ** 4, 1.0) for x in kept]
+    weight = np.minimum(mistaken[0] + mistaken[1], 1.0)
+    relative = np.divide(weight, soft, out=np.zeros_like(soft), where=soft > 0.0)
+    number = np.arange(_REACH + 1)
+    rows, columns = np.cos(along_y * number), np.cos(along_x.T * number)
+    basis = np.einsum("yj,xi,yx->yxji", rows, columns, relative).reshape(soft.size, -1)
+    quarter = np.linalg.lstsq(basis, (weight * (soft > 0.0)).ravel())[0].reshape(_REACH + 1, _REACH + 1)
+    quarter[1:] /= 2.0
+    quarter[:, 1:] /= 2.0
+    return np.ascontiguousarray(
+        quarter[np.ix_(abs(np.arange(-_REACH, _REACH + 1)), abs(np.arange(-_REACH, _REACH + 1)))]
+    )
 
 
 _SIDE = (

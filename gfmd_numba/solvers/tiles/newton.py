@@ -230,7 +230,7 @@ class MapContact:
 
     def _place(self) -> None:
         """Prepare compliance and preconditioner, which other maps use too."""
-        self._compliance.place(self.tiles, self._places)
+        self._compliance.place(self.tiles, self._places, self._around)
         self._level.inverse.place(self.tiles, self._around)
 
     def settle(self, target: float) -> None:

@@ -127,9 +127,8 @@ class SplitCompliance:
                 kernels.convolve_loaded(loaded, *each, self._kernel, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
-        summed = (
-            int(loaded[0][-1]) * (self._kernel.size // TILE**2) if self._is_summed else 0
-        )  # loaded nodes times the tiles that each may reach
+        reached = self._kernel.size // TILE**2  # tiles, by each loaded node
+        summed = int(loaded[0][-1]) * reached if self._is_summed else 0
         team().share(some, self._tiles.size, max(displacement.size, summed))
 
 
@@ -215,9 +214,7 @@ def _fitted(shape: tuple[int, ...], compliance: bytes) -> Reals:
     )
 
 
-_SIDE = (
-    16  # nodes along each side of a block, two tiles: larger blocks cost iterations, smaller ones more than they save
-)
+_SIDE = 16  # nodes along each side of a block, two tiles: larger blocks cost iterations, smaller ones do not pay
 
 
 class TileField:

@@ -16,6 +16,7 @@ from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
 from gfmd_numba.interface.interactions import Interactions
@@ -141,7 +142,8 @@ def one_map(nx, hurst, load):
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     made = solution.solve(problem(hurst, nx // 4, nx, load), range(1))
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
-    body, numerics = stiffness.half_space(grid.magnitudes((nx, nx))), Options("active_set_newton", residual=RESIDUAL)
+    body = SpectralResponse.of_normal(stiffness.half_space(grid.magnitudes((nx, nx))))
+    numerics = Options("active_set_newton", residual=RESIDUAL)
     taken, solved = seconds(equilibrate, made.punch, body, load, numerics)
     two, one = one_pair(nx)
     print(

@@ -184,6 +184,14 @@ AXES = (
         key="limit",
     ),
     Axis(
+        "friction_pressure_coefficient",
+        "interface.friction",
+        "a_tau",
+        r"$a_\tau$",
+        "rise of the largest tangential traction that friction holds with the pressure",
+        key="pressure_coefficient",
+    ),
+    Axis(
         "hardness",
         "interface.hard_wall",
         "p_H",

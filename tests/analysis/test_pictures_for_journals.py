@@ -272,3 +272,19 @@ def test_only_steps_that_lose_energy_between_two_others_jump():
     figure = Figure()
     _mark_jumps(figure.subplots(), x[:2], y[1:3], None)  # a step alone has none beside it
     assert not figure.axes[0].texts
+
+
+def test_two_bodies_that_creep_are_no_rigid_punch():
+    """At order 0 the dataset has the sum of their heights, and how far both give way together."""
+    rubber = {"youngs_modulus": 3e6, "poissons_ratio": 0.5, "relaxation": [{"modulus": 9e6, "time": 1.0}]}
+    rough = {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}}
+    scene = {"length": 1e-3, "body": rubber, "counter_body": rubber | rough, "interface": {"hard_wall": {}}}
+    contact = gfmd_numba.solve(
+        {
+            "scene": scene | {"loading": {"pressure": 1e4}},
+            "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1},
+        }
+    )
+    (legend,) = plot_contact(contact).findobj(Legend)
+    named = [text.get_text() for text in legend.get_texts()]
+    assert named[:2] == ["heights of both surfaces", "displacement of both"]

@@ -172,6 +172,19 @@ def test_values_of_one_record_are_checked_together():
     assert len(plan(file | {"scene": scene, "grid": grid | {"friction_coefficient": [0.2, 0.3]}}).cases) == 4
 
 
+def test_a_rising_shear_strength_is_varied_below_the_coefficient():
+    friction = {"coefficient": 0.3, "limit": 0.1, "pressure_coefficient": 0.05}
+    scene = FULL.model_dump(exclude_none=True) | {
+        "interface": {"hard_wall": {}, "friction": friction},
+        "roughness": {"method": "psd", "hurst": 0.5, "rms_gradient": 0.1},
+    }
+    file = {"name": "rises", "seed": 1, "realisations": 1, "reference": {"eps_c": 0.25, "eps_f": 0.25, "eps_t": 0.5}}
+    cases = plan(file | {"scene": scene, "grid": {"friction_pressure_coefficient": [0.05, 0.2]}}).cases
+    assert [case.problem.interface.shear_rise for case in cases] == [0.05, 0.2]
+    with pytest.raises(InputError, match=r"grid.friction_pressure_coefficient\[0\]: you gave 0.3; gfmd allows .* less"):
+        plan(file | {"scene": scene, "grid": {"friction_pressure_coefficient": [0.3]}})
+
+
 def test_what_touches_nowhere_has_no_contact_area_as_a_target():
     scene = {
         "body": {"poissons_ratio": 0.3},

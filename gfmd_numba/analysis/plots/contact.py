@@ -103,6 +103,7 @@ _CONTACTS = {
 }
 
 
+_SUM = "sum of the heights"  # how a height is named that stands for rough bodies which no dataset tells apart
 _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
     "prescribed_normal_traction": ("prescribed, outwards", COLOURS[2], "--"),
@@ -128,7 +129,9 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
     punch = body + dataset["gap"]
-    above_it = "other body" if "counter_body_height" in dataset else "rigid punch"
+    above_it, below_it = "other body" if "counter_body_height" in dataset else "rigid punch", "elastic body"
+    if "body_height" not in dataset and "height" in dataset and dataset["height"].attrs["long_name"].startswith(_SUM):
+        above_it, below_it = "heights of both surfaces", "displacement of both"
     factor, unit = style.prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values
     others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
@@ -149,7 +152,7 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
         whole.set(ylabel=f"Height ({unit})")
         whole.margins(y=0.0)
         above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
-        above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label="elastic body")
+        above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label=below_it)
         above.plot(x, high, color="0.35", lw=0.8)
         if "plastic_depth" in dataset and dataset["plastic_depth"].any():
             before = factor * (punch - dataset["plastic_depth"]).values

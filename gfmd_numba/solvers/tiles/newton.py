@@ -80,8 +80,9 @@ class Level:
         A half-space has the same on any grid, so that some of its waves do.
         """
         few, stiffness = self.shape, self.stiffness
-        along = stiffness[0, 1:] / np.arange(1, stiffness.shape[1])
-        if np.ptp(along) <= _SAME * along[0]:
+        sides = stiffness[0, 1:], stiffness[1 : self.shape[0] // 2, 0]
+        slopes = [side / np.arange(1, side.size + 1) for side in sides]
+        if all(np.ptp(slope) <= _SAME * slope[0] for slope in slopes):
             few = tuple(min(n, _SAMPLES) for n in self.shape)
             stiffness = stiffness[grid.some_waves(self.shape, few)]
         return _MORE * float(abs(grid.influence(stiffness, *few)).sum())

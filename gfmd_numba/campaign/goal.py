@@ -169,10 +169,7 @@ def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterab
         raise document.error(place, fit.variable, f"what this path has; {observables.needed_for(fit.variable)}")
 
 
-_OF_TOUCHING = {name for name in observables.LIMITED if name.startswith(("kappa", "contact_area", "rms_gradient_c"))}
-
-
 def check_fitted(document: Document, fit: Fit, place: Location, scenes: Iterable[Scene]) -> None:
     """Raise InputError if what is fitted is zero in each of the scenes, as nothing touches in them."""
-    if fit.variable in _OF_TOUCHING and not any(scene.interface.touches for scene in scenes):
+    if fit.variable in observables.OF_TOUCHING and not any(scene.interface.touches for scene in scenes):
         raise document.error(place, fit.variable, "mean_gap or elastic_energy: under this law nothing touches")

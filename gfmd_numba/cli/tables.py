@@ -416,17 +416,6 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "time_error",
 )
 _AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
-_OF_TOUCHING = {  # which a contact has only where nodes touch
-    "contact_area_fraction",
-    "contact_area_fraction_persson",
-    "contact_connects",
-    "contact_radius",
-    "kappa",
-    "kappa_r",
-    "largest_contact_fraction",
-    "n_segments",
-    "perimeter",
-}
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
     "contact_area_fraction": ("contact area fraction", ""),
     "contact_area_fraction_persson": ("Persson's estimate of it", ""),
@@ -498,11 +487,12 @@ def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
 
     A form without roughness has no gradient, and under a law that keeps the surfaces apart nothing touches.
     """
+    from gfmd_numba.contact.observables import OF_TOUCHING
     from gfmd_numba.scene import Interface
 
     scene = json.loads(dataset.attrs["scene"]).get("scene", {})
     touches = Interface.model_validate(scene["interface"]).touches if "interface" in scene else True
-    nothing = set() if touches else _OF_TOUCHING
+    nothing = set() if touches else OF_TOUCHING
     if not is_form_alone(dataset.attrs["scene"]):
         return dataset, nothing
     nothing = nothing | {"reduced_pressure", "kappa", "kappa_r"}
@@ -591,8 +581,10 @@ def over(dataset: xr.Dataset) -> str:
 
 def of_measures(dataset: xr.Dataset) -> Told:
     """Yield what was measured of a solved contact as a whole, or of each step of a path."""
+    from gfmd_numba.contact.observables import OF_TOUCHING
+
     area = dataset.get("contact_area_fraction")
-    nothing = _OF_TOUCHING if area is not None and not area.any() else set()
+    nothing = OF_TOUCHING if area is not None and not area.any() else set()
     shown = (name for name in _MEASURES if name in dataset and name not in nothing)
     cells = {words: values for name in shown for words, values in _measured(dataset, name)}
     if "step" in dataset.dims:

@@ -279,6 +279,11 @@ ROUGH_BODY_OBSERVABLES = {
 # coordinates of what a loading prescribes; the fields of a contact have the short names
 PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
 OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
+OF_TOUCHING = {  # observables, and statistics of a contact, that there are only where nodes touch
+    *("kappa", "kappa_counted", "kappa_edges", "kappa_r", "rms_gradient_contact", "n_segments", "contact_radius"),
+    *("contact_area_fraction", "contact_area_fraction_counted", "contact_area_fraction_persson"),
+    *("perimeter", "contact_connects", "largest_contact_fraction"),
+}
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 
 

@@ -130,7 +130,8 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     body.attrs = dataset["displacement"].attrs
     punch = body + dataset["gap"]
     above_it, below_it = "other body" if "counter_body_height" in dataset else "rigid punch", "elastic body"
-    if "body_height" not in dataset and "height" in dataset and dataset["height"].attrs["long_name"].startswith(_SUM):
+    named_height = str(dataset["height"].attrs.get("long_name", "")) if "height" in dataset else ""
+    if "body_height" not in dataset and named_height.startswith(_SUM):
         above_it, below_it = "heights of both surfaces", "displacement of both"
     factor, unit = style.prefix(body, "L_x")
     low, high = factor * body.values, factor * punch.values

@@ -6,7 +6,7 @@ Rows of a transform's memory may be longer than those of the map.
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals, Shorts
 from gfmd_numba.kernels.compilation import jit
 
 TILE = 8  # nodes along each side
@@ -224,25 +224,59 @@ def gather_back(
 
 
 @jit
-def sum_tiles(weights: Reals, values: Reals, tiles: Indices, across: int, sums: Reals) -> None:
-    """Weighted sums of the values over blocks of 2 x 2 tiles, on a map of `across` tiles in a row."""
-    sums[:] = 0.0
-    for k in range(tiles.size):
-        total = 0.0
-        for y in range(TILE):
-            for x in range(TILE):
-                total += weights[k, y, x] * values[k, y, x]
-        sums[tiles[k] // across // 2, tiles[k] % across // 2] += total
+def list_neighbours(nodes: Indices, around: Indices, numbers: Shorts, neighbours: Shorts) -> None:
+    """Fill the numbers of the eight nodes around each listed one `[node, 8]`, and how many there are where none is.
+
+    `numbers` `[m + 1, TILE, TILE]` is room; tiles around tiles are those of `surround`.
+    """
+    numbers[:] = nodes.size
+    flat = numbers.reshape(-1)
+    for k in range(nodes.size):
+        flat[nodes[k]] = k
+    for k in range(nodes.size):
+        place, y, x = nodes[k] // TILE**2, nodes[k] // TILE % TILE, nodes[k] % TILE
+        inside = 0 < y < TILE - 1 and 0 < x < TILE - 1
+        found = neighbours[k]
+        for j in range(8):
+            of_nine = j if j < 4 else j + 1
+            down, right = y + of_nine // 3 - 1, x + of_nine % 3 - 1
+            if inside:
+                found[j] = numbers[place, down, right]
+            else:
+                tile = around[place, 4 + 3 * (down // TILE) + right // TILE]
+                found[j] = numbers[tile, down % TILE, right % TILE]
 
 
 @jit
-def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices, across: int) -> None:
-    """Take the displacement that a block of 2 x 2 tiles shares, times the weights, off the pressure."""
-    for k in range(tiles.size):
-        common = shared[tiles[k] // across // 2, tiles[k] % across // 2]
-        for y in range(TILE):
-            for x in range(TILE):
-                pressure[k, y, x] -= weights[k, y, x] * common
+def near_pressure(
+    u: Reals,
+    neighbours: Shorts,
+    stencil: Reals,
+    some: tuple[int, int],
+    isolated: Reals,
+    blocks: Shorts,
+    p: Reals,
+    sums: Reals,
+) -> None:
+    """Pressure on some of the nodes, from the first to the last but one, by a stencil `[3, 3]` of their displacements.
+
+    `u` has a 0 behind the last one. Add up the pressures that displacements of the `isolated` nodes cause in `blocks`.
+    """
+    w = stencil.reshape(-1)
+    for k in range(some[0], some[1]):
+        j = neighbours[k]
+        total = w[4] * u[k]
+        for i in range(4):
+            total += w[i] * u[j[i]] + w[5 + i] * u[j[4 + i]]
+        p[k] = total
+        sums[blocks[k]] += isolated[k] * u[k]
+
+
+@jit
+def soften_nodes(p: Reals, isolated: Reals, blocks: Shorts, shared: Reals) -> None:
+    """Take the displacement that a block shares, times what an `isolated` node resists, off the pressures."""
+    for k in range(blocks.size):
+        p[k] -= isolated[k] * shared[blocks[k]]
 
 
 @jit

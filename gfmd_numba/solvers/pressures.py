@@ -98,7 +98,7 @@ class Closing(NamedTuple):
 
     `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
     of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
-    `rounding` are closed. The `room` `[2, node]` is free.
+    `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
     """
 
     iterate: kernels.Iterate
@@ -109,6 +109,11 @@ class Closing(NamedTuple):
     rounding: float
     free_mean: bool
     room: Reals
+
+    @property
+    def change(self) -> Reals:
+        """Change of the pressure `[node]` that is next, after `error` or after `solve` has reached its tolerance."""
+        return self.room[1, : self.nodes.size]
 
     def error(self) -> float:
         """Relative error of the pressure."""

@@ -136,22 +136,38 @@ def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rn
     np.testing.assert_allclose(product[: TILES.size], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("kernel", both(kernels.sum_tiles))
-def test_sums_are_those_of_blocks_of_four_tiles(kernel, rng):
-    values, weights, sums = random_values(rng), random_values(rng), rng.random((2, 2))
-    kernel(weights, values, TILES, ACROSS, sums)
-    whole = np.zeros((4 * SIDE, NX))
-    whole[:NY] = joined(values) * joined(weights)
-    np.testing.assert_allclose(sums, whole.reshape(2, 16, 2, 16).sum(axis=(1, 3)), atol=1e-12)
+@pytest.mark.parametrize("kernel", both(kernels.list_neighbours))
+def test_neighbours_are_those_around_a_node_of_a_period(kernel, rng):
+    nodes = np.flatnonzero(rng.random((TILES.size, SIDE, SIDE)) < 0.5)
+    numbers, neighbours = np.empty((TILES.size + 1, SIDE, SIDE), np.int32), np.empty((nodes.size, 8), np.int32)
+    kernel(nodes, surroundings(), numbers, neighbours)
+    number = np.full((TILES.size + 1) * SIDE**2, nodes.size)
+    number[nodes] = np.arange(nodes.size)
+    image = joined(number.reshape(-1, SIDE, SIDE) - nodes.size) + nodes.size
+    shifts = [(y, x) for y in (1, 0, -1) for x in (1, 0, -1) if (y, x) != (0, 0)]
+    expected = [cut(np.roll(image, shift, axis=(0, 1)))[TILES].reshape(-1)[nodes] for shift in shifts]
+    np.testing.assert_array_equal(neighbours, np.transpose(expected))
 
 
-@pytest.mark.parametrize("kernel", both(kernels.soften_tiles))
+@pytest.mark.parametrize("kernel", both(kernels.near_pressure))
+def test_a_node_feels_its_neighbours_and_blocks_their_sums(kernel, rng):
+    some, u, stencil, isolated = (3, 17), np.append(rng.random(20), 0.0), rng.random((3, 3)), rng.random(20)
+    neighbours, blocks = rng.integers(0, 21, (20, 8), np.int32), rng.integers(0, 4, 20, np.int32)
+    p, sums = np.zeros(20), np.zeros(4)
+    kernel(u, neighbours, stencil, some, isolated, blocks, p, sums)
+    first = slice(*some)
+    expected = stencil[1, 1] * u[:-1] + u[neighbours] @ np.delete(stencil.ravel(), 4)
+    np.testing.assert_allclose(p[first], expected[first])
+    assert not np.delete(p, np.arange(20)[first]).any()
+    np.testing.assert_allclose(sums, np.bincount(blocks[first], (isolated * u[:-1])[first], minlength=4))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.soften_nodes))
 def test_what_a_block_shares_is_taken_off(kernel, rng):
-    pressure, weights, shared = random_values(rng), random_values(rng), rng.random((2, 2))
-    common = np.repeat(np.repeat(shared, 16, axis=0), 16, axis=1)[:NY]
-    expected = pressure[:-1] - weights[:-1] * cut(common)[TILES]
-    kernel(pressure, weights, shared, TILES, ACROSS)
-    np.testing.assert_allclose(pressure[:-1], expected)
+    p, isolated, shared, blocks = rng.random(20), rng.random(20), rng.random(4), rng.integers(0, 4, 20, np.int32)
+    expected = p - isolated * shared[blocks]
+    kernel(p, isolated, blocks, shared)
+    np.testing.assert_allclose(p, expected)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))

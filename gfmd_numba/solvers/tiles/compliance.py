@@ -9,7 +9,7 @@ import numpy as np
 from scipy.special import erf
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
@@ -220,16 +220,15 @@ _SIDE = 16  # nodes along each side of a block, two tiles: larger blocks cost it
 class TileField:
     """Preconditioner of the compliance on the nodes in contact of some tiles: near neighbours and blocks.
 
-    Values on m tiles are `[m + 1, TILE, TILE]`. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it
-    does not count. Tiles are listed row by row, `tiles_across` of them.
+    `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count. Tiles are listed row by row,
+    `tiles_across` of them.
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
-        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
+        stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
+        self._stencil = np.pad(stencil, (3 - len(stencil)) // 2)
+        self.stiffest = float(stencil.max())  # of a node between its neighbours
         self._across = tiles_across
-        self._tiles = self._around = np.empty(0, dtype=np.int64)
-        self._nodes, self._isolated, self._stiff = self._tiles, np.empty(0), np.empty(0)
 
     @property
     def transforms(self) -> int:
@@ -241,25 +240,36 @@ class TileField:
         """Number of blocks."""
         return math.prod(self._blocks.shape)
 
-    def place(self, tiles: Indices, around: Indices) -> None:
-        """Prepare `factor` for some tiles and the places of those around them."""
-        self._tiles, self._around = tiles, around
-
-    def factor(self, nodes: Indices, contact: Flags) -> None:
-        """Prepare `solve` for the nodes in contact, which are listed and marked."""
-        self._nodes, (self._values, self._near) = nodes, np.zeros((2, *contact.shape))
-        if self._blocks.useful:
-            self._sums, self._stiff = np.zeros((2, *self._blocks.shape))
-            self._isolated = np.zeros(contact.shape)
-            convolve(contact.astype(np.float64), self._around, self._stencil, self._isolated)
-            kernels.sum_tiles(self._isolated, contact, self._tiles, self._across, self._stiff)
+    def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
+        """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
+        of_node = tiles[nodes // TILE**2]
+        down, across = of_node // self._across // 2, of_node % self._across // 2
+        self._places = (down * self._blocks.shape[1] + across).astype(np.int32)
+        self._ends = np.searchsorted(down, np.arange(self._blocks.shape[0] + 1))  # of rows of blocks
+        self._neighbours = np.empty((nodes.size, 8), dtype=np.int32)
+        numbers = np.empty((tiles.size + 1, TILE, TILE), dtype=np.int32)
+        kernels.list_neighbours(nodes, around, numbers, self._neighbours)
+        uniform = np.append(np.ones(nodes.size), 0.0)
+        self._isolated, isolated = uniform, np.empty(nodes.size)
+        self._near(uniform, isolated)
+        self._isolated = isolated
+        self._stiff = self._near(uniform, np.empty(nodes.size))
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
-        """Fill the pressure on the nodes in contact that about causes the displacement there."""
-        self._values.reshape(-1)[self._nodes] = displacement
-        convolve(self._values, self._around, self._stencil, self._near)
+        """Fill the pressure on the nodes in contact that about causes the displacement there, which ends with a 0."""
+        sums = self._near(displacement, pressure)
         if self._blocks.useful:
-            kernels.sum_tiles(self._isolated, self._values, self._tiles, self._across, self._sums)
-            shared = self._blocks.shared(self._sums, self._stiff)
-            kernels.soften_tiles(self._near, self._isolated, shared, self._tiles, self._across)
-        np.take(self._near.reshape(-1), self._nodes, out=pressure)
+            shared = self._blocks.shared(sums, self._stiff)
+            kernels.soften_nodes(pressure, self._isolated, self._places, shared.reshape(-1))
+
+    def _near(self, displacement: Reals, pressure: Reals) -> Reals:
+        """Fill the pressure by near neighbours, and return the sums of it over blocks."""
+        sums = np.zeros(self._blocks.shape)
+        each = displacement, self._neighbours, self._stencil
+
+        def some(_: int, first: int, last: int) -> None:
+            nodes = self._ends[first], self._ends[last]
+            kernels.near_pressure(*each, nodes, self._isolated, self._places, pressure, sums.reshape(-1))
+
+        team().share(some, self._blocks.shape[0], self._neighbours.size)
+        return sums

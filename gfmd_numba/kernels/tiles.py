@@ -234,17 +234,18 @@ def list_neighbours(nodes: Indices, around: Indices, numbers: Shorts, neighbours
     for k in range(nodes.size):
         flat[nodes[k]] = k
     for k in range(nodes.size):
-        place, y, x = nodes[k] // TILE**2, nodes[k] // TILE % TILE, nodes[k] % TILE
-        inside = 0 < y < TILE - 1 and 0 < x < TILE - 1
-        found = neighbours[k]
+        node, found = nodes[k], neighbours[k]
+        y, x = node // TILE % TILE, node % TILE
+        if 0 < y < TILE - 1 and 0 < x < TILE - 1:
+            found[0], found[1], found[2] = flat[node - TILE - 1], flat[node - TILE], flat[node - TILE + 1]
+            found[3], found[4] = flat[node - 1], flat[node + 1]
+            found[5], found[6], found[7] = flat[node + TILE - 1], flat[node + TILE], flat[node + TILE + 1]
+            continue
         for j in range(8):
             of_nine = j if j < 4 else j + 1
             down, right = y + of_nine // 3 - 1, x + of_nine % 3 - 1
-            if inside:
-                found[j] = numbers[place, down, right]
-            else:
-                tile = around[place, 4 + 3 * (down // TILE) + right // TILE]
-                found[j] = numbers[tile, down % TILE, right % TILE]
+            tile = around[node // TILE**2, 4 + 3 * (down // TILE) + right // TILE]
+            found[j] = numbers[tile, down % TILE, right % TILE]
 
 
 @jit

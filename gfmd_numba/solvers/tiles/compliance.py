@@ -229,6 +229,7 @@ class TileField:
         self._stencil = np.pad(stencil, (3 - len(stencil)) // 2)
         self.stiffest = float(stencil.max())  # of a node between its neighbours
         self._across = tiles_across
+        self._nodes = self._tiles = np.empty(0, dtype=np.int64)
 
     @property
     def transforms(self) -> int:
@@ -242,6 +243,9 @@ class TileField:
 
     def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
         """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
+        if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
+            return
+        self._nodes, self._tiles = nodes, tiles
         of_node = tiles[nodes // TILE**2]
         down, across = of_node // self._across // 2, of_node % self._across // 2
         self._places = (down * self._blocks.shape[1] + across).astype(np.int32)
@@ -252,8 +256,8 @@ class TileField:
         uniform = np.append(np.ones(nodes.size), 0.0)
         self._isolated, isolated = uniform, np.empty(nodes.size)
         self._near(uniform, isolated)
-        self._isolated = isolated
-        self._stiff = self._near(uniform, np.empty(nodes.size))
+        stiff = np.bincount(self._places, isolated, self.nodes)
+        self._isolated, self._stiff = isolated, stiff.reshape(self._blocks.shape)
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes in contact that about causes the displacement there, which ends with a 0."""

@@ -132,8 +132,13 @@ class Closing(NamedTuple):
             kernels.newton_direction(z, step, last, nodes, count, iterate)
             last = energy
             self.soften()
-            step = kernels.newton_update(iterate, energy, nodes, count, iterate.gap.size, r, self.free_mean)
+            step = kernels.newton_update(iterate, energy, nodes, count, r, self.free_mean)
+            self._open(step)
         return most
+
+    def _open(self, step: float) -> None:
+        gap, opened = self.iterate.gap, self.iterate.st
+        team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
 
     def _begin(self) -> None:
         kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)

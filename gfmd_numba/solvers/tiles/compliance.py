@@ -256,15 +256,19 @@ class TileField:
         uniform = np.append(np.ones(nodes.size), 0.0)
         self._isolated, isolated = uniform, np.empty(nodes.size)
         self._near(uniform, isolated)
-        stiff = np.bincount(self._places, isolated, self.nodes)
+        stiff = np.bincount(self._places, isolated, self.nodes).astype(np.float64)
         self._isolated, self._stiff = isolated, stiff.reshape(self._blocks.shape)
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes in contact that about causes the displacement there, which ends with a 0."""
         sums = self._near(displacement, pressure)
         if self._blocks.useful:
-            shared = self._blocks.shared(sums, self._stiff)
-            kernels.soften_nodes(pressure, self._isolated, self._places, shared.reshape(-1))
+            shared = self._blocks.shared(sums, self._stiff).reshape(-1)
+
+            def some(_: int, a: int, b: int) -> None:
+                kernels.soften_nodes(pressure[a:b], self._isolated[a:b], self._places[a:b], shared)
+
+            team().share(some, self._places.size, self._places.size)
 
     def _near(self, displacement: Reals, pressure: Reals) -> Reals:
         """Fill the pressure by near neighbours, and return the sums of it over blocks."""

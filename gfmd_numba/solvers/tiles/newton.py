@@ -212,7 +212,8 @@ class MapContact:
         self._retile()
 
     def _take(self, image: Reals, values: Reals) -> None:
-        kernels.take_tiles(image, self.tiles, self.wall.shape[1], values)
+        nx, tiles = self.wall.shape[1], self.tiles
+        team().share(lambda _, a, b: kernels.take_tiles(image, tiles[a:b], nx, values[a:b]), tiles.size, values.size)
 
     def _begin_on_tiles(self) -> None:
         """Find the gap on the tiles as well as the compliance between them is known."""
@@ -339,7 +340,7 @@ def listed(marks: Flags) -> tuple[Indices, Indices]:
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
     """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
     team().by_rows(lambda some: rows[some].fill(0.0), rows.shape)
-    kernels.put_tiles(values, tiles, rows, nx)
+    team().share(lambda _, a, b: kernels.put_tiles(values[a:b], tiles[a:b], rows, nx), tiles.size, values.size)
 
 
 def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:

@@ -224,10 +224,20 @@ def gather_back(
 
 
 @jit
-def list_neighbours(nodes: Indices, around: Indices, numbers: Shorts, neighbours: Shorts) -> None:
+def list_neighbours(
+    nodes: Indices,
+    tiles: Indices,
+    around: Indices,
+    tiles_across: int,
+    blocks_across: int,
+    numbers: Shorts,
+    neighbours: Shorts,
+    blocks: Shorts,
+) -> None:
     """Fill the numbers of the eight nodes around each listed one `[node, 8]`, and how many there are where none is.
 
-    `numbers` `[m + 1, TILE, TILE]` is room; tiles around tiles are those of `surround`.
+    Also the block of 2 x 2 tiles `[node]` that holds each. `numbers` `[m + 1, TILE, TILE]` is room; tiles around tiles
+    are those of `surround`.
     """
     numbers[:] = nodes.size
     flat = numbers.reshape(-1)
@@ -235,7 +245,8 @@ def list_neighbours(nodes: Indices, around: Indices, numbers: Shorts, neighbours
         flat[nodes[k]] = k
     for k in range(nodes.size):
         node, found = nodes[k], neighbours[k]
-        y, x = node // TILE % TILE, node % TILE
+        y, x, tile = node // TILE % TILE, node % TILE, tiles[node // TILE**2]
+        blocks[k] = tile // tiles_across // 2 * blocks_across + tile % tiles_across // 2
         if 0 < y < TILE - 1 and 0 < x < TILE - 1:
             found[0], found[1], found[2] = flat[node - TILE - 1], flat[node - TILE], flat[node - TILE + 1]
             found[3], found[4] = flat[node - 1], flat[node + 1]
@@ -244,8 +255,8 @@ def list_neighbours(nodes: Indices, around: Indices, numbers: Shorts, neighbours
         for j in range(8):
             of_nine = j if j < 4 else j + 1
             down, right = y + of_nine // 3 - 1, x + of_nine % 3 - 1
-            tile = around[node // TILE**2, 4 + 3 * (down // TILE) + right // TILE]
-            found[j] = numbers[tile, down % TILE, right % TILE]
+            place = around[node // TILE**2, 4 + 3 * (down // TILE) + right // TILE]
+            found[j] = numbers[place, down % TILE, right % TILE]
 
 
 @jit

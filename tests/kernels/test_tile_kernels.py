@@ -140,7 +140,10 @@ def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rn
 def test_neighbours_are_those_around_a_node_of_a_period(kernel, rng):
     nodes = np.flatnonzero(rng.random((TILES.size, SIDE, SIDE)) < 0.5)
     numbers, neighbours = np.empty((TILES.size + 1, SIDE, SIDE), np.int32), np.empty((nodes.size, 8), np.int32)
-    kernel(nodes, surroundings(), numbers, neighbours)
+    blocks = np.empty(nodes.size, np.int32)
+    kernel(nodes, TILES, surroundings(), ACROSS, 2, numbers, neighbours, blocks)
+    y, x = np.divmod(TILES[nodes // SIDE**2], ACROSS)
+    np.testing.assert_array_equal(blocks, 2 * (y // 2) + x // 2)
     number = np.full((TILES.size + 1) * SIDE**2, nodes.size)
     number[nodes] = np.arange(nodes.size)
     image = joined(number.reshape(-1, SIDE, SIDE) - nodes.size) + nodes.size

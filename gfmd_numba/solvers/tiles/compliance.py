@@ -6,7 +6,7 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import erf
+import scipy  # its modules load with their first use
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
@@ -183,7 +183,7 @@ def _near_kernel(stiffness: Reals, shape: tuple[int, ...], distance: int, sharp:
     steep = max(stiff[ny // 2, 0] / abs(along_y[ny // 2, 0]), stiff[0, nx // 2] / along_x[0, nx // 2])
     fades = 2.0 * sharp / (distance * TILE) * steep
     with np.errstate(divide="ignore", invalid="ignore"):
-        near = np.where(stiff > 0.0, erf(stiff / fades) / stiff, 2.0 / (math.sqrt(math.pi) * fades))
+        near = np.where(stiff > 0.0, scipy.special.erf(stiff / fades) / stiff, 2.0 / (math.sqrt(math.pi) * fades))
     reach = (distance + 1) * TILE - 1
     nodes = np.arange(-reach, reach + 1)
     return np.ascontiguousarray(grid.influence(near, *few)[np.ix_(nodes % few[0], nodes % few[1])])
@@ -246,13 +246,12 @@ class TileField:
         if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
             return
         self._nodes, self._tiles = nodes, tiles
-        of_node = tiles[nodes // TILE**2]
-        down, across = of_node // self._across // 2, of_node % self._across // 2
-        self._places = (down * self._blocks.shape[1] + across).astype(np.int32)
-        self._ends = np.searchsorted(down, np.arange(self._blocks.shape[0] + 1))  # of rows of blocks
-        self._neighbours = np.empty((nodes.size, 8), dtype=np.int32)
+        down, across = self._blocks.shape
+        first = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
+        self._ends = np.searchsorted(nodes, TILE**2 * first)
         numbers = np.empty((tiles.size + 1, TILE, TILE), dtype=np.int32)
-        kernels.list_neighbours(nodes, around, numbers, self._neighbours)
+        self._neighbours, self._places = (np.empty((nodes.size, *each), dtype=np.int32) for each in ((8,), ()))
+        kernels.list_neighbours(nodes, tiles, around, self._across, across, numbers, self._neighbours, self._places)
         uniform = np.append(np.ones(nodes.size), 0.0)
         self._isolated, isolated = uniform, np.empty(nodes.size)
         self._near(uniform, isolated)

@@ -28,55 +28,6 @@ def surround(tiles: Indices, places: Indices, down: int, across: int, ends: tupl
 
 
 @jit
-def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
-    """Convolution of the values with a stencil `[2 reach + 1, 2 reach + 1]`, even along y, reach at most TILE."""
-    reach = stencil.shape[0] // 2
-    width = TILE + 2 * reach
-    patch = np.zeros((width, width))
-    loaded = np.zeros(width, dtype=np.bool_)
-    folded = np.zeros(width)  # rows above and below a node have the same weights
-    for k in range(around.shape[0]):
-        for b in range(3):
-            for a in range(3):
-                tile = values[around[k, 3 * b + a]]
-                up, left = reach + (b - 1) * TILE, reach + (a - 1) * TILE
-                first, last = max(left, 0), min(left + TILE, width)
-                for j in range(max(up, 0), min(up + TILE, width)):
-                    for i in range(first, last):
-                        patch[j, i] = tile[j - up, i - left]
-        for j in range(width):
-            largest = 0.0
-            for i in range(width):
-                largest += abs(patch[j, i])
-            loaded[j] = largest != 0.0  # not-a-number too
-        for y in range(TILE):
-            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
-            for j in range(reach + 1):
-                above, below = y + reach - j, y + reach + j
-                if not (loaded[above] or loaded[below]):
-                    continue
-                if j == 0:
-                    row = patch[above]
-                else:
-                    for i in range(width):
-                        folded[i] = patch[above, i] + patch[below, i]
-                    row = folded
-                weights = stencil[reach + j]
-                for i in range(2 * reach + 1):
-                    c = weights[i]
-                    s0 += c * row[i]
-                    s1 += c * row[i + 1]
-                    s2 += c * row[i + 2]
-                    s3 += c * row[i + 3]
-                    s4 += c * row[i + 4]
-                    s5 += c * row[i + 5]
-                    s6 += c * row[i + 6]
-                    s7 += c * row[i + 7]
-            out = product[k, y]
-            out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
-
-
-@jit
 def list_loaded(values: Reals, starts: Indices, nodes: Indices, loads: Reals) -> None:
     """List the nodes of each tile that hold a value other than zero, one tile after another, and their values.
 
@@ -101,11 +52,13 @@ def convolve_loaded(
     tiles_each_way: tuple[int, int],
     ends: tuple[bool, bool],
     kernel: Reals,
+    reach: int,
     product: Reals,
 ) -> None:
     """Fill the product on some tiles `[k, TILE, TILE]` with the convolution of what `list_loaded` has listed.
 
-    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and reaches the D tiles in each direction.
+    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and zero beyond its `reach` of nodes, at most D
+    tiles and the nodes of another but one.
     """
     starts, nodes, loads = loaded
     down, across = tiles_each_way
@@ -113,7 +66,7 @@ def convolve_loaded(
     distance = (width // 2 + 1) // TILE - 1
     around = 2 * distance + 1
     flat = kernel.reshape(-1)
-    offsets, v = np.empty(around**2 * TILE**2, dtype=np.int64), np.empty(around**2 * TILE**2)
+    offsets, v = np.empty(around**2 * TILE**2, dtype=np.uint64), np.empty(around**2 * TILE**2)
     for k in range(tiles.size):
         y, x = tiles[k] // across, tiles[k] % across
         count = 0
@@ -130,23 +83,24 @@ def convolve_loaded(
                         continue
                     column %= across
                 place = places[row * across + column]
-                corner = (width // 2 - j * TILE) * width + width // 2 - i * TILE
                 for s in range(starts[place], starts[place + 1]):
-                    offsets[count] = corner - nodes[s] // TILE * width - nodes[s] % TILE
-                    v[count] = loads[s]
-                    count += 1
+                    down_by, right_by = j * TILE + nodes[s] // TILE, i * TILE + nodes[s] % TILE
+                    if -reach <= down_by < TILE + reach and -reach <= right_by < TILE + reach:
+                        offsets[count] = np.uint64((width // 2 - down_by) * width + width // 2 - right_by)
+                        v[count] = loads[s]
+                        count += 1
         for line in range(TILE):
             s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
             for s in range(count):
-                o, c = offsets[s] + line * width, v[s]
+                o, c = offsets[s] + np.uint64(line * width), v[s]  # without a sign, eight at once
                 s0 += c * flat[o]
-                s1 += c * flat[o + 1]
-                s2 += c * flat[o + 2]
-                s3 += c * flat[o + 3]
-                s4 += c * flat[o + 4]
-                s5 += c * flat[o + 5]
-                s6 += c * flat[o + 6]
-                s7 += c * flat[o + 7]
+                s1 += c * flat[o + np.uint64(1)]
+                s2 += c * flat[o + np.uint64(2)]
+                s3 += c * flat[o + np.uint64(3)]
+                s4 += c * flat[o + np.uint64(4)]
+                s5 += c * flat[o + np.uint64(5)]
+                s6 += c * flat[o + np.uint64(6)]
+                s7 += c * flat[o + np.uint64(7)]
             out = product[k, line]
             out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
 

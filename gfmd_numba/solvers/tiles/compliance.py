@@ -24,7 +24,7 @@ class Split(NamedTuple):
 
     `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
     tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
-    of a pressure is left. A distance of 0 stands for a fitted stencil: on compact contacts it costs less than the sum.
+    of a pressure is left. A sharpness of 0 stands for a fitted stencil.
     """
 
     coarsening: int
@@ -34,7 +34,7 @@ class Split(NamedTuple):
     error: float
 
 
-FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 0, 0.0, 4, 5e-3)
+FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 0.0, 4, 5e-3)
 _REACH = 5  # nodes in each direction that the stencil of NEAR sees
 _FITTED = 64  # waves in each direction on which that is fitted
 
@@ -65,7 +65,7 @@ class SplitCompliance:
     ) -> None:
         self.error, coarsening = split.error, split.coarsening
         self._tiles_each_way, self._ends = tiles_each_way, ends
-        self._tiles = self._places = self._around = np.empty(0, dtype=np.int64)
+        self._tiles = self._places = np.empty(0, dtype=np.int64)
         self._coarse_shape = tuple(n // coarsening for n in shape)
         self._per_tile = TILE // coarsening
         self._field = Transform(1, *self._coarse_shape, in_place=True)
@@ -75,12 +75,13 @@ class SplitCompliance:
             spline(np.arange(TILE)[:, np.newaxis] / coarsening - np.arange(first, last))
         )
         distance = min(split.distance, *((n // TILE - 1) // 2 for n in shape))
-        self._is_summed = distance > 0
-        if self._is_summed:
+        self._reach = (distance + 1) * TILE - 1
+        if split.sharp:
             self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
         else:
             few = tuple(min(n, _FITTED) for n in shape)
-            self._kernel = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
+            stencil = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
+            self._kernel, self._reach = np.pad(stencil, self._reach - _REACH), _REACH
         waves = grid.wave_indices(self._coarse_shape)
         angles = _angles(waves, shape)
         nodes = np.arange(-before * coarsening, before * coarsening + 1)
@@ -100,9 +101,9 @@ class SplitCompliance:
         """Number of nodes of the coarser grid."""
         return self._field.n
 
-    def place(self, tiles: Indices, places: Indices, around: Indices) -> None:
-        """Prepare `apply` for some tiles, the place of each tile among them, and of those around each."""
-        self._tiles, self._places, self._around = tiles, places, around
+    def place(self, tiles: Indices, places: Indices) -> None:
+        """Prepare `apply` for some tiles, and the place of each tile among them."""
+        self._tiles, self._places = tiles, places
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
@@ -112,33 +113,19 @@ class SplitCompliance:
             np.empty(pressure.size, dtype=np.int64),
             np.empty(pressure.size),
         )
-        if self._is_summed:
-            kernels.list_loaded(pressure, *loaded)
-        else:
-            convolve(pressure, self._around, self._kernel, displacement)
+        kernels.list_loaded(pressure, *loaded)
         coarse = self._field.memory[0]
         kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
 
         def some(_: int, first: int, last: int) -> None:
             tiles, found = self._tiles[first:last], displacement[first:last]
-            if self._is_summed:
-                each = tiles, self._places, self._tiles_each_way, self._ends
-                kernels.convolve_loaded(loaded, *each, self._kernel, found)
+            each = tiles, self._places, self._tiles_each_way, self._ends
+            kernels.convolve_loaded(loaded, *each, self._kernel, self._reach, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
         reached = self._kernel.size // TILE**2  # tiles, by each loaded node
-        summed = int(loaded[0][-1]) * reached if self._is_summed else 0
-        team().share(some, self._tiles.size, max(displacement.size, summed))
-
-
-def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
-    """Fill the product on tiles with the convolution of the values with a stencil; the work is shared by tiles."""
-
-    def some(_: int, first: int, last: int) -> None:
-        kernels.tile_stencil(values, around[first:last], stencil, product[first:last])
-
-    team().share(some, len(around), product.size)
+        team().share(some, self._tiles.size, max(displacement.size, int(loaded[0][-1]) * reached))
 
 
 def _spline(order: int) -> Callable[[Reals], Reals]:

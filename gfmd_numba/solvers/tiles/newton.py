@@ -295,7 +295,7 @@ class MapContact:
     def _soften(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""
         if not self._exact:
-            self._compliance.place(self.tiles, self._places, self._around)  # which other maps use too
+            self._compliance.place(self.tiles, self._places)  # which other maps use too
             self._compliance.apply(pressure, displacement)
             return
         put_tiles(pressure, self.tiles, self.rows, self.wall.shape[1])

@@ -246,6 +246,16 @@ def soften_nodes(p: Reals, isolated: Reals, blocks: Shorts, shared: Reals) -> No
 
 
 @jit
+def convolve_few(load: Reals, rows: Indices, columns: Indices, kernel: Reals, product: Reals) -> None:
+    """Convolve loads on few nodes of a periodic map with its even kernel `[y, x]`, on these nodes."""
+    for k in range(rows.size):
+        total = 0.0
+        for j in range(rows.size):
+            total += kernel[abs(rows[k] - rows[j]), abs(columns[k] - columns[j])] * load[j]
+        product[k] = total
+
+
+@jit
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
     """Put the values on the listed tiles into the rows of a map, which are longer than its nx columns or as long."""
     across = nx // TILE

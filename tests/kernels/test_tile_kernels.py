@@ -161,6 +161,17 @@ def test_what_a_block_shares_is_taken_off(kernel, rng):
     np.testing.assert_allclose(p, expected)
 
 
+@pytest.mark.parametrize("kernel", both(kernels.convolve_few))
+def test_few_nodes_are_convolved_with_the_kernel_of_a_period(kernel, rng):
+    symbol, load, product = rng.random((6, 9)), np.zeros((6, 9)), np.empty(7)
+    symbol += np.roll(symbol[::-1], 1, axis=0)
+    symbol += np.roll(symbol[:, ::-1], 1, axis=1)
+    where = np.divmod(rng.permutation(54)[:7], 9)
+    load[where] = rng.random(7)
+    kernel(load[where], *where, np.fft.ifft2(symbol).real, product)
+    np.testing.assert_allclose(product, np.fft.ifft2(np.fft.fft2(load) * symbol).real[where], atol=1e-14)
+
+
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))
 def test_tiles_are_put_on_a_map(kernel, rng):
     values, rows = random_values(rng), np.zeros((NY, PADDED))

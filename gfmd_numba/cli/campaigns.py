@@ -27,7 +27,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
-from gfmd_numba.cli.terminal import progress_bar, say, say_command, show_queue, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.terminal import progress_bar, say, say_command, say_doubts, show_queue, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
@@ -116,7 +116,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
 
     say_written("results", results)
     dataset = gfmd_numba.open_campaign(results)
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
     to_do = int((status == meanings.index("unfinished")).sum())
     asked = int((status != meanings.index("not_asked")).sum())

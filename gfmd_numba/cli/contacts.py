@@ -32,7 +32,7 @@ from gfmd_numba.cli.tables import (
     readable,
     unit,
 )
-from gfmd_numba.cli.terminal import say, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
@@ -72,7 +72,7 @@ def solve(file: Path, threads: int | None, output: Path) -> None:
         tell(of_steps(dataset))
     else:
         tell(of_contact(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
@@ -125,9 +125,7 @@ def surface(file: Path, output: Path) -> None:
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
     tell(of_numbers(dataset))
-    for sentence in filter(None, dataset.attrs["processing"].split("\n")):
-        say("done", sentence)
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
 
 
 _MOST = 10_000
@@ -271,7 +269,7 @@ def curve(
     say_written("table", table)
     _draw(dataset, picture)
     tell(of_curve(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     _end(dataset, realisations)
 
 
@@ -431,7 +429,7 @@ def _measure(
         click.echo(json.dumps(found))  # null stands for numbers that are not finite
     else:
         tell(of_measures(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from math import floor, inf, isfinite, isnan, log10, nan, sqrt
 from typing import TYPE_CHECKING, Any
@@ -113,6 +114,8 @@ _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they v
 _IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
+_MOST_GROUPS = 3  # that a note names
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
 _KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
 _LONGEST_NAME = 40
 _SHOWN_OF_PATHS = (
@@ -156,11 +159,7 @@ def of_fit(fitted: xr.Dataset) -> Told:
         yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
     if (fitted["error_budget"] > 0).any():
         yield Line("error", _sources(fitted, factor, unit))
-    messages = [str(message).splitlines() for message in fitted["message"].values]
-    for line in dict.fromkeys(line for lines in messages for line in lines):
-        having = [i for i, lines in enumerate(messages) if line in lines]
-        whose = "" if len(having) == len(messages) else _whose(fitted, having)
-        yield Line("note", f"{whose}{line}")
+    yield from _notes(fitted)
 
 
 def of_means(dataset: xr.Dataset, variable: str) -> Told:
@@ -343,9 +342,26 @@ def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
     }
 
 
+def _notes(fitted: xr.Dataset) -> Iterator[Line]:
+    """Yield the messages of groups; of a sentence that many groups have with other numbers, the one of the largest."""
+    kinds: dict[str, dict[str, list[int]]] = {}
+    for group, message in enumerate(fitted["message"].values):
+        for line in str(message).splitlines():
+            kinds.setdefault(_NUMBER.sub("", line), {}).setdefault(line, []).append(group)
+    for lines in kinds.values():
+        having = sorted({group for groups in lines.values() for group in groups})
+        if len(having) > _MOST_GROUPS and len(lines) > 1:
+            line = max(lines, key=lambda line: float(_NUMBER.findall(line)[0]))
+            yield Line("note", f"{len(having)} groups, such as {_whose(fitted, lines[line][:1])}{line}")
+            continue
+        for line, groups in lines.items():
+            whose = "" if len(groups) == fitted.sizes["group"] else _whose(fitted, groups)
+            yield Line("note", f"{whose}{line}")
+
+
 def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     """Return which of several groups a note is about."""
-    if len(having) > 3:
+    if len(having) > _MOST_GROUPS:
         return f"{len(having)} of {fitted.sizes['group']} groups: "
     varied = {h: name for h, name in _parameters(fitted).items() if len(set(_values(fitted[name]))) > 1}
     groups = [", ".join(f"{heading} = {_values(fitted[name])[i]}" for heading, name in varied.items()) for i in having]

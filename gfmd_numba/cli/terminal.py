@@ -68,8 +68,10 @@ def warn(text: str) -> None:
     say("gfmd:", text, width=6, err=True)
 
 
-def warn_of_doubts(dataset: xr.Dataset) -> None:
-    """Print the reasons to doubt a result, as its attribute `validity` gives them."""
+def say_doubts(dataset: xr.Dataset) -> None:
+    """Print what was done to measured surfaces, and warn of the reasons to doubt a result."""
+    for sentence in dataset.attrs.get("processing", "").splitlines():
+        say("done", sentence)
     for doubt in dataset.attrs.get("validity", "").splitlines():
         warn(doubt)
 

@@ -222,7 +222,7 @@ class Scene(BaseModel):
             raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:
-                raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
+                raise broken_rule(("roughness",), "nothing with a counter_body: write it inside body or counter_body")
             for name, body in (("body", self.body), ("counter_body", counter)):
                 if body.surface_modulus is None:
                     allowed = "a number above 0 for both bodies, as they share the load"

@@ -91,3 +91,17 @@ def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
         fit["alpha_error"].loc[{"limit": "eps_f"}] = error
         tell(of_fit(fit))
         assert ("exponent anywhere from 0.5 to 1.5, as assumed" in unfolded(capsys.readouterr().out)) == said
+
+
+def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
+    fit = fitted(noisy(campaign((0.2, 0.3, 0.5, 0.8)), np.random.default_rng(1)))
+    fit["message"] = ("group", [f"means lie {factor} times off" for factor in (1.1, 1.3, 1.2, 1.25)])
+    tell(of_fit(fit))
+    said = unfolded(capsys.readouterr().out)
+    assert "4 groups, such as H = 0.3: means lie 1.3 times off" in said
+    assert said.count("times off") == 1
+    fit["message"] = ("group", ["means lie 1.1 times off", "", "means lie 1.2 times off", ""])
+    tell(of_fit(fit))
+    said = unfolded(capsys.readouterr().out)
+    assert "H = 0.2: means lie 1.1 times off" in said
+    assert "H = 0.5: means lie 1.2 times off" in said

@@ -69,7 +69,8 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
     says that the limit has the error you want.
     """
-    from gfmd_numba.campaign.file import target_of_run
+    from gfmd_numba.campaign.file import load_campaign, target_of_run
+    from gfmd_numba.campaign.output_directory import holds_another_version
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
 
@@ -77,6 +78,11 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
+    campaign, document = load_campaign(file, until or None)
+    directory = output or Path(campaign.name)
+    if holds_another_version(directory, document.text):
+        replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
+        say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
         if until:
             reached = _run_rounds(file, output, who, choice, until, budget)

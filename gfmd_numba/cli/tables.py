@@ -156,7 +156,7 @@ def of_fit(fitted: xr.Dataset) -> Told:
         yield Line("note", f"{thick}: leave eps_t out, with levels of your own, for a slab of finite height")
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
-        yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
+        yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom, where about 1 is expected")
     if (fitted["error_budget"] > 0).any():
         yield Line("error", _sources(fitted, factor, unit))
     yield from _notes(fitted)
@@ -266,7 +266,7 @@ def _distance(fitted: xr.Dataset, limit: str) -> str:
     share = abs(of_limit["extrapolated"] / in_the_limit(fitted)[0]).fillna(0.0)
     worst = int(share.values.argmax())
     finest = fractions(np.atleast_1d(of_limit["finest_eps"].values[worst]))
-    return f"from {finest}, {100 * float(share[worst]):.2g} % remain"
+    return f"from {finest}, {100 * float(share[worst]):.2g} % away from the limit"
 
 
 def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
@@ -374,7 +374,7 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
     spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
-    return f"largest parts {', '.join(parts)}{f' (in {unit})' if unit else ''}{spent}"
+    return f"largest parts{f' in {unit}' if unit else ''}, added in quadrature: {', '.join(parts)}{spent}"
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:

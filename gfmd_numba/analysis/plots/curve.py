@@ -15,8 +15,8 @@ from gfmd_numba.text.numbers import typical
 
 _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
     ("contact_area_fraction", "Contact area fraction", "", True),
-    ("mean_gap", r"Mean gap $\bar{g}$", "L_x", False),
-    ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{g}$", "E^*/L_x", True),
+    ("mean_gap", r"Mean gap $\bar{u}$", "L_x", False),
+    ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{u}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
 _OF_FORM = (  # without a period

@@ -310,10 +310,8 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         yield from _by_axis("tangential_displacement", "height", moved, contact.sideways[0], " ")
         yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
         if problem.interface.friction is not None:
-            slid = vector_slip.length(tangential.slip[0])
-            divided = problem.duration > 0.0 or problem.wears_by_slip
-            where = "the last division of this step" if divided else "this step"
-            yield "slip", "height", f"way a touching node has slid in {where}, 0 where it sticks", slid
+            slid = vector_slip.length(tangential.slip[0]) if contact.slid is None else contact.slid[0]
+            yield "slip", "height", "way a touching node has slid in this step, 0 where it sticks", slid
     if problem.tractions is not None:
         prescribed = *problem.tractions.tangential, problem.tractions.normal
         for component, values in zip(COMPONENTS[given.file.scene.dimension], prescribed, strict=True):

@@ -151,7 +151,7 @@ OBSERVABLES = {
     "time_error": Observable(
         "contact",
         "1",
-        "relative error of pressures and displacements by the divisions of time, of all steps so far",
+        "relative error of pressures and displacements by the divisions of all steps so far",
         needs="divisions",
         no_limit=_OF_AN_ERROR,
     ),

@@ -81,6 +81,8 @@ def with_error(value: float, error: float, digits: int = 4) -> str:
     shown = [f"{round(each, -last):.{places}f}" for each in (value, error)]
     if float(shown[1]) == 0.0:
         shown[1] = f"{error:.1e}"
+    if power and float(shown[0]) == 0.0:
+        return f"0±{error * scale:.1e}"  # a power of ten common to both would be that of the error alone
     both = "±".join(shown)
     return f"({both})e{power:+03d}" if power else both
 

@@ -323,8 +323,9 @@ class Submission:
                     names = [block.name for block in left]
                     late: set[str] = set()  # those that took longer than the timeout
                     if names and self.timeout is not None:
+                        late = set(expired_here(self.run, names))  # before a worker that may die forgets them
                         told = self.client.run(expired_here, self.run, names, on_error="ignore")
-                        late = {name for found in (expired_here(self.run, names), *told.values()) for name in found}
+                        late.update(*told.values())
                     failures = outcome or {}
                     for block in left:
                         if block.name in late:

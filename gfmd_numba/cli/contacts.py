@@ -276,7 +276,7 @@ def curve(
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
-    from gfmd_numba.analysis import plot_creep, plot_curve, plot_friction
+    from gfmd_numba.analysis import plot_curve
     from gfmd_numba.storage.atomic_file import remove
     from gfmd_numba.storage.mark import is_product
 
@@ -284,8 +284,7 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
         remove(picture, is_product)  # that of an earlier curve
         warn("no load has a result that could be drawn")
         return
-    draw = {"time": plot_creep, "speed": plot_friction}.get(over(dataset), plot_curve)
-    write_picture(picture, lambda: draw(dataset))
+    write_picture(picture, lambda: plot_curve(dataset))
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:

@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
+_MOST = 10_000
+
 
 @main.command()
 @file_argument
@@ -127,9 +129,6 @@ def surface(file: Path, output: Path) -> None:
     for sentence in filter(None, dataset.attrs["processing"].split("\n")):
         say("done", sentence)
     warn_of_doubts(dataset)
-
-
-_MOST = 10_000
 
 
 def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[object] | None:

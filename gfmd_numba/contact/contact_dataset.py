@@ -58,6 +58,12 @@ INDICES = {
 
 
 Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
+_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
+_TOGETHER = "normal displacements of both bodies together, positive towards each other"
+_TOLD = {
+    "residual": "largest unbalanced traction over the largest traction",
+    "n_transforms": "fast Fourier transforms of the surface",
+}
 
 
 @dataclass(frozen=True)
@@ -464,14 +470,6 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     n = dataset.sizes["step"]
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
-
-
-_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
-_TOGETHER = "normal displacements of both bodies together, positive towards each other"
-_TOLD = {
-    "residual": "largest unbalanced traction over the largest traction",
-    "n_transforms": "fast Fourier transforms of the surface",
-}
 
 
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:

@@ -18,6 +18,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 Found = TypeVar("Found")
+_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 class LoadStep(NamedTuple):
@@ -77,7 +78,6 @@ class Change:
 
 
 NO_CHANGE = Change()
-_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 def _sum(parts: Iterable[Any]) -> Any:

@@ -35,6 +35,63 @@ _WORDS = {  # of variables whose names are no words
     "pull_off_pressure": "pull-off pressure",
 }
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
+_UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
+_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
+MOST_ROWS = 200
+_MOST_EXPONENTS = 6
+_MOST_GROUPS = 3  # that a note names
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
+_KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
+_LONGEST_NAME = 40
+_SHOWN_OF_PATHS = (
+    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
+    *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
+)
+_WIDE = 24
+_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "force",
+    "line_load",
+    "mean_pressure",
+    "contact_area_fraction",
+    "contact_radius",
+    "approach",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "kappa",
+    "kappa_r",
+    "plastic_area_fraction",
+    "mean_plastic_depth",
+    "mean_worn_depth",
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+    "stick_fraction",
+    "energy_lost",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
+    "time_error",
+)
+_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
+_MEASURES = {  # of a solved contact: words, and the unit of a contact without units
+    "contact_area_fraction": ("contact area fraction", ""),
+    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
+    "mean_gap": ("mean gap over rms height", ""),
+    "perimeter": ("perimeter", "L_x"),
+    "gap_connects": ("channel", ""),
+    "contact_connects": ("contact bridges", ""),
+    "critical_gap": ("critical gap", "L_x"),
+    "largest_gap_fraction": ("largest connected gap", ""),
+    "largest_contact_fraction": ("largest contact cluster", ""),
+    "n_gaps": ("separate gaps", ""),
+    "hydraulic_gap": ("hydraulic gap", "L_x"),
+    "flow_factor": ("flow factor", ""),
+    "conductance": ("conductance", "1/L_x"),
+}
+_PRESCRIBED = (
+    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
+    *("sliding", "sliding_y", "speed", "time"),
+)
 
 
 def words(name: str) -> str:
@@ -108,20 +165,6 @@ def dimensions(scene: Scene, varied: Grid | None = None) -> str:
             if value is not None and in_si and not replaced and (names is None or name in names):
                 told.append(f"{name} {' '.join(readable(value, quantity.si))}")
     return ", ".join(told)
-
-
-_UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
-MOST_ROWS = 200
-_MOST_EXPONENTS = 6
-_MOST_GROUPS = 3  # that a note names
-_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
-_KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
-_LONGEST_NAME = 40
-_SHOWN_OF_PATHS = (
-    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
-    *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
-)
 
 
 def of_fit(fitted: xr.Dataset) -> Told:
@@ -404,53 +447,6 @@ def _left_open(fitted: xr.Dataset) -> float:
 
     open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
     return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
-
-
-_WIDE = 24
-_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
-    "force",
-    "line_load",
-    "mean_pressure",
-    "contact_area_fraction",
-    "contact_radius",
-    "approach",
-    "mean_gap",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-    "kappa",
-    "kappa_r",
-    "plastic_area_fraction",
-    "mean_plastic_depth",
-    "mean_worn_depth",
-    "mean_tangential_traction",
-    "mean_tangential_traction_y",
-    "stick_fraction",
-    "energy_lost",
-    "hysteretic_friction",
-    "hysteretic_friction_error",
-    "time_error",
-)
-_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
-_MEASURES = {  # of a solved contact: words, and the unit of a contact without units
-    "contact_area_fraction": ("contact area fraction", ""),
-    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
-    "mean_gap": ("mean gap over rms height", ""),
-    "perimeter": ("perimeter", "L_x"),
-    "gap_connects": ("channel", ""),
-    "contact_connects": ("contact bridges", ""),
-    "critical_gap": ("critical gap", "L_x"),
-    "largest_gap_fraction": ("largest connected gap", ""),
-    "largest_contact_fraction": ("largest contact cluster", ""),
-    "n_gaps": ("separate gaps", ""),
-    "hydraulic_gap": ("hydraulic gap", "L_x"),
-    "flow_factor": ("flow factor", ""),
-    "conductance": ("conductance", "1/L_x"),
-}
-_PRESCRIBED = (
-    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y", "speed", "time"),
-)
 
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:

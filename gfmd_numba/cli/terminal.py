@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
 COLUMNS = 80
 _SPACE = "\0"  # within a command, where no line may end: printable text has none
+_GAP = "  "
+_WIDEST_HEADING = 10
+_PATIENCE = 1.0  # s
+_WRITING = ", writing the results"
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
@@ -84,9 +88,6 @@ def say_command(command: str, *, width: int) -> None:
     click.echo(" \\\n".join(" " * width + line.replace(_SPACE, " ") for line in lines))
 
 
-_GAP = "  "
-_WIDEST_HEADING = 10
-
 Column = list[str]
 
 
@@ -133,10 +134,6 @@ def _blocks(keys: list[Column], columns: list[Column]) -> Iterator[list[Column]]
 
 def _length(block: list[Column]) -> int:
     return sum(len(column[0]) for column in block) + len(_GAP) * (len(block) - 1)
-
-
-_PATIENCE = 1.0  # s
-_WRITING = ", writing the results"
 
 
 @contextmanager

@@ -81,6 +81,8 @@ _VALUES: dict[str, Any] = {  # types, by what is prescribed
     _SPEED: tuple[Speed, ...],
 }
 Over = Literal["loads", "times", "speeds"]
+_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
+_OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
 @cache
@@ -137,10 +139,6 @@ def read_curve(
         scenes = (scene for scene, _ in steps_of(path.scene, path.path))
         check_loads(((("loads", i // 2), scene) for i, scene in enumerate(scenes)), given.surfaces, asked)
     return curve
-
-
-_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
-_OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
 def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:

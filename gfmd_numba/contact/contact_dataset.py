@@ -311,7 +311,7 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
         if problem.interface.friction is not None:
             slid = vector_slip.length(tangential.slip[0])
-            divided = problem.duration > 0.0 or problem.wears_by_slip
+            divided = problem.time_tolerance is not None and (problem.duration > 0.0 or problem.wears_by_slip)
             where = "the last division of this step" if divided else "this step"
             yield "slip", "height", f"way a touching node has slid in {where}, 0 where it sticks", slid
     if problem.tractions is not None:
@@ -459,7 +459,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if given.file.scene.creeps and given.file.scene.loading.speed is None:
+    if (given.file.scene.creeps and given.file.scene.loading.speed is None) or given.file.scene.has_slip_rates:
         found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}

@@ -164,9 +164,16 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
-    for feature in ("duration", "speed"):
-        nothing = "nothing without a relaxation of the body, as nothing else takes time"
-        yield Refusal("elastic bodies", feature, nothing, "without effect")
+    nothing = "nothing without a relaxation of the body, or friction that depends on the slip rate, as nothing else"
+    yield Refusal("timeless", "duration", f"{nothing} takes time", "without effect")
+    nothing = "nothing without a relaxation of the body, as nothing else takes time"
+    yield Refusal("elastic bodies", "speed", nothing, "without effect")
+    told = "a duration or a pressure_rate here, too, where friction depends on the slip rate"
+    yield Refusal("slip rate", "at once", told, "physics")
+    told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
+    yield Refusal("slip rate", "accuracy", told, "not built yet")
+    told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
+    yield Refusal("slip rate", "sticking", told, "physics")
     nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
     yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
     told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
@@ -312,6 +319,9 @@ PHRASES = {
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
+    "at once": "a load or a step that happens at once, without a `duration`",
+    "slip rate": "a friction that depends on the slip rate",
+    "timeless": "bodies without `relaxation`, and no friction that depends on the slip rate",
     "elastic bodies": "bodies without `relaxation`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",

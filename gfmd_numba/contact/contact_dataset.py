@@ -463,7 +463,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if given.file.scene.creeps and given.file.scene.loading.speed is None:
+    if (given.file.scene.creeps and given.file.scene.loading.speed is None) or given.file.scene.has_slip_rates:
         found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}

@@ -1,9 +1,18 @@
 """What all records share: their configuration, the quantities that return and the error of a broken rule."""
 
+from collections.abc import Callable
 from math import inf
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+)
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.units import (
@@ -112,6 +121,21 @@ FileOfNodes = Annotated[
     str,
     AfterValidator(_file),
     Field(json_schema_extra={"allowed": "the name of a .npy or .csv file with one value for each node"}),
+]
+_FUNCTION = "in Python a function of arrays of gaps, pressures and slip rates; in a file a limit or slip_rates"
+
+
+def _function(given: object) -> object:
+    if not callable(given):
+        raise ValueError(_FUNCTION)
+    return given
+
+
+FunctionOfNodes = Annotated[
+    Callable[..., Any],
+    PlainValidator(_function),
+    PlainSerializer(lambda function: getattr(function, "__qualname__", type(function).__name__), when_used="json"),
+    WithJsonSchema({"allowed": _FUNCTION}),
 ]
 Points = Annotated[int, Field(ge=4, le=2**40)]
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]

@@ -162,6 +162,11 @@ class Scene(BaseModel):
         return self.creeps and self.interface.wear is None and not self.interface.couples
 
     @property
+    def has_slip_rates(self) -> bool:
+        """Whether friction depends on the slip rate, so that each step takes time."""
+        return self.interface.friction is not None and self.interface.friction.depends_on_rate
+
+    @property
     def wears_by_slip(self) -> bool:
         """Whether each node wears by its own slip, as under friction."""
         return self.interface.wear is not None and self.interface.friction is not None

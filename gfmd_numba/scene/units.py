@@ -259,7 +259,9 @@ def in_reduced_units(record: Record, length: float, modulus: float) -> Record:
     values = {name: (getattr(record, name), quantity) for name, quantity in quantities(type(record)).items()}
     return record.model_copy(
         update={
-            name: rounded(value / quantity.scale(length, modulus))
+            name: tuple(rounded(each / quantity.scale(length, modulus)) for each in value)
+            if isinstance(value, tuple)
+            else rounded(value / quantity.scale(length, modulus))
             for name, (value, quantity) in values.items()
             if value is not None
         }

@@ -239,7 +239,7 @@ def _doubts_of_levels(
     ]
     if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         lines.append(
-            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow: these are "
+            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow, which are "
             "enlarged by as much; add finer levels, or allow other exponents"
         )
     return lines

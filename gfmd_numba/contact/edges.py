@@ -40,6 +40,8 @@ _NEAREST = 0.5  # node spacings from the edge on, up to `_LEAST_NODES`, from whi
 _ROUNDS, _SETTLED = 8, 0.1  # of the extrapolation, and node spacings by which the last one may still move an edge
 _HALF_SPACE_TO_EDGES = 0.02  # of the half-space's excess: bodies thinner than some twenty nodes have another p^2
 _STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 an edge along an axis
+_ZONES = 20  # along a direction, beyond which waves and their aliases are independent
+_HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 
 
 @dataclass(frozen=True)
@@ -66,8 +68,6 @@ class Edge:
 
 _ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0
 _CUBES, _WEIGHTS = _ROOTS**3, 1.5 * _ROOTS**2 * legendre.leggauss(32)[1]  # int_0^1 f by nodes that are dense at 0
-_ZONES = 20  # along a direction, beyond which waves and their aliases are independent
-_HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 HALF_SPACE = Edge(
     _HALF,
     2.0 - 1.851937051982466 / np.pi,  # 2 - Si(pi) / pi

@@ -19,6 +19,12 @@ from gfmd_numba.arrays import Reals
 # mean of a wave over the directions from a point, by the dimension
 _RIPPLE: dict[int, Callable[[Reals], Reals]] = {1: np.cos, 2: lambda phase: scipy.special.j0(phase)}
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
+_FAR = 30.0
+_TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
+_STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
+_REACH = 700  # steps below log r = 0, to r = 6e-19
+_FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
+_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
 
 
 @dataclass(frozen=True)
@@ -285,12 +291,6 @@ _LOG_SIZE = {  # of the terms of the series, by the dimension, of alpha k and ln
     1: lambda alpha_k, factorial: scipy.special.gammaln(alpha_k + 1.0) - factorial,
     2: lambda alpha_k, factorial: 2.0 * scipy.special.gammaln(1.0 + alpha_k / 2.0) - factorial + alpha_k * np.log(2.0),
 }
-_FAR = 30.0
-_TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
-_STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
-_REACH = 700  # steps below log r = 0, to r = 6e-19
-_FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
-_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
 
 
 def stretched_exponential(q: Reals, hurst: float, dimension: int) -> Reals:

@@ -1,7 +1,9 @@
 """A smooth function of the parameters of a campaign through its limits, with an error everywhere.
 
-A Gaussian process goes through the limits within their errors (Rasmussen & Williams 2006, chapter 2). Its table is so
-fine that any program may interpolate it linearly.
+A Gaussian process goes through the limits within their errors (Rasmussen & Williams 2006, chapter 2). Its functions
+have two derivatives (Matern 5/2), as smoother ones are too sure where a function bends between limits. Contact areas
+bend where contact becomes full, and so the process has their ratio to Persson's. The table is so fine that any program
+may interpolate it linearly.
 """
 
 import warnings
@@ -16,6 +18,8 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.selection import axes
 from gfmd_numba.arrays import Reals
+from gfmd_numba.theory.exponents import AT_ONE_LOAD, OF_THE_SLOPE
+from gfmd_numba.theory.persson import contact_area_fraction
 
 _FEWEST = 3  # values of each parameter
 _MOST_POINTS = 40_000  # of the table
@@ -44,17 +48,20 @@ def smooth_function(fit: Annotated[xr.Dataset, FIT]) -> xr.Dataset:
     value, error = limits.values[known], errors.values[known]
     scales = {name: _Scale(fit[name].values[known].astype(float)) for name in names}
     points = np.column_stack([scale.positions(scale.values) for scale in scales.values()])
-    process = _Process(points, value, error)
+    of_points = _persson(variable, {name: scale.values for name, scale in scales.items()})
+    process = _Process(points, value / of_points, error / of_points)
     steps = min(_FINEST, int(_MOST_POINTS ** (1 / len(names))))
     grid = {name: scale.grid(steps) for name, scale in scales.items()}
     mesh = np.meshgrid(*(scale.positions(grid[name]) for name, scale in scales.items()), indexing="ij")
     table, band = process.at(np.stack([axis.ravel() for axis in mesh], axis=-1))
-    held_out, held_out_error = process.held_out()
+    of_table = _persson(variable, dict(zip(names, np.meshgrid(*grid.values(), indexing="ij"), strict=True)))
+    table, band = (of_table * each.reshape(mesh[0].shape) for each in (table, band))
+    held_out, held_out_error = (of_points * each for each in process.held_out())
     name = f"{variable}_tfc"
     found = xr.Dataset(
         {
-            name: (names, table.reshape(mesh[0].shape)),
-            f"{name}_error": (names, band.reshape(mesh[0].shape)),
+            name: (names, table),
+            f"{name}_error": (names, band),
             "limit": ("point", value),
             "limit_error": ("point", error),
             "held_out": ("point", held_out),
@@ -80,6 +87,15 @@ _NAMES = {
     "held_out": "limit less the function without it",
     "held_out_error": "standard error of this difference",
 }
+
+
+def _persson(variable: str, parameters: dict[str, Reals]) -> Reals | float:
+    """What Persson's theory has for a contact area or a kappa at some parameters, 1 of everything else."""
+    load = parameters.get("reduced_pressure")
+    if load is None or variable not in (*OF_THE_SLOPE, *AT_ONE_LOAD, "kappa_r"):
+        return 1.0
+    area = contact_area_fraction(load, 0.5)
+    return area if variable in AT_ONE_LOAD else area / load
 
 
 def _check(fit: xr.Dataset, names: list[str]) -> None:
@@ -120,12 +136,12 @@ class _Process:
     def __init__(self, points: Reals, values: Reals, errors: Reals) -> None:
         from sklearn.exceptions import ConvergenceWarning
         from sklearn.gaussian_process import GaussianProcessRegressor
-        from sklearn.gaussian_process.kernels import RBF, ConstantKernel
+        from sklearn.gaussian_process.kernels import ConstantKernel, Matern
 
         self.points, self.errors = points, errors
         self.middle, self.size = values.mean(), values.std()
         self.values = (values - self.middle) / self.size
-        lengths = RBF(np.ones(points.shape[1]), (0.2, 10.0))
+        lengths = Matern(np.ones(points.shape[1]), (0.2, 10.0), nu=2.5)
         variances = (errors / self.size) ** 2
         search = GaussianProcessRegressor(
             ConstantKernel(4.0, (1e-2, 1e3)) * lengths, alpha=variances, n_restarts_optimizer=_SEARCHES, random_state=0

@@ -7,8 +7,8 @@ _STEEPEST = 0.6  # exponent with which the part of a wave that contacts miss fal
 _SLACK = 0.75
 
 
-_OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
-_AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
+OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
+AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
 _COUNTED, _PLASTIC, _OF_GRADIENT, _OF_HEIGHTS = (0.75, 1.5), (0.5, 1.5), (1.25, 2.75), (1.5, 4.0)
 _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact lengths
     "kappa_counted": _COUNTED,
@@ -22,7 +22,7 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
     "mean_plastic_depth": _OF_HEIGHTS,
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
-_AREAS = (*_OF_THE_SLOPE, *_AT_ONE_LOAD, "kappa_r")
+_AREAS = (*OF_THE_SLOPE, *AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
 
@@ -31,7 +31,7 @@ def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
 
     The `load` is the reduced pressure p / (g E*) of all levels, nan if it is not the same or not known.
     """
-    known = variable in _OF_THE_SLOPE or (variable in _AT_ONE_LOAD and load > 0.0)
+    known = variable in OF_THE_SLOPE or (variable in AT_ONE_LOAD and load > 0.0)
     return known and 0.0 <= hurst <= 1.0
 
 

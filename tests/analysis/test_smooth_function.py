@@ -19,10 +19,15 @@ def truth(hurst, pressure):
     return 3.3 - 1.4 * hurst**1.5 + 0.08 * np.log(pressure / 0.01) * (hurst - 0.5)
 
 
-def fit(hursts=HURSTS, pressures=PRESSURES, error=0.01, seed=0, alike=0.0):
+def nearly_full(hurst, pressure):
+    """Falls as contact becomes full, as kappa does, but not as Persson's theory has it."""
+    return truth(hurst, pressure) / (1.0 + (1.5 * pressure) ** 1.5)
+
+
+def fit(hursts=HURSTS, pressures=PRESSURES, error=0.01, seed=0, alike=0.0, of=truth):
     """A fit over a grid, whose limits are off by their errors, which are `alike` over a part of the grid."""
     hurst, pressure = (each.ravel() for each in np.meshgrid(hursts, pressures))
-    rng, value = np.random.default_rng(seed), truth(hurst, pressure)
+    rng, value = np.random.default_rng(seed), of(hurst, pressure)
     apart = np.hypot(np.subtract.outer(hurst, hurst), np.subtract.outer(*2 * [np.log10(pressure) / 2.5]))
     own = rng.multivariate_normal(np.zeros(value.size), np.exp(-((apart / max(alike, 1e-3)) ** 2) / 2))
     of_parameters = {"axis": "physics", "units": "1"}
@@ -41,21 +46,24 @@ def fit(hursts=HURSTS, pressures=PRESSURES, error=0.01, seed=0, alike=0.0):
     )
 
 
-@pytest.mark.parametrize("alike", [0.0, 0.3])
-def test_the_error_holds_between_the_limits(alike):
+@pytest.mark.parametrize(
+    ("of", "alike", "error"),
+    [(truth, 0.0, 0.01), (truth, 0.3, 0.01), (nearly_full, 0.0, 0.01), (nearly_full, 0.0, 1e-3)],
+)
+def test_the_error_holds_between_the_limits(of, alike, error):
     """Whether errors are independent, or alike for neighbours: mostly within twice the error."""
     rng, off, width = np.random.default_rng(1), [], []
-    for seed in range(8):
-        found = smooth_function(fit(seed=seed, alike=alike))
+    for seed in range(6):
+        found = smooth_function(fit(seed=seed, alike=alike, error=error, of=of))
         assert found["kappa_tfc"].dims == ("hurst", "reduced_pressure")
         hurst, pressure = rng.uniform(0, 1, 12), 10 ** rng.uniform(-3, -0.53, 12)
         at = {name: xr.DataArray(each, dims="place") for name, each in zip(found.dims, (hurst, pressure), strict=False)}
         there = found[["kappa_tfc", "kappa_tfc_error"]].interp(at)
-        off.append((there["kappa_tfc"] - truth(hurst, pressure)) / there["kappa_tfc_error"])
+        off.append((there["kappa_tfc"] - of(hurst, pressure)) / there["kappa_tfc_error"])
         width.append((there["kappa_tfc_error"] / there["kappa_tfc"]).max())
     assert np.mean(np.abs(off) < 2) > 0.9
     assert np.sqrt(np.mean(np.square(off))) > 0.2  # no error for its own sake
-    assert 0.004 < np.max(width) < 0.02
+    assert 0.4 * error < np.max(width) < 2.0 * error + 0.005
 
 
 def test_the_error_holds_if_all_limits_are_off_together():

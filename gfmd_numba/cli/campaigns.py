@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from re import sub
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,6 +20,7 @@ from gfmd_numba.cli.arguments import (
     file_argument,
     is_given,
     json_option,
+    told_as,
     until_option,
     workers_option,
 )
@@ -28,7 +28,6 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
 from gfmd_numba.cli.terminal import progress_bar, say, say_command, say_doubts, show_queue, tell, waiting, warn
-from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
@@ -200,7 +199,7 @@ def _run_rounds(
     from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
-        with options_named("until"), rounds_shown() as (watch, told):
+        with told_as({"until": "--until", "budget": "--budget"}), rounds_shown() as (watch, told):
             outcome = run_until(file, goal_in(file, until, budget), output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
         _show_outcome(interrupted.outcome)
@@ -214,17 +213,6 @@ def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
     from gfmd_numba.campaign.goal import goal_of
 
     return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
-
-
-@contextmanager
-def options_named(target: str) -> Iterator[None]:
-    """Name the options of the command in errors that name the arguments of the Python function."""
-    named = {"until": f"--{target}:", "budget": "--budget:"}
-    try:
-        yield
-    except InputError as error:
-        lines = (sub(r"^(until|budget):", lambda found: named[found[1]], str(line)) for line in error.args)
-        raise InputError(*lines, more=error.more) from None
 
 
 @contextmanager

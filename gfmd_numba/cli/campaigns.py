@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.status import Progress
 
 
+_OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Python are named on the command line
+
+
 @main.command()
 @file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
@@ -77,14 +80,16 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
-    campaign, document = load_campaign(file, until or None)
+    with told_as(_OF_A_GOAL):
+        goal = goal_in(file, until, budget) if until else None
+    campaign, document = load_campaign(file, None if goal is None else goal.targets)
     directory = output or Path(campaign.name)
     if holds_another_version(directory, document.text):
         replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
         say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
-        if until:
-            reached = _run_rounds(file, output, who, choice, until, budget)
+        if goal is not None:
+            reached = _run_rounds(file, output, who, choice, goal)
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
@@ -189,9 +194,7 @@ def _check_options(until: object, budget: float | None, choice: Choice) -> None:
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 
 
-def _run_rounds(
-    file: Path, output: Path | None, workers: Workers, choice: Choice, until: dict[str, float], budget: float | None
-) -> bool:
+def _run_rounds(file: Path, output: Path | None, workers: Workers, choice: Choice, goal: Goal) -> bool:
     """Run a campaign until its limit has an error, and show the results; return False if that or some blocks failed.
 
     If Ctrl-C stops it, the best estimate is shown first.
@@ -199,8 +202,8 @@ def _run_rounds(
     from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
-        with told_as({"until": "--until", "budget": "--budget"}), rounds_shown() as (watch, told):
-            outcome = run_until(file, goal_in(file, until, budget), output, workers, watch, choice, told)
+        with told_as(_OF_A_GOAL), rounds_shown() as (watch, told):
+            outcome = run_until(file, goal, output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
         _show_outcome(interrupted.outcome)
         raise

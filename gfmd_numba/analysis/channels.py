@@ -158,15 +158,18 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
             "parallel walls at its mean would, because deep channels run through the map. Random surfaces without a "
             "lay have factors below 1 on average"
         )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.nan_to_num(high / low, posinf=np.inf)
+    for along, shut in zip(_DIRECTIONS, (pairs == 0.0).T, strict=True):
+        if shut.any():
+            step = where.format(int(shut.argmax()))
+            yield f"No channel is open along {along}{step}: on this grid nothing leaks there"
+    ratios = np.divide(high, low, out=np.zeros_like(high), where=low > 0.0)
     unlike = int(ratios.argmax())
     if ratios[unlike] > _ALIKE:
         of_x, of_y = pairs[unlike]
         yield (
             f"The flow factors along x and y{where.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
             "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
-            "other seeds, or a map with more of the longest waves"
+            "other seeds, measure another patch, or take a map with more of the longest waves"
         )
 
 

@@ -63,6 +63,8 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "kappa_r",
     "plastic_area_fraction",
     "mean_plastic_depth",
+    "plastic_volume",
+    "largest_plastic_strain",
     "mean_worn_depth",
     "mean_tangential_traction",
     "mean_tangential_traction_y",

@@ -23,7 +23,7 @@ from gfmd_numba.text.numbers import with_prefix
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
-FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR = 4, 0.03
+FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
@@ -111,6 +111,12 @@ def _coarse_flow(given: ContactInput, dataset: xr.Dataset) -> str:
         found.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
+        )
+    strain = float(dataset["largest_plastic_strain"].max())
+    if strain > LARGEST_STRAIN:
+        found.append(
+            f"the largest plastic strain is {strain:.2g}, where strains are taken to be small: stresses and residual "
+            "displacements next to it are off by about this share"
         )
     return "\n".join(found)
 

@@ -56,6 +56,8 @@ SHOWN = (
     "contact_stiffness",
     "peak_pressure",
     "n_segments",
+    "plastic_area_fraction",
+    "largest_plastic_strain",
     "elastic_energy",
     "hysteretic_friction",
     "hysteretic_friction_error",

@@ -151,7 +151,7 @@ def test_a_scene_of_a_thin_slab_has_the_contact_length_of_a_finer_grid():
 def test_edges_of_contacts_of_few_nodes_on_thin_slabs_are_doubted():
     doubt = solved(200, 1e-5, 5.0).attrs["validity"]
     assert "node spacings wide on average, on a body thin against these" in doubt
-    assert solved(200, 0.5, 0.05).attrs["validity"] == ""
+    assert "thin against these" not in solved(200, 0.5, 0.05).attrs["validity"]
 
 
 @pytest.mark.parametrize("longer", [1.0, 3.0, 19.0])

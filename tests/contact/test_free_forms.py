@@ -187,7 +187,9 @@ def test_a_contact_of_too_few_nodes_is_warned_of(more, warned):
         assert re.search(warned, found[0])
 
 
-@pytest.mark.parametrize(("eps_c", "warned"), [(1.0, "contacts are 1.. nodes wide .* take eps_c = 1/2"), (1 / 4, None)])
+@pytest.mark.parametrize(
+    ("eps_c", "warned"), [(1.0, "narrow on this grid, 1.. nodes wide .* take eps_c = 1/2"), (1 / 4, None)]
+)
 def test_narrow_contacts_of_a_rough_surface_are_warned_of(eps_c, warned):
     scene = {"body": {"poissons_ratio": 0.3}, "roughness": {"method": "psd", "hurst": 0.3, "rms_gradient": 0.01}}
     scene |= {"interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.02}}

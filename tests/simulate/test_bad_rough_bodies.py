@@ -14,11 +14,12 @@ from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
 
 
 def test_steep_topographies_are_doubted():
-    with pytest.warns(UserWarning, match=r"gradient of 0\.05, above 0\.03: .* change displacements by up to .* L_x"):
-        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05)))
+    with pytest.warns(UserWarning, match=r"gradient of 0\.2, above 0\.03: .* change displacements by up to .* L_x"):
+        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.2)))
     assert "above 0.03: " in contact.validity
     with warnings.catch_warnings(action="error"):
-        assert gfmd_numba.solve(scene(body=rough(rms_gradient=0.03))).validity == ""
+        for negligible in (0.03, 0.04):  # the latter changes displacements by less than 1e-3 of the largest
+            assert gfmd_numba.solve(scene(body=rough(rms_gradient=negligible))).validity == ""
         assert gfmd_numba.solve(scene(roughness=ROUGH | {"rms_gradient": 0.05})).status == 0
 
 
@@ -50,8 +51,8 @@ def test_vertical_walls_are_too_steep_for_every_order_in_the_slope(tmp_path):
 
 
 def test_steep_bodies_that_just_touch_are_at_rest():
-    with pytest.warns(UserWarning, match=r"by up to 0\.0e\+00 L_x"):
-        contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))
+    contact = gfmd_numba.solve(scene(body=rough(rms_gradient=0.05), loading={"displacement": 0.0}))
+    assert contact.validity == ""
     assert contact.status == 0
     assert not contact.displacement.any()
 
@@ -61,7 +62,7 @@ def test_the_command_line_tells_the_doubt_and_draws_both_bodies(tmp_path):
     file = tmp_path / "two.yaml"
     file.write_text(
         """
-body: {youngs_modulus: 1, poissons_ratio: 0.3, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.05}}
+body: {youngs_modulus: 1, poissons_ratio: 0.3, roughness: {method: psd, hurst: 0.8, rms_gradient: 0.2}}
 counter_body: {youngs_modulus: 2, poissons_ratio: 0.5, roughness: {method: psd, hurst: 0.5, rms_gradient: 0.01}}
 interface: {hard_wall: {}}
 loading: {reduced_pressure: 0.05}
@@ -70,7 +71,7 @@ discretisation: {eps_c: 1/2, eps_f: 1/16, eps_t: 1/2}
     )
     solved = CliRunner().invoke(main, ["solve", str(file), "-o", str(tmp_path / "two.nc")])
     assert solved.exit_code == 0, solved.output
-    assert "gfmd: a deformable surface has an rms gradient of 0.05" in solved.output
+    assert "gfmd: a deformable surface has an rms gradient of 0.2" in solved.output
     assert CliRunner().invoke(main, ["plot", str(tmp_path / "two.nc")]).exit_code == 0
     asked = ["fields", str(tmp_path / "two.nc"), "--body", "counter_body", "-o", str(tmp_path / "fields.nc")]
     assert CliRunner().invoke(main, asked).exit_code == 0

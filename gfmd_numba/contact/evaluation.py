@@ -1,6 +1,7 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
 from collections.abc import Mapping
+from functools import cache
 from pkgutil import resolve_name
 from typing import Any
 
@@ -439,8 +440,16 @@ def _value(name: str, row: Observable, contact: Contact) -> npt.NDArray[Any]:
     if row.of == "run":
         value = getattr(contact.equilibrium, name)
     else:
-        value = resolve_name(row.function or f"{__name__}:{name}")(contact)
+        value = _function(row.function or f"{__name__}:{name}")(contact)
     return value
+
+
+_function = cache(resolve_name)
+
+
+@cache
+def _undefined_at_times() -> set[str]:
+    return {name for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if row.undefined_at_times}
 
 
 def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8]:
@@ -449,7 +458,7 @@ def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8
     Not-a-number is right for a measure that is undefined without contact, an infinite one never is.
     """
     status = np.asarray(values["status"])
-    undefined = {name for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if row.undefined_at_times}
+    undefined = _undefined_at_times()
     bad = np.zeros(status.shape, dtype=np.bool_)
     for name, value in values.items():
         wrong = np.isinf(value) if name in undefined else ~np.isfinite(value)

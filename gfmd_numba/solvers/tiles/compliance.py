@@ -233,6 +233,7 @@ class TileField:
         if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
             return
         self._nodes, self._tiles = nodes, tiles
+        self._neighbours, self._places, self._isolated = np.empty((0, 8), np.int32), np.empty(0, np.int32), np.empty(0)
         down, across = self._blocks.shape
         first = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
         self._ends = np.searchsorted(nodes, TILE**2 * first)

@@ -217,13 +217,17 @@ class MapContact:
 
     def _begin_on_tiles(self) -> None:
         """Find the gap on the tiles as well as the compliance between them is known."""
-        walls, before = self._zeros(), self._level.transforms()
+        before = self._level.transforms()
         self._choose()
+        self._open_on_tiles()
+        self.error = self._error()
+        self.coarse_transforms += self._level.transforms() - before
+
+    def _open_on_tiles(self) -> None:
+        walls = self._zeros()
         self._soften(self.pressure, self._gap)
         self._take(self.wall, walls)
         self._gap += walls
-        self.error = self._error()
-        self.coarse_transforms += self._level.transforms() - before
 
     def _sharpen(self) -> None:
         """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
@@ -256,31 +260,41 @@ class MapContact:
         error = self.error
         goal = target if self._exact else max(max(self._compliance.error, self._left) * min(error, 1.0), target)
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
-        level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
-        counted = level.transforms()
-        total = 0.0 if self._load is None else self._load * self.transform.n
+        # what the compliance is wrong by is in the gap from the start
+        before = None if self._exact else (self.pressure.copy(), self._gap.copy())
+        counted = self._level.transforms()
         for _ in range(_STEPS):
-            closing = self._closing()
-            iterations = closing.solve(tolerance, _ITERATIONS) if closing.nodes.size else 0
-            iterate, contact = closing.iterate, _flat(self.contact)
-            # the gap is found anew if the contact changes, so that the next change of the pressure costs nothing
-            ahead = tolerance > goal and 0 < iterations < _ITERATIONS
-            if ahead:
-                iterate.p[closing.nodes] += closing.change
-            changed = kernels.revise_contact(
-                iterate, contact, closing.nodes, closing.nodes.size, contact.size, total, self._rounding, self.free_mean
-            )
-            self.count = int(np.count_nonzero(contact))
+            iterations, changed = self._revise(tolerance, tolerance > goal)
             if tolerance <= goal and (not changed or not iterations):
                 break
-            if changed:
-                self._soften(self.pressure - before, self._gap)
-                self._gap += gap
-            elif ahead:
-                iterate.p[closing.nodes] -= closing.change
+            if changed and before is not None:
+                self._soften(self.pressure - before[0], self._gap)
+                self._gap += before[1]
+            elif changed:
+                self._open_on_tiles()
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
-        self.coarse_transforms += level.transforms() - counted
+        self.coarse_transforms += self._level.transforms() - counted
+
+    def _revise(self, tolerance: float, loosely: bool) -> tuple[int, int]:
+        """Close the gap on the contact, and revise the contact; iterations and changed nodes.
+
+        The gap is found anew if the contact changes, so that, `loosely`, the next change of the pressure costs nothing.
+        """
+        closing, contact = self._closing(), _flat(self.contact)
+        iterate, nodes = closing.iterate, closing.nodes
+        iterations = closing.solve(tolerance, _ITERATIONS) if nodes.size else 0
+        ahead = loosely and 0 < iterations < _ITERATIONS
+        if ahead:
+            iterate.p[nodes] += closing.change
+        total = 0.0 if self._load is None else self._load * self.transform.n
+        changed = kernels.revise_contact(
+            iterate, contact, nodes, nodes.size, contact.size, total, self._rounding, self.free_mean
+        )
+        if ahead and not changed:
+            iterate.p[nodes] -= closing.change
+        self.count = int(np.count_nonzero(contact))
+        return iterations, int(changed)
 
     def _closing(self) -> Closing:
         """Problem of the pressure that closes the gap on the nodes in contact."""

@@ -30,6 +30,7 @@ NO_JOBQUEUE = (
 )
 _MOST_CORES, _MOST_JOBS = 4096, 100_000
 _OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
+_LONGEST_START = "1h"  # of a worker in place of another that died, on a machine with much else to do
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
 ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
 OF_A_RUN = {
@@ -132,7 +133,8 @@ def local(count: int) -> Iterator[Any]:
 
     os.environ.update(ONE_THREAD)  # inherited: two workers never compete for a core
     with (
-        dask.config.set(OF_A_RUN),
+        # one that takes longer to start again would be given up for good: by default after 15 s
+        dask.config.set(OF_A_RUN | {"distributed.deploy.lost-worker-timeout": _LONGEST_START}),
         _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
         LocalCluster(
             n_workers=count,

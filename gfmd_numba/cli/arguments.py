@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from math import inf
 from pathlib import Path
 from typing import Any
 
 import click
+
+from gfmd_numba.text.input_error import InputError
 
 Fixed = tuple[str, float | tuple[float, float]]
 
@@ -34,6 +37,17 @@ def is_given(option: str) -> bool:
     """Return whether the command line has an option, by the name of its argument."""
     source = click.get_current_context().get_parameter_source(option)
     return source is click.core.ParameterSource.COMMANDLINE
+
+
+@contextmanager
+def told_as(names: Mapping[str, str]) -> Iterator[None]:
+    """Name options and files of a command in errors that begin with the name of an argument of a Python function."""
+    try:
+        yield
+    except InputError as error:
+        parts = (str(line).partition(":") for line in error.args)
+        lines = (f"{names.get(argument, argument)}{colon}{said}" for argument, colon, said in parts)
+        raise InputError(*lines, more=error.more) from None
 
 
 def not_allowed(given: object, allowed: str) -> click.BadParameter:

@@ -9,7 +9,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from re import sub
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -21,6 +20,7 @@ from gfmd_numba.cli.arguments import (
     file_argument,
     is_given,
     json_option,
+    told_as,
     until_option,
     workers_option,
 )
@@ -28,7 +28,6 @@ from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
 from gfmd_numba.cli.terminal import progress_bar, say, say_command, say_doubts, show_queue, tell, waiting, warn
-from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
@@ -40,6 +39,9 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.rounds import Round, Rounds
     from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
     from gfmd_numba.campaign.status import Progress
+
+
+_OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Python are named on the command line
 
 
 @main.command()
@@ -78,14 +80,16 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
-    campaign, document = load_campaign(file, until or None)
+    with told_as(_OF_A_GOAL):
+        goal = goal_in(file, until, budget) if until else None
+    campaign, document = load_campaign(file, None if goal is None else goal.targets)
     directory = output or Path(campaign.name)
     if holds_another_version(directory, document.text):
         replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
         say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
-        if until:
-            reached = _run_rounds(file, output, who, choice, until, budget)
+        if goal is not None:
+            reached = _run_rounds(file, output, who, choice, goal)
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
@@ -190,9 +194,7 @@ def _check_options(until: object, budget: float | None, choice: Choice) -> None:
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 
 
-def _run_rounds(
-    file: Path, output: Path | None, workers: Workers, choice: Choice, until: dict[str, float], budget: float | None
-) -> bool:
+def _run_rounds(file: Path, output: Path | None, workers: Workers, choice: Choice, goal: Goal) -> bool:
     """Run a campaign until its limit has an error, and show the results; return False if that or some blocks failed.
 
     If Ctrl-C stops it, the best estimate is shown first.
@@ -200,8 +202,8 @@ def _run_rounds(
     from gfmd_numba.campaign.run import InterruptedRunError, run_until
 
     try:
-        with options_named("until"), rounds_shown() as (watch, told):
-            outcome = run_until(file, goal_in(file, until, budget), output, workers, watch, choice, told)
+        with told_as(_OF_A_GOAL), rounds_shown() as (watch, told):
+            outcome = run_until(file, goal, output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
         _show_outcome(interrupted.outcome)
         raise
@@ -214,17 +216,6 @@ def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
     from gfmd_numba.campaign.goal import goal_of
 
     return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
-
-
-@contextmanager
-def options_named(target: str) -> Iterator[None]:
-    """Name the options of the command in errors that name the arguments of the Python function."""
-    named = {"until": f"--{target}:", "budget": "--budget:"}
-    try:
-        yield
-    except InputError as error:
-        lines = (sub(r"^(until|budget):", lambda found: named[found[1]], str(line)) for line in error.args)
-        raise InputError(*lines, more=error.more) from None
 
 
 @contextmanager

@@ -5,8 +5,8 @@ from __future__ import annotations
 import json
 import sys
 import warnings
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
@@ -14,7 +14,15 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from gfmd_numba.cli.arguments import NEW_FILE, file_argument, json_option, not_allowed, output_option, threads_option
+from gfmd_numba.cli.arguments import (
+    NEW_FILE,
+    file_argument,
+    json_option,
+    not_allowed,
+    output_option,
+    threads_option,
+    told_as,
+)
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
@@ -44,6 +52,7 @@ if TYPE_CHECKING:
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 _MOST = 10_000
+_ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
 
 
 @main.command()
@@ -318,7 +327,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     contact = read_results(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
     planes = [place(contact, "plane", given) for given in plane] or None
-    with in_words_of_options(file), waiting("computing the fields"):
+    with told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write(output, dataset, "fields")
     with naming(file):
@@ -390,7 +399,7 @@ def _measure(
     if output is not None:
         check_output(output, file)
     contact = read_results(file)
-    with in_words_of_options(file), naming(file), waiting(doing):
+    with told_as({"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None and picture is not None:
         write(output, dataset, err=as_json)
@@ -421,17 +430,6 @@ def place(contact: xr.Dataset, option: str, text: str) -> float:
     if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
         raise InputError.of(f"--{option}", repr(text), allowed)
     return float(number)
-
-
-@contextmanager
-def in_words_of_options(file: Path) -> Iterator[None]:
-    """Name the file, and the options, in errors about the arguments of `gfmd_numba.body_fields`."""
-    wheres = {"contact": printable(file), "body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}
-    try:
-        yield
-    except InputError as error:
-        argument, colon, said = str(error).partition(": ")
-        raise InputError(f"{wheres.get(argument, argument)}{colon}{said}") from None
 
 
 def largest_stress(dataset: xr.Dataset) -> str:

@@ -17,9 +17,10 @@ from gfmd_numba.cli.arguments import (
     file_argument,
     is_given,
     target_option,
+    told_as,
     workers_option,
 )
-from gfmd_numba.cli.campaigns import goal_in, levels_of, options_named, rounds_shown
+from gfmd_numba.cli.campaigns import goal_in, levels_of, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
 from gfmd_numba.cli.tables import MOST_ROWS, cells_of_parameters, dimensions, duration, said_of_error
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
 
 
 _MOST_EFFECTS = 50
+_OF_A_TARGET = {"until": "--target", "budget": "--budget"}
 _OF_SOME = {
     "error of hysteresis": "hysteresis_error",
     "error of pull-off": "pull_off_pressure_error",
@@ -69,7 +71,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budge
     from gfmd_numba.campaign.plan import refused_limits
 
     _check_options(target, budget)
-    with options_named("target"):
+    with told_as(_OF_A_TARGET):
         goal = goal_in(file, target, budget) if target else None
     planned = plan_campaign(file, None if goal is None else goal.targets)
     distinct = len(planned.problems)
@@ -156,7 +158,7 @@ def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
     from gfmd_numba.campaign.run import first_decision
 
     try:
-        with options_named("target"), rounds_shown() as (watch, told):
+        with told_as(_OF_A_TARGET), rounds_shown() as (watch, told):
             return first_decision(file, goal, Workers(workers), watch, told)
     except KeyboardInterrupt:
         warn("interrupted; a plan keeps no results")

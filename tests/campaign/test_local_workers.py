@@ -1,6 +1,7 @@
 """Local workers: nobody else can use them, and one that freezes does not stall a run."""
 
 import asyncio
+import os
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import time
 import urllib.error
 import urllib.request
 
+import dask
 import psutil
 import pytest
 from distributed.comm import connect
@@ -82,6 +84,22 @@ def test_a_client_without_the_key_of_a_run_is_refused_everywhere(tmp_path):
         assert not any(asyncio.run(attempts()))
         friend = client.security.get_connection_args("client")
         assert asyncio.run(admitted(client.scheduler.address, **friend))  # who has the key gets in by the same way
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
+@pytest.mark.filterwarnings("ignore")
+def test_a_worker_that_takes_long_to_start_again_is_waited_for():
+    """Dask would close its nanny meanwhile, and a run without workers waits for ever."""
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}), cluster.local(1) as client:
+        (first,) = client.run(os.getpid).values()
+        os.kill(first, signal.SIGKILL)
+        deadline = time.monotonic() + 120.0
+        while not set(client.run(os.getpid, on_error="ignore").values()) - {first}:
+            assert time.monotonic() < deadline, "nobody has taken its place"
+            time.sleep(0.1)
+        time.sleep(3.0)  # in which a nanny that is closed would end it
+        assert client.submit(sum, [1, 2]).result(timeout=120) == 3
 
 
 @pytest.mark.long

@@ -170,8 +170,8 @@ def _flowing() -> Iterator[Refusal]:
 
 def _of_patterns() -> Iterator[Refusal]:
     """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
-    for feature in ("campaign", "accuracy"):
-        yield Refusal(feature, "pattern", "no pattern, as a file fits one grid alone", "not built yet")
+    told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
+    yield Refusal("accuracy", "pattern", told, "physics")
     yield Refusal("hardness", "pattern", "no pattern with a hardness: this is not built yet", "not built yet")
 
 

@@ -12,6 +12,54 @@ from typing import Literal
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS
 
+LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
+TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
+SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
+LOWEST = 0.2  # incompressible slab without a period, over that
+SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
+_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
+_JUNCTIONS_GROW = (
+    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
+    "the pressure alone would let it bear both"
+)
+_INTRODUCTION = """\
+# What can be combined
+
+This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
+prints it.
+
+Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
+all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
+"""
+_REASONS = {
+    "physics": """\
+## Pairs that make no physical sense
+
+No version of `gfmd` will accept these pairs. Entries say what is allowed in place of the last.
+""",
+    "solver": """\
+## Pairs that no solver can do
+
+These pairs make sense, but no solver does both.
+""",
+    "not built yet": """\
+## Pairs that are not built yet
+
+These pairs make sense, and a later version may accept them.
+""",
+    "without effect": """\
+## Options without effect
+
+The refused option would change nothing in such a scene.
+""",
+}
+_SOLVERS = """\
+## What each solver can do
+
+`auto` takes the first solver of the first line that can do all that a scene asks for. If you name one that cannot,
+`gfmd` names those that can.
+"""
+
 
 @dataclass(frozen=True)
 class Refusal:
@@ -27,16 +75,6 @@ class Refusal:
     because: Literal["physics", "solver", "not built yet", "without effect"]
 
 
-LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
-TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
-SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
-LOWEST = 0.2  # incompressible slab without a period, over that
-SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
-_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
-_JUNCTIONS_GROW = (
-    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
-    "the pressure alone would let it bear both"
-)
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
@@ -271,43 +309,6 @@ REFUSALS = (
         "physics",
     ),
 )
-_INTRODUCTION = """\
-# What can be combined
-
-This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
-prints it.
-
-Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
-all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
-"""
-_REASONS = {
-    "physics": """\
-## Pairs that make no physical sense
-
-No version of `gfmd` will accept these pairs. Entries say what is allowed in place of the last.
-""",
-    "solver": """\
-## Pairs that no solver can do
-
-These pairs make sense, but no solver does both.
-""",
-    "not built yet": """\
-## Pairs that are not built yet
-
-These pairs make sense, and a later version may accept them.
-""",
-    "without effect": """\
-## Options without effect
-
-The refused option would change nothing in such a scene.
-""",
-}
-_SOLVERS = """\
-## What each solver can do
-
-`auto` takes the first solver of the first line that can do all that a scene asks for. If you name one that cannot,
-`gfmd` names those that can.
-"""
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",

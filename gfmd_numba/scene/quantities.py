@@ -44,6 +44,17 @@ Duration = Annotated[Size, TIME]
 PressureRate = Annotated[Size, PRESSURE_RATE]
 Speed = Annotated[Size, SPEED]
 WearRate = Annotated[Size, WEAR_RATE]
+REDUCED_PRESSURE = (
+    "Mean pressure p/(g E*) (dimensionless); g is the rms gradient asked for, or that of measured heights, "
+    "and the squares of several surfaces add up"
+)
+RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
+PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
+MEAN_PRESSURE = "Mean pressure in Pa; needs moduli"
+LINE_LOAD = "Force per length in N/m on one period of a profile; needs moduli and a length"
+FORCE_ON_A_MAP = "Force in N on one period of a map; needs moduli and a length"
+FILES = (".npy", ".csv")
+SEED = "a whole number at least 0 and below 4294967296"
 
 
 def _aspect_ratio(given: float) -> float:
@@ -73,15 +84,6 @@ Dimension = Annotated[Literal[1, 2], BeforeValidator(_dimension)]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[Size, Field(description="Root-mean-square gradient (dimensionless)")]
-REDUCED_PRESSURE = (
-    "Mean pressure p/(g E*) (dimensionless); g is the rms gradient asked for, or that of measured heights, "
-    "and the squares of several surfaces add up"
-)
-RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
-PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
-MEAN_PRESSURE = "Mean pressure in Pa; needs moduli"
-LINE_LOAD = "Force per length in N/m on one period of a profile; needs moduli and a length"
-FORCE_ON_A_MAP = "Force in N on one period of a map; needs moduli and a length"
 ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
@@ -107,7 +109,6 @@ FrictionCoefficient = Annotated[
         json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
     ),
 ]
-FILES = (".npy", ".csv")
 
 
 def _file(given: str) -> str:
@@ -137,7 +138,6 @@ FunctionOfNodes = Annotated[
     WithJsonSchema({"allowed": _FUNCTION}),
 ]
 Points = Annotated[int, Field(ge=4, le=2**40)]
-SEED = "a whole number at least 0 and below 4294967296"
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

@@ -31,6 +31,10 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.scene.surfaces import Random, Surface
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
 
+_PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
+_TOLERANCE = "a number from 0 to 0.1, or exact"
+TIME_TOLERANCE = 1e-3
+
 
 class Component(NamedTuple):
     """A component of displacements and tractions: how its keys begin and end, and which way it is positive."""
@@ -98,9 +102,6 @@ class Boundary(BaseModel):
         if all(value is None for _, value in self):
             raise broken_rule((), "at least one of " + ", ".join(type(self).model_fields))
         return self
-
-
-_PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 
 
 def _periodic(given: Any) -> Any:
@@ -227,7 +228,7 @@ class Scene(BaseModel):
             raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:
-                raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
+                raise broken_rule(("roughness",), "nothing with a counter_body: write it inside body or counter_body")
             for name, body in (("body", self.body), ("counter_body", counter)):
                 if body.surface_modulus is None:
                     allowed = "a number above 0 for both bodies, as they share the load"
@@ -298,9 +299,6 @@ class Discretisation(BaseModel):
         return min(fits, key=lambda fit: abs(fit - Fraction(present)), default=None)
 
 
-_TOLERANCE = "a number from 0 to 0.1, or exact"
-
-
 def _tolerance(given: Any) -> Any:
     if given != "exact" and not (type(given) in (int, float) and 0 <= given <= 0.1):
         raise ValueError(_TOLERANCE)
@@ -309,9 +307,6 @@ def _tolerance(given: Any) -> Any:
 
 # checked before the union of types, which would tell every fault twice
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
-
-
-TIME_TOLERANCE = 1e-3
 
 
 class _Rough(Protocol):

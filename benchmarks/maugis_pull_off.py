@@ -4,8 +4,9 @@ The ball is drawn off in steps about where the closed form has its least force; 
 forces and its neighbours is the pull-off. `python benchmarks/maugis_pull_off.py [lambda taper nodes]` prints a
 line for each of Maugis's parameters lambda, tapers and grids.
 
-`python benchmarks/maugis_pull_off.py lennard_jones` does so for the Lennard-Jones law at Tabor's parameters mu, beside
-rings of pressure on a half-space, which solve the equations of Greenwood (Proc. R. Soc. A 453:1277, 1997).
+`python benchmarks/maugis_pull_off.py lennard_jones [mu nodes ...]` does so for the Lennard-Jones law at Tabor's
+parameters mu, beside rings of pressure on a half-space, which solve the equations of Greenwood (Proc. R. Soc. A
+453:1277, 1997).
 """
 
 import sys
@@ -133,9 +134,10 @@ ROWS = (  # lambda, taper, nodes
 )
 if __name__ == "__main__":
     warnings.filterwarnings("ignore", ".*of the energy that the path seems to lose")
-    if sys.argv[1:] == ["lennard_jones"]:
+    if sys.argv[1:2] == ["lennard_jones"]:
         print("    mu        nodes      x    rings    found           transforms      s")
-        for mu, nodes in ((0.1, 64), (0.3, 64), (1.0, 128), (2.0, 224)):
+        given = [(float(mu), int(nodes)) for mu, nodes in zip(sys.argv[2::2], sys.argv[3::2], strict=True)]
+        for mu, nodes in given or ((0.1, 64), (0.3, 64), (1.0, 128), (2.0, 224)):
             under_lennard_jones(mu, nodes)
         sys.exit()
     given = [float(each) for each in sys.argv[1:]]

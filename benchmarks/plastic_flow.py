@@ -1,6 +1,6 @@
-"""Plastic flow inside a body against theory, finite elements and Tamaas, and 200 random scenes.
+"""Plastic flow inside a body against theory, finite elements and Tamaas, and 200 random contacts and scene files.
 
-python benchmarks/plastic_flow.py [yield|hardness|residual|elements|pei|scenes]
+python benchmarks/plastic_flow.py [yield|hardness|residual|elements|pei|scenes|files]
 python benchmarks/plastic_flow.py tamaas PYTHON, the interpreter of an environment that has Tamaas and SciPy
 """
 
@@ -8,11 +8,13 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from gfmd_numba.contact import flow_measures
+from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import LoadStep
@@ -22,7 +24,10 @@ from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.kernels import Hardening
+from gfmd_numba.scene import InputError
+from gfmd_numba.scene.scene_file import load_scene
 from gfmd_numba.solvers import table
+from gfmd_numba.solvers.status import Status
 
 NU = 0.3
 
@@ -237,10 +242,9 @@ def random_scene(rng):
     return heights, loads, Plasticity(hardening, depth, int(rng.integers(6, 25)), 1), nu
 
 
-def violations(heights, loads, plasticity, nu):
+def violations(contacts, heights, loads, plasticity):
     """Largest violation of each condition by the contacts of a path, found again from their fields alone."""
     worst, before = dict.fromkeys(("status", "yield", "flow rule", "contact", "balance"), 0.0), 0.0
-    contacts = pressed(heights, loads, plasticity, nu)
     for found, load in zip(contacts, loads, strict=False):
         flow, solved = flow_measures.flow_of(found), found.equilibrium
         worst["status"] = max(worst["status"], float(solved.status[0]))
@@ -272,13 +276,73 @@ def scenes(count=200):
     """Random contacts: each has to hold its conditions, or to say that it does not."""
     rng, worst, refused, started = np.random.default_rng(37), {}, 0, time.process_time()
     for i in range(count):
-        scene = random_scene(rng)
-        found = violations(*scene)
+        heights, loads, plasticity, nu = random_scene(rng)
+        found = violations(pressed(heights, loads, plasticity, nu), heights, loads, plasticity)
         refused += found.pop("status") > 0.0
         worst = {name: max(value, worst.get(name, 0.0)) for name, value in found.items()}
         if i % 20 == 19:
             told = "  ".join(f"{name} {value:.1e}" for name, value in worst.items())
             print(f"{i + 1:4d} scenes, {refused} refused; worst {told}", flush=True)
+    print(f"processor time {time.process_time() - started:.0f} s")
+
+
+def random_file(rng):
+    """Scene with a body that flows as a user may write it: units or none, roughness or a form, loads up and down."""
+
+    def one(*values):
+        return values[rng.integers(len(values))]
+
+    dimension, has_units = int(rng.integers(1, 3)), rng.random() < 0.7
+    slope, share = 10 ** rng.uniform(-2.5, -0.7), 10 ** rng.uniform(-1.3, 0.3)
+    modulus = one(70e9, 200e9, 3e9) if has_units else 1.0
+    stress = share * slope * modulus
+    plasticity = {"yield_stress": f"{stress / 1e6:.6g} MPa" if has_units else stress}
+    if rng.random() < 0.5:
+        plasticity["hardening"] = f"{one(0.01, 0.1) * modulus / 1e9:.6g} GPa" if has_units else one(0.01, 0.1)
+    if rng.random() < 0.3:
+        plasticity |= {"saturation_stress": 1.5 * stress, "saturation_strain": one(0.01, 0.1)}
+    plasticity |= {"increments": int(rng.integers(1, 5)), "sublayers": int(rng.integers(8, 25))}
+    if rng.random() < 0.2:
+        plasticity["depth"] = f"{one(20, 100, 300)} um" if has_units else one(0.02, 0.1, 0.3)
+    body = {"poissons_ratio": one(0.0, 0.2, 0.3, 0.45, 0.5, -0.1), "plasticity": plasticity}
+    scene = {"dimension": dimension, "body": body, "interface": {"hard_wall": {}}}
+    if has_units:
+        body["youngs_modulus"], scene["length"] = modulus, one("1 mm", 1e-3)
+    file = {"scene": scene, "seed": int(rng.integers(100))}
+    if rng.random() < 0.7:
+        scene["roughness"] = {"method": "psd", "hurst": one(0.3, 0.8, 1.0), "rms_gradient": slope}
+        file["discretisation"] = {"eps_c": 0.25, "eps_f": one(0.125, 0.25) if dimension == 1 else 0.5, "eps_t": 0.5}
+        load, key = share * one(0.03, 0.3, 1.0, 2.0), "reduced_pressure"
+    else:
+        scene["form"] = {"radius": 0.25 / slope * (1e-3 if has_units else 1.0), "points": 64 if dimension == 1 else 20}
+        load, key = one(0.03, 0.3, 1.0) * stress, "pressure"
+        file.pop("seed")
+    scene["loading"] = {key: load}
+    shares = one([], [0.01], [2.0, 0.01], [0.5, 2.0, 1.0], [1.0])
+    return file | {"path": [{key: load * part} for part in shares]}
+
+
+def files(count=200):
+    """Random scene files: each is refused with a reason, ends with a status, or holds its conditions."""
+    rng, worst, ends, started = np.random.default_rng(73), {}, Counter(), time.process_time()
+    for i in range(count):
+        file = random_file(rng)
+        try:
+            problem, _ = read_contact(*load_scene(file)).reduced
+            contacts = list(solve_path(problem, 0))
+        except InputError as refused:
+            ends["refused"] += 1
+            print(f"{i}: {str(refused).splitlines()[0]}", flush=True)
+            continue
+        heights, loads = contacts[0].heights[0], [each.load for each in problem.at_each_load]
+        found = violations(contacts, heights, loads, problem.plasticity)
+        ends[Status(int(found.pop("status"))).name] += 1
+        if problem.plasticity.increments > 1:  # which begin where the last one ends, and is not kept
+            del found["flow rule"]
+        worst = {name: max(value, worst.get(name, 0.0)) for name, value in found.items()}
+        if i % 20 == 19:
+            told = "  ".join(f"{name} {value:.1e}" for name, value in worst.items())
+            print(f"{i + 1:4d} files, {dict(ends)}; worst {told}", flush=True)
     print(f"processor time {time.process_time() - started:.0f} s")
 
 
@@ -289,6 +353,7 @@ PARTS = {
     "elements": elements,
     "pei": pei,
     "scenes": scenes,
+    "files": files,
 }
 
 if __name__ == "__main__":

@@ -13,7 +13,13 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
-from gfmd_numba.contact.contact_input import read_boundary, tractions_on_the_body, with_measured
+from gfmd_numba.contact.contact_input import (
+    pattern_of,
+    patterned,
+    read_boundary,
+    tractions_on_the_body,
+    with_measured,
+)
 from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import (
@@ -34,7 +40,7 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.document import Location, existing_file
-from gfmd_numba.scene.scene_file import located_boundary, located_files
+from gfmd_numba.scene.scene_file import located_boundary, located_files, located_interface
 
 PUNCH = ("roughness",)
 FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")
@@ -249,6 +255,8 @@ def expand(
     bodies_of = _RoughBodies(campaign, document)
     boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
     arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
+    interface = located_interface(document, campaign.scene.interface)
+    pattern_on = lru_cache(maxsize=None)(partial(pattern_of, document, interface))
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
@@ -273,6 +281,7 @@ def expand(
                 tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
                 tractions = known.setdefault(tractions.digest, tractions)
             problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
+            problem = patterned(problem, pattern_on(scene.dimension, surface.shape))
             case = Case(
                 point=point,
                 discretisation=level.discretisation,

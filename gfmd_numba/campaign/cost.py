@@ -208,7 +208,7 @@ def _smaller(problem: Problem) -> Iterator[Problem]:
         fewer_waves = without_shortest(surface, nx, halvings)
         if fewer_waves is None:
             return
-        yield replace(problem, surface=fewer_waves)
+        yield replace(problem, surface=fewer_waves, interface=problem.interface.everywhere)
 
 
 def _measured(problem: Problem, count: int, timeout: float | None) -> float | None:

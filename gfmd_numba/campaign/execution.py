@@ -379,9 +379,10 @@ class Submission:
 def compile_kernels(problems: Iterable[Problem]) -> None:
     """Run each kind of problem on a tiny surface, so that workers find the compiled kernels in the cache."""
     kinds = {
-        (problem.numerics.solver, problem.interface, problem.mean_pressure is None): problem for problem in problems
+        (problem.numerics.solver, problem.interface.everywhere, problem.mean_pressure is None): problem
+        for problem in problems
     }
-    for problem in kinds.values():
+    for (_, interface, _), problem in kinds.items():
         surface = RandomSurface(SelfAffineWaves(0.5, 1, 4), 16, 0, len(problem.surface.shape))
-        tiny = replace(problem, surface=surface, path=problem.path[:1], rough=None, tractions=None)
+        tiny = replace(problem, surface=surface, interface=interface, path=problem.path[:1], rough=None, tractions=None)
         load_path.measured(replace(tiny, numerics=replace(problem.numerics, max_iterations=100)), range(1))

@@ -172,6 +172,8 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("slip rate", "at once", told, "physics")
     told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
     yield Refusal("slip rate", "accuracy", told, "not built yet")
+    told = "no function in a campaign, whose workers and files do not know it: a limit or slip_rates"
+    yield Refusal("campaign", "function", told, "physics")
     told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
     yield Refusal("slip rate", "sticking", told, "physics")
     nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
@@ -208,8 +210,8 @@ def _flowing() -> Iterator[Refusal]:
 
 def _of_patterns() -> Iterator[Refusal]:
     """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
-    for feature in ("campaign", "accuracy"):
-        yield Refusal(feature, "pattern", "no pattern, as a file fits one grid alone", "not built yet")
+    told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
+    yield Refusal("accuracy", "pattern", told, "physics")
     yield Refusal("hardness", "pattern", "no pattern with a hardness: this is not built yet", "not built yet")
 
 
@@ -320,6 +322,7 @@ PHRASES = {
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
     "at once": "a load or a step that happens at once, without a `duration`",
+    "function": "a friction that is a `function`",
     "slip rate": "a friction that depends on the slip rate",
     "timeless": "bodies without `relaxation`, and no friction that depends on the slip rate",
     "elastic bodies": "bodies without `relaxation`",

@@ -29,7 +29,7 @@ from gfmd_numba.roughness.surface_files import read_content, read_values
 from gfmd_numba.scene import COMPONENTS, Boundary, BoundaryFile, Document, LoadedBody, Scene, SceneFile
 from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
 from gfmd_numba.scene.document import Location, located
-from gfmd_numba.scene.interface_records import LawOfTheGap
+from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.units import in_unit_of
 
@@ -83,9 +83,7 @@ class ContactInput:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
         file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
         problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
-        if self.pattern is not None:
-            padded = free_body.padded_shape(self.pattern.shape, problem.ends)
-            problem = replace(problem, interface=problem.interface.patterned(self.pattern, padded))
+        problem = patterned(problem, self.pattern)
         path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
@@ -123,7 +121,8 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, surfaces, measured = _with_surfaces(file, document)
     assert surfaces is not None  # of a punch
-    given = ContactInput(file, surfaces, pattern=_pattern(file, surfaces, document), measured=measured)
+    pattern = pattern_of(document, file.scene.interface, file.scene.dimension, surfaces.surface.shape)
+    given = ContactInput(file, surfaces, pattern=pattern, measured=measured)
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
@@ -183,14 +182,22 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
             raise document.refused(place, str(error)) from None
 
 
-def _pattern(file: SceneFile, surfaces: PressedSurfaces, document: Document) -> Reals | None:
+def patterned(problem: Problem, pattern: Reals | None) -> Problem:
+    """Problem whose law of the gap has a pattern `[(y,) x]`, if there is one."""
+    if pattern is None:
+        return problem
+    padded = free_body.padded_shape(pattern.shape, problem.ends)
+    return replace(problem, interface=problem.interface.patterned(pattern, padded))
+
+
+def pattern_of(document: Document, interface: Interface, dimension: int, shape: tuple[int, ...]) -> Reals | None:
     """Share of the work of adhesion at each node; raises InputError for one that is no share of anything."""
-    shape, laws = surfaces.surface.shape, file.scene.interface.laws.items()
+    laws = interface.laws.items()
     found = next(((name, law.pattern) for name, law in laws if isinstance(law, LawOfTheGap) and law.pattern), None)
     if found is None:
         return None
     place, path = ("scene", "interface", found[0], "pattern"), Path(found[1])
-    values = read_nodes(document, place, path, file.scene.dimension, shape, whole=True)
+    values = read_nodes(document, place, path, dimension, shape, whole=True)
     if not (values >= 0.0).all() or not values.any():
         given = f"{path.name} (numbers from {values.min():g} to {values.max():g})"
         raise document.fault(place, given, "a number of at least 0 for every node, of which some are above 0")

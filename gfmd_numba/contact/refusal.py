@@ -182,6 +182,8 @@ def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
             yield feature, ("scene", "interface", name)
         if isinstance(law, Friction) and law.depends_on_rate:
             yield "slip rate", ("scene", "interface", name)
+            if law.function is not None:
+                yield "function", ("scene", "interface", name, "function")
         if isinstance(law, LawOfTheGap) and law.pattern is not None:
             yield "pattern", ("scene", "interface", name, "pattern")
 

@@ -84,6 +84,12 @@ class Interactions:
         assert self.normal_law is not None  # as the records say
         return replace(self, normal_law=PatternedLaw.of(self.normal_law, pattern, padded))
 
+    @property
+    def everywhere(self) -> Self:
+        """The same without a pattern of the law of the gap."""
+        law = self.normal_law
+        return replace(self, normal_law=law.law) if isinstance(law, PatternedLaw) else self
+
     @cached_property
     def laws(self) -> tuple[str, ...]:
         """Names of the laws that act, as in the scene file."""

@@ -1,6 +1,7 @@
 """What all records share: their configuration, the quantities that return and the error of a broken rule."""
 
 from collections.abc import Callable
+from inspect import signature
 from math import inf
 from typing import Annotated, Any, Literal
 
@@ -11,6 +12,7 @@ from pydantic import (
     Field,
     PlainSerializer,
     PlainValidator,
+    ValidationInfo,
     WithJsonSchema,
 )
 from pydantic_core import PydanticCustomError
@@ -122,13 +124,28 @@ FileOfNodes = Annotated[
     AfterValidator(_file),
     Field(json_schema_extra={"allowed": "the name of a .npy or .csv file with one value for each node"}),
 ]
-_FUNCTION = "in Python a function of arrays of gaps, pressures and slip rates; in a file a limit or slip_rates"
+_FUNCTION = "in Python a function of three arrays: gaps, pressures and slip rates; in a file a limit or slip_rates"
 
 
-def _function(given: object) -> object:
+def _function(given: object, info: ValidationInfo) -> object:
+    if isinstance(given, str) and info.mode == "json":  # its name, where a scene was recorded
+        return given
     if not callable(given):
         raise ValueError(_FUNCTION)
+    if not _takes_three(given):
+        raise ValueError(_FUNCTION)
     return given
+
+
+def _takes_three(function: Callable[..., Any]) -> bool:
+    """Whether a function takes three arguments, or does not say what it takes."""
+    try:
+        signature(function).bind(0.0, 0.0, 0.0)
+    except TypeError:
+        return False
+    except ValueError:
+        return True
+    return True
 
 
 FunctionOfNodes = Annotated[

@@ -108,7 +108,7 @@ def located_files(document: Document, scene: Scene | LoadedBody) -> dict[str, ob
     """Parts of a scene by name, whose files have absolute paths; raises InputError for one that does not exist."""
     located: dict[str, object] = {}
     if isinstance(scene, Scene):
-        located["interface"] = _located_interface(document, scene.interface)
+        located["interface"] = located_interface(document, scene.interface)
         located["roughness"] = located_surface(document, ("scene", "roughness"), scene.roughness)
     for name in ("body", "counter_body"):
         body: Body | None = getattr(scene, name, None)
@@ -128,7 +128,8 @@ def located_surface(document: Document, location: Location, surface: Surface | N
     return surface.model_copy(update={"file": file})
 
 
-def _located_interface(document: Document, interface: Interface) -> Interface:
+def located_interface(document: Document, interface: Interface) -> Interface:
+    """Interface whose files have absolute paths; raises InputError for one that does not exist."""
     patterns = {
         name: law.model_copy(
             update={"pattern": existing_file(document, ("scene", "interface", name, "pattern"), law.pattern, FILES)}

@@ -21,7 +21,8 @@ def cylinder(loads, increments=1, ratio=2.5, hardening=0.02, nodes=64):
 
 @pytest.mark.parametrize("seed", range(6))
 def test_random_bodies_hold_yield_condition_flow_rule_contact_and_balance(seed):
-    found = violations(*random_scene(np.random.default_rng(seed)))
+    heights, loads, plasticity, nu = random_scene(np.random.default_rng(seed))
+    found = violations(pressed(heights, loads, plasticity, nu), heights, loads, plasticity)
     assert found["status"] == 0.0
     assert found["yield"] < 1e-5
     assert found["flow rule"] < 3e-5

@@ -169,3 +169,33 @@ def test_the_wall_alone_parts_nodes_under_a_pattern_and_in_full_contact(tmp_path
         found = gfmd_numba.solve({"scene": scene | {"interface": interface, "loading": {"reduced_pressure": 1.5}}})
         assert found["contact_area_fraction"] == 1.0
         assert found["kappa_residual_error"] < 1e-6
+
+
+@pytest.mark.filterwarnings("ignore")  # of a campaign so small
+def test_a_campaign_has_a_pattern_on_its_one_grid(tmp_path):
+    """As the work of adhesion it multiplies: half the pattern is half the work."""
+    path = tmp_path / "half.csv"
+    path.write_text("0.5\n" * 64)
+    campaign = {
+        "name": "patterned",
+        "seed": 1,
+        "realisations": 2,
+        "scene": {
+            "body": {"poissons_ratio": 0.3},
+            "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.1},
+            "interface": {"hard_wall": {}, "exponential": {"work_of_adhesion": 1e-4, "range": 0.05}},
+            "loading": {"reduced_pressure": 0.05},
+        },
+        "reference": {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1 / 2},
+        "grid": {"work_of_adhesion": [1e-4, 2e-4]},
+    }
+    plain = gfmd_numba.run(campaign, tmp_path / "plain")
+    campaign["scene"]["interface"]["exponential"]["pattern"] = str(path)
+    found = gfmd_numba.run(campaign, tmp_path / "patterned")
+    np.testing.assert_allclose(found["kappa"][1], plain["kappa"][0], rtol=1e-6)
+    assert (found["kappa"][0] != plain["kappa"][0]).all()
+    with pytest.raises(InputError, match=r"pattern.*one value for each of the (32|128) nodes"):
+        gfmd_numba.run(campaign | {"limits": {"eps_c": [1 / 2, 1 / 4, 1 / 8]}}, tmp_path / "limits")
+    campaign["scene"]["interface"]["exponential"]["pattern"] = "none.npy"
+    with pytest.raises(InputError, match=r"(?s)pattern.*existing file"):
+        gfmd_numba.run(campaign, tmp_path / "none")

@@ -115,6 +115,7 @@ def test_a_function_that_returns_no_traction_is_named(found):
         (TABLE | {"coefficients": [0.2]}, {}, [], "as many coefficients as slip_rates"),
         (TABLE | STRENGTHENING, {}, [], "one of velocity_strengthening and a table"),
         ({"coefficient": 0.3, "function": "mu(v)"}, {}, [], "in Python a function"),
+        ({"coefficient": 0.3, "function": lambda pressure: pressure}, {}, [], "a function of three arrays"),
         ({"coefficient": 0.3, "function": function, "limit": "1 MPa"}, {}, [], "one of limit and function"),
         ({"coefficient": 0.3}, {}, [], r"nothing.*friction that depends on the slip rate"),
     ],
@@ -122,6 +123,12 @@ def test_a_function_that_returns_no_traction_is_named(found):
 def test_what_makes_no_sense_is_refused(friction, changes, path, told):
     with pytest.raises(InputError, match=f"(?s){told}"):
         gfmd_numba.solve({"scene": scene(friction, **changes), "path": path})
+
+
+def test_fields_below_a_contact_need_no_function_again():
+    found = gfmd_numba.solve({"scene": scene({"coefficient": 1.0, "function": function})})
+    assert "function" in found.attrs["scene"]
+    assert np.isfinite(gfmd_numba.body_fields(found, [-1e-5])["stress2"]).all()
 
 
 def test_the_dynamics_does_not_know_slip_rates():

@@ -75,7 +75,7 @@ class SlabTransform:
             self._along_x.execute()
             for part, piece in zip(self._parts, parts, strict=True):
                 piece[:] = self._waves[: len(piece), part]
-        communicator, held = self.slab.communicator, self._held.reshape(-1, self._own)
+        communicator, held = self.slab.communicator, self._held.reshape(self.shape[0], self._own)
         exchange(communicator, self._sent, self._of_rows, self._held, self._of_columns)
         for x in range(0, self._own, _TOGETHER):
             kernels.take_columns(held, self.shape[0], x, self._block)

@@ -1,7 +1,8 @@
 """Random paths with friction by Newton's method alone: how many steps end, and an independent check of each.
 
 `python benchmarks/friction_hunt.py 0 1000` takes about five minutes: first seed, and the one after the last. With
-`two` as the last argument a second elastic body, layered in a third of the paths, is in place of the rigid punch.
+`two` as the last argument a second elastic body, layered in a third of the paths, is in place of the rigid punch; with
+`rate` friction depends on the slip rate, by velocity strengthening, a table that rises or falls, or a function.
 """
 
 import sys
@@ -12,6 +13,7 @@ import numpy as np
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.interface.slip_rate import SlipRateFriction, UserFunction
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.table import Options
@@ -60,7 +62,35 @@ def random_path(seed):
     return body, body.response((nx,)), friction, steps
 
 
-def violation(stiffness, punch, load, friction, found, start):
+def random_rate(seed, friction):
+    """Friction by the slip rate, and what it holds by pressure and slip, of its own formulae."""
+    rng = np.random.default_rng([seed, 2])
+    speed, rise, duration = (10 ** rng.uniform(*exponents) for exponents in ((-5.0, 1.0), (-2.5, 0.3), (-2.0, 2.0)))
+    speed, rise, kind = speed * friction / duration, rise * friction, rng.integers(4)
+    rates, further = (0.0, speed, 10.0 * speed), [(1.0, 2.0), (-0.1, -0.5)][kind % 2]
+    values = tuple(friction + share * (rise if kind % 2 == 0 else friction) for share in (0.0, *further))
+    strength = 10 ** rng.uniform(-1.5, 0.5) * friction
+
+    def held(pressure, slip):
+        rate = slip / duration
+        if kind == 3:
+            return np.minimum(friction * pressure, film(0.0, pressure, rate))
+        rises = np.interp(rate, rates, values) if kind else friction + rise * np.log(1.0 + rate / speed)
+        return rises * pressure
+
+    def film(gap, pressure, rate):
+        return strength * (1.0 + np.arcsinh(rate / speed)) + 0.1 * friction * pressure
+
+    laws = (
+        SlipRateFriction(friction, rise, speed),
+        SlipRateFriction(friction, rates=rates, coefficients=values),
+        SlipRateFriction(friction, rates=rates, coefficients=values),
+        SlipRateFriction(friction, limit=UserFunction(film, 1.0, 1.0)),
+    )
+    return laws[kind].lasting(duration), held
+
+
+def violation(stiffness, punch, load, held, found, start):
     """Largest violation of Signorini's and Coulomb's conditions by NumPy's transforms, over the largest pressure."""
     u1, u3, n = found.tangential.displacement[0, 0], found.displacement[0], punch.shape[1]
     k33 = stiffness.normal.copy()
@@ -74,7 +104,7 @@ def violation(stiffness, punch, load, friction, found, start):
     )
     touching = punch[0] <= u3
     slid = u1 - (0.0 if start is None else (start.tangential + start.dragged)[0, 0])
-    bound = friction * np.maximum(pressure, 0.0) * touching
+    bound = held(np.maximum(pressure, 0.0), abs(slid)) * touching
     worst = max(
         abs(pressure[~touching]).max(initial=0.0),
         -pressure[touching].min(initial=0.0),
@@ -93,17 +123,21 @@ if __name__ == "__main__":
         if sys.argv[3:] == ["two"]:
             other, share = facing(seed, body)
             stiffness = stiffness.in_series(other.response((steps[0][0].shape[1],)), share)
-        before = None
+        before, law, held = None, None, lambda pressure, slip, friction=friction: friction * pressure
+        if sys.argv[3:] == ["rate"]:
+            law, held = random_rate(seed, friction)
+        laws = Interactions(True, friction=friction, slip_rate=law)
         for step, (punch, load, sliding) in enumerate(steps):
             start = None if before is None else following(before, punch, sliding)
-            before = equilibrate(punch, stiffness, load, ALONE, Interactions(True, friction=friction), start, sliding)
+            before = equilibrate(punch, stiffness, load, ALONE, laws, start, sliding)
             ended[int(before.status[0])] += 1
             transforms.append(int(before.n_transforms[0]))
             if before.status[0] != 0:
                 print(
-                    f"seed {seed} step {step}: status {before.status[0]}, {body}, friction {friction:.3g}", flush=True
+                    f"seed {seed} step {step}: status {before.status[0]}, {body}, friction {law or f'{friction:.3g}'}",
+                    flush=True,
                 )
                 break
-            worst = max(worst, violation(stiffness, punch, load, friction, before, start))
+            worst = max(worst, violation(stiffness, punch, load, held, before, start))
     print(f"status {dict(ended)}, worst violation {worst:.1e}, transforms: median {np.median(transforms):.0f},")
     print(f"ninth decile {np.percentile(transforms, 90):.0f}, most {max(transforms)}")

@@ -2,13 +2,15 @@
 
 `python benchmarks/map_friction_hunt.py 0 300` takes about half a minute: first seed, and the one after the last.
 Further arguments change the same paths: `law` adds one that attracts or repels, `sticking` makes friction infinite, and
-`rigid` makes the bodies incompressible slabs under a displacement.
+`rigid` makes the bodies incompressible slabs under a displacement; `rate` makes friction depend on the slip rate.
 """
 
 import sys
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
+from friction_hunt import random_rate
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
@@ -67,7 +69,7 @@ def random_path(seed, rigid=False):
     return body, body.response(shape), friction, steps
 
 
-def violation(stiffness, punch, load, laws, found, start):
+def violation(stiffness, punch, load, laws, found, start, held=None):
     """Largest violation of Signorini's and Coulomb's conditions by NumPy's transforms, over the largest traction."""
     tangential, normal, shape = found.tangential.displacement[0], found.displacement[0], punch.shape[1:]
     xx, xy, yy, xz, yz, zz = stiffness.elements
@@ -84,7 +86,10 @@ def violation(stiffness, punch, load, laws, found, start):
     touching = punch[0] <= normal
     slid = tangential - (0.0 if start is None else start.tangential[0] + start.dragged)
     way = np.hypot(*slid)
-    bound = np.multiply(laws.friction, pressure, out=np.zeros(shape), where=touching & (pressure > 0.0))
+    if held is None:
+        bound = np.multiply(laws.friction, pressure, out=np.zeros(shape), where=touching & (pressure > 0.0))
+    else:
+        bound = held(np.maximum(pressure, 0.0), way) * touching
     slips = (bound > 0.0) & (bound < np.inf) & (way > 0.0)
     against = np.hypot(*(shear + np.where(slips, bound, 0.0) * slid / np.where(way > 0.0, way, 1.0)))
     worst = max(
@@ -104,7 +109,10 @@ if __name__ == "__main__":
         body, stiffness, friction, steps = random_path(seed, "rigid" in sys.argv)
         law = random_law(seed, steps[0][0].shape[1:]) if "law" in sys.argv else None
         laws = Interactions(True, normal_law=law, friction=np.inf if "sticking" in sys.argv else friction)
-        before = None
+        before, held = None, None
+        if "rate" in sys.argv:
+            rate, held = random_rate(seed, friction)
+            laws = replace(laws, slip_rate=rate)
         for step, (punch, load, sliding) in enumerate(steps):
             start = None if before is None else following(before, punch, sliding)
             before = equilibrate(punch, stiffness, load, ALONE, laws, start, sliding)
@@ -117,6 +125,6 @@ if __name__ == "__main__":
                     flush=True,
                 )
                 break
-            worst = max(worst, violation(stiffness, punch, load, laws, before, start))
+            worst = max(worst, violation(stiffness, punch, load, laws, before, start, held))
     print(f"status {dict(ended)}, worst violation {worst:.1e}, transforms: median {np.median(transforms):.0f},")
     print(f"ninth decile {np.percentile(transforms, 90):.0f}, most {max(transforms)}")

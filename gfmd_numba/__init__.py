@@ -105,7 +105,7 @@ def creep_curve(
     Returns
     -------
     xarray.Dataset
-        Observables over `time` in SI units, and `time_error`, the error by the divisions of time.
+        Observables over `time` in SI units, and `time_error`, the error by the divisions of steps.
 
     Raises
     ------

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from gfmd_numba.analysis.plots.bodies import plot_body
     from gfmd_numba.analysis.plots.campaign import plot_campaign, plot_fit
     from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics
-    from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
+    from gfmd_numba.analysis.plots.curve import plot_curve
     from gfmd_numba.analysis.plots.map_image import plot_conductance, plot_leakage
     from gfmd_numba.analysis.plots.rounds import plot_rounds
     from gfmd_numba.analysis.plots.surface import plot_surface
@@ -27,7 +27,7 @@ _LATER = {  # by their module, which is loaded with the first that is asked for:
     "plots.bodies": ("plot_body",),
     "plots.campaign": ("plot_campaign", "plot_fit"),
     "plots.contact": ("plot_contact", "plot_statistics"),
-    "plots.curve": ("plot_creep", "plot_curve", "plot_friction"),
+    "plots.curve": ("plot_curve",),
     "plots.map_image": ("plot_conductance", "plot_leakage"),
     "plots.rounds": ("plot_rounds",),
     "plots.surface": ("plot_surface",),
@@ -46,10 +46,8 @@ __all__ = [
     "plot_campaign",
     "plot_conductance",
     "plot_contact",
-    "plot_creep",
     "plot_curve",
     "plot_fit",
-    "plot_friction",
     "plot_leakage",
     "plot_rounds",
     "plot_statistics",

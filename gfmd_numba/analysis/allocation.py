@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+import scipy  # its modules load with their first use
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.special import chdtri
+from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
@@ -97,7 +98,7 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
         level=level,
         kappa=kappa,
         # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / chdtri(freedom, _CONFIDENCE)),
+        doubt=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
         freedom=freedom,
     )
 
@@ -146,7 +147,7 @@ class Prediction:
 
 def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
     """Error of one group for numbers of realisations (level)."""
-    factor = float(np.sqrt(ensemble.freedom / chdtri(ensemble.freedom, _OF_THE_FACTOR)))
+    factor = float(np.sqrt(ensemble.freedom / scipy.special.chdtri(ensemble.freedom, _OF_THE_FACTOR)))
     # the doubt is about the scatter of surfaces, not about what is known before
     sober = replace(ensemble, doubt=factor**2)
     error, of_surfaces = _relative_errors(sober, counts)
@@ -203,7 +204,8 @@ class Pilot:
         numbers = {level: number for number, level in enumerate(levels)}
         number = np.array([numbers[level] for level in _level_of_each(results)], dtype=np.intp)
         given = {limit: exponent_range(value) for limit, value in fixed.items()}
-        return cls(_ensembles(results, number, variable, given), levels, number)
+        with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
+            return cls(_ensembles(results, number, variable, given), levels, number)
 
     def predictions(self, counts: Sequence[int] | NDArray[np.intp]) -> list[Prediction]:
         """Error of each group, along a path of each step, for numbers of realisations (case)."""

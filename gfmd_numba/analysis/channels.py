@@ -14,28 +14,7 @@ import xarray as xr
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Indices, Reals
-
-
-def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.NDArray[np.int32]:
-    """Label of each node `[y, x]`, from 1 on, and 0 where the flag is not set.
-
-    Nodes of one region share sides; corners do not connect. `around_y` and `around_x` join the two ends of a period.
-    """
-    labels, count = scipy.ndimage.label(flags)
-    ends = [
-        ends
-        for ends, joined in (((labels[0], labels[-1]), around_y), ((labels.T[0], labels.T[-1]), around_x))
-        if joined
-    ]
-    if not ends or count == 0:
-        return np.asarray(labels)
-    one, other = (np.concatenate(side) for side in zip(*ends, strict=True))
-    both = (one > 0) & (other > 0)
-    graph = scipy.sparse.coo_array((np.ones(int(both.sum())), (one[both], other[both])), shape=(count + 1, count + 1))
-    joined = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
-    # the background is a component of its own, as no pair holds label 0
-    number = np.unique(np.delete(joined, 0), return_inverse=True)[1] + 1
-    return np.asarray(np.concatenate([[0], number])[labels], dtype=np.int32)
+from gfmd_numba.arrays.regions import regions
 
 
 def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
@@ -179,15 +158,18 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
             "parallel walls at its mean would, because deep channels run through the map. Random surfaces without a "
             "lay have factors below 1 on average"
         )
-    with np.errstate(divide="ignore", invalid="ignore"):
-        ratios = np.nan_to_num(high / low, posinf=np.inf)
+    for along, shut in zip(_DIRECTIONS, (pairs == 0.0).T, strict=True):
+        if shut.any():
+            step = where.format(int(shut.argmax()))
+            yield f"No channel is open along {along}{step}: on this grid nothing leaks there"
+    ratios = np.divide(high, low, out=np.zeros_like(high), where=low > 0.0)
     unlike = int(ratios.argmax())
     if ratios[unlike] > _ALIKE:
         of_x, of_y = pairs[unlike]
         yield (
             f"The flow factors along x and y{where.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
             "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
-            "other seeds, or a map with more of the longest waves"
+            "other seeds, measure another patch, or take a map with more of the longest waves"
         )
 
 

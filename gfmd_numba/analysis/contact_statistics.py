@@ -8,9 +8,10 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.channels import regions, sizes
+from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays.regions import regions
 from gfmd_numba.text.recorded_scene import is_form_alone
 from gfmd_numba.theory import persson
 

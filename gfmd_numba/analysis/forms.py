@@ -244,9 +244,11 @@ def _curve(name: str, option: str, over: str, own: str, attributes: tuple[str, .
     return Form(name, f"what `gfmd curve{option}` leaves", needed, others, attributes)
 
 
-CURVE = _curve("load curve", "", "prescribed_load", "contact_stiffness", ("prescribed",))
-CREEP = _curve("creep curve", " --times", "time", "n_segments")
-FRICTION = _curve("friction curve", " --speeds", "speed", "hysteretic_friction")
+CURVES = {  # by what they are over
+    "prescribed_load": _curve("load curve", "", "prescribed_load", "contact_stiffness", ("prescribed",)),
+    "time": _curve("creep curve", " --times", "time", "n_segments"),
+    "speed": _curve("friction curve", " --speeds", "speed", "hysteretic_friction"),
+}
 FIT = Form(
     "fit",
     "what `gfmd fit -o` leaves",

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy  # its modules load with their first use
 from numpy.typing import NDArray
-from scipy.special import fdtri
 
 from gfmd_numba.analysis.posterior import POWER_OF_WANING, Choice, Means, known_before, linear_influence, misfit_form
 from gfmd_numba.analysis.selection import Group
@@ -217,6 +217,6 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
         contrasts = expected**2 / squares
         searched = sum(parameter.low < parameter.high for parameter in choice.parameters)
         expected *= max(1.0, contrasts - searched) / contrasts
-        limit = expected * fdtri(max(1.0, contrasts - searched), freedom, 0.95)
+        limit = expected * scipy.special.fdtri(max(1.0, contrasts - searched), freedom, 0.95)
         ratios.append(chi2 / limit)
     return max(1.0, min(ratios, default=1.0))

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.special import ndtr
+import scipy  # its modules load with their first use
 
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
@@ -82,7 +82,7 @@ class Parameter:
         if self.usual is None:
             return np.full(positions.shape, -np.log(high - low) if high > low else 0.0)
         median, factor = np.log(self.usual)
-        within = ndtr((high - median) / factor) - ndtr((low - median) / factor)
+        within = scipy.special.ndtr((high - median) / factor) - scipy.special.ndtr((low - median) / factor)
         scale = np.sqrt(2.0 * np.pi) * factor * within
         return np.asarray(-(((positions - median) / factor) ** 2) / 2.0 - np.log(scale))
 

@@ -15,7 +15,7 @@ from functools import cache
 from itertools import combinations
 
 import numpy as np
-from scipy.special import logsumexp
+import scipy  # its modules load with their first use
 
 from gfmd_numba.analysis.laws import Law, Parameter, power
 from gfmd_numba.arrays import Reals
@@ -272,7 +272,7 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
 
 def shares(choices: Sequence[Choice]) -> list[Reals]:
     """Return the weights of the nodes of all choices, which add up to 1."""
-    whole = logsumexp(np.concatenate([choice.log_weight for choice in choices]))
+    whole = scipy.special.logsumexp(np.concatenate([choice.log_weight for choice in choices]))
     return [np.exp(choice.log_weight - whole) for choice in choices]
 
 
@@ -337,7 +337,7 @@ def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float
     The columns (case, coefficient), their derivatives (case, parameter) to the positions of the parameters in their
     ranges, and what is known before of coefficients and parameters: one over the variance of each.
     """
-    share = np.exp(choice.log_weight - logsumexp(choice.log_weight))
+    share = np.exp(choice.log_weight - scipy.special.logsumexp(choice.log_weight))
     at = np.array(
         [parameter.positions(node) for parameter, node in zip(choice.parameters, choice.nodes.T, strict=True)]
     )

@@ -8,8 +8,8 @@ import warnings
 from typing import Annotated
 
 import numpy as np
+import scipy  # its modules load with their first use
 import xarray as xr
-from scipy.linalg import cho_factor, cho_solve
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.fit_dataset import in_the_limit
@@ -134,12 +134,12 @@ class _Process:
             warnings.simplefilter("ignore", ConvergenceWarning)  # lengths at the end of their range are fine
             search.fit(points, self.values)
         self.kernel = search.kernel_
-        self.factor = cho_factor(self.kernel(points) + np.diag(variances))
+        self.factor = scipy.linalg.cho_factor(self.kernel(points) + np.diag(variances))
 
     def at(self, places: Reals) -> tuple[Reals, Reals]:
         """Return the function and its error at places (place, parameter)."""
         between = self.kernel(places, self.points)
-        weights = cho_solve(self.factor, between.T).T
+        weights = scipy.linalg.cho_solve(self.factor, between.T).T
         by_limits = weights * self.errors
         of_limits = [((by_limits @ alike) * by_limits).sum(axis=1) for alike in self._alike()]
         variance = (self.kernel.diag(places) - (weights * between).sum(axis=1)) * self.size**2  # errors independent
@@ -154,6 +154,6 @@ class _Process:
 
     def held_out(self) -> tuple[Reals, Reals]:
         """Return what each value differs by from the function without it, and the error of that (5.10-5.12)."""
-        inverse = cho_solve(self.factor, np.eye(len(self.values)))
+        inverse = scipy.linalg.cho_solve(self.factor, np.eye(len(self.values)))
         precision = np.diag(inverse)
         return self.size * (inverse @ self.values) / precision, self.size / np.sqrt(precision)

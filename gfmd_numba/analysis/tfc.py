@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated
 
 import numpy as np
+import scipy  # its modules load with their first use
 import xarray as xr
-from scipy.optimize import brentq
-from scipy.special import stdtr, stdtrit
 from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis import limit_errors
@@ -240,7 +239,7 @@ def _doubts_of_levels(
     ]
     if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
         lines.append(
-            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow: these are "
+            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow, which are "
             "enlarged by as much; add finer levels, or allow other exponents"
         )
     return lines
@@ -339,14 +338,16 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     weight, value, deviation = weight[counts], value[counts], deviation[counts]
 
     def beyond(end: float, share: float) -> float:
-        return float(weight @ stdtr(freedom, (end - value) / deviation)) - share
+        return float(weight @ scipy.special.stdtr(freedom, (end - value) / deviation)) - share
 
-    reach = abs(stdtrit(freedom, _TAIL / 100)) * deviation
+    reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation
     furthest = float((value - reach).min()), float((value + reach).max())
     width = furthest[1] - furthest[0]
     if width <= 1e-9 * abs(furthest[0]):  # nothing scatters but by rounding
         return furthest
-    low, high = (brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL))
+    low, high = (
+        scipy.optimize.brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL)
+    )
     return low, high
 
 

@@ -39,6 +39,7 @@ from gfmd_numba.scene.scene_file import located_boundary, located_files
 PUNCH = ("roughness",)
 FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")
 _UNITS = {"m": "m", "1": "L_x"}
+_BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 
 
 @dataclass(frozen=True)
@@ -166,7 +167,6 @@ def _refused(document: Document, given: str, allowed: str) -> InputError:
     return document.fault(("scene", *FILE), given, allowed)
 
 
-_BLOCK_SAMPLES = 2**18  # realisations times nodes in one block: a second of work, at most some hundred megabytes
 Range = tuple[int, int]  # first realisation, and the one after the last
 
 

@@ -29,6 +29,15 @@ NO_JOBQUEUE = (
     "dask-jobqueue, which submits the jobs, is not installed; install it by `pip install 'gfmd-numba[cluster]'`"
 )
 _MOST_CORES, _MOST_JOBS = 4096, 100_000
+_OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
+_HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+OF_A_RUN = {
+    "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
+    # the web servers of scheduler and workers cannot be switched off, but they need not say anything
+    "distributed.scheduler.http.routes": [],
+    "distributed.worker.http.routes": [],
+}
 
 
 def _text(pattern: str, most: int, allowed: str) -> Any:
@@ -42,7 +51,6 @@ Word = Annotated[
         r"^[A-Za-z0-9._][A-Za-z0-9._:@,+-]*$", 100, "up to 100 letters, digits and '.', '_', ':', '@', ',', '+', '-'"
     ),
 ]
-_OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
 Directive = Annotated[str, _text(rf"^-{_OF_A_LINE}+$", 1000, "an option of sbatch, like --constraint=skylake")]
 Line = Annotated[str, _text(rf"^{_OF_A_LINE}+$", 1000, "one line of shell, like module load python")]
 
@@ -109,16 +117,6 @@ class Cluster(BaseModel):
 def load_cluster(source: Source) -> Cluster:
     """Return the checked cluster of a YAML file or a mapping; raises InputError."""
     return validate(document_of(source, "cluster"), Cluster)
-
-
-_HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
-OF_A_RUN = {
-    "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
-    # the web servers of scheduler and workers cannot be switched off, but they need not say anything
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-}
 
 
 @contextmanager

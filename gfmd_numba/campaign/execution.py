@@ -47,6 +47,10 @@ Task = tuple[Block, ...]  # what a worker does at a time
 Failures = dict[str, Failure]
 Measured = dict[str, shards.Arrays]  # by name of the block
 _installed = cache(versions)
+_LOST = "its worker died or froze, even when nothing else was running"
+_SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
+_NO_SCHEDULER = "the dask scheduler is lost"
+_MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 
 
 def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
@@ -192,10 +196,6 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.job_queue import QueueTold
 
 Ended = Generator[tuple[int, Failures]]  # numbers of blocks that ended, with those that failed
-_LOST = "its worker died or froze, even when nothing else was running"
-_SECONDS_BETWEEN_COUNTS = 5.0  # of the workers, which may come and go
-_NO_SCHEDULER = "the dask scheduler is lost"
-_MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 
 
 @dataclass(frozen=True)
@@ -323,8 +323,9 @@ class Submission:
                     names = [block.name for block in left]
                     late: set[str] = set()  # those that took longer than the timeout
                     if names and self.timeout is not None:
+                        late = set(expired_here(self.run, names))  # before a worker that may die forgets them
                         told = self.client.run(expired_here, self.run, names, on_error="ignore")
-                        late = {name for found in (expired_here(self.run, names), *told.values()) for name in found}
+                        late.update(*told.values())
                     failures = outcome or {}
                     for block in left:
                         if block.name in late:

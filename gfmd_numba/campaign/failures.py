@@ -10,6 +10,8 @@ from gfmd_numba.solvers import status
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.storage import json_file
 
+_SUFFIX = ".failed"
+
 
 class Ending(IntEnum):
     """How a simulation ended; only `ok` results are used."""
@@ -40,7 +42,6 @@ SENTENCES: dict[IntEnum, str] = {
 }
 
 
-_SUFFIX = ".failed"
 _OF_BLOCKS = (Ending.crashed.name, Ending.timeout.name)
 
 

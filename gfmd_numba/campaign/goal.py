@@ -47,7 +47,10 @@ def _target(given: object) -> dict[str, float]:
         raise broken_rule((), f"{A_TARGET}; {why}")
     if not isinstance(given, Mapping) or not given or not set(given) <= observables.LIMITED.keys():
         raise ValueError(A_TARGET)
-    return {name: share_of(value) for name, value in given.items()}
+    try:
+        return {name: share_of(value) for name, value in given.items()}
+    except ValueError as error:
+        raise broken_rule((), f"{error} for each variable") from None
 
 
 Variable = Annotated[str, AfterValidator(_variable), WithJsonSchema({"enum": list(observables.LIMITED)})]

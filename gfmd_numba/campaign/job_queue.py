@@ -195,8 +195,20 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
     }
 
 
+async def _done(*command: str) -> subprocess.CompletedProcess[str]:
+    """Return a command that has ended, in a thread: a pipe of asyncio fails if its event loop is closed before it."""
+    return await asyncio.to_thread(subprocess.run, command, capture_output=True, text=True)
+
+
 class ClosingJob(SLURMJob):
     """A job that says when it is closed. In dask-jobqueue it stays `running`, and the cluster would wait for it."""
+
+    @staticmethod
+    async def _call(cmd: list[str], **options: object) -> str:
+        done = await _done(*cmd)
+        if done.returncode != 0:
+            raise RuntimeError(f"{' '.join(cmd)} ended with {done.returncode}: {done.stderr.strip()}")
+        return done.stdout
 
     async def close(self) -> None:
         """Cancel the job."""
@@ -291,14 +303,10 @@ class JobSupply(Adaptive):
 
     async def _queued(self) -> set[str] | None:
         """Numbers of this run's jobs that wait or run, None if the queue does not say."""
-        command = ("squeue", "--noheader", f"--format={FORMAT}", f"--name={self._job_name}")
-        process = await asyncio.create_subprocess_exec(
-            *command, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL
-        )
-        printed, _ = await process.communicate()
-        if process.returncode != 0:
+        asked = await _done("squeue", "--noheader", f"--format={FORMAT}", f"--name={self._job_name}")
+        if asked.returncode != 0:
             return None
-        jobs = columns_of(printed.decode())
+        jobs = columns_of(asked.stdout)
         state = QueueState.of(jobs)
         if state != self._last and self._told is not None:
             self._told(state)

@@ -22,6 +22,11 @@ COUNT = f"a whole number from 1 to {MOST}, or a mapping of such with the key ref
     (*DISCRETISATIONS, CROSS)
 )
 COUNTS = f"a whole number from 1 to {MOST}, or a list of such, one for each level of the limit (0: left out)"
+FEWEST = 20  # realisations of the finest level: fewer do not tell how it goes with the others
+_MOST = 400  # of a coarse one
+_FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
+_FINEST_OF_LAYERS = 1 / 64  # eps_t of profiles that a run begins with on thin layers
+STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
 def _exponent(given: Any) -> float | tuple[float, float]:
@@ -126,14 +131,8 @@ NumberOfSurfaces = Annotated[
 ]
 
 
-FEWEST = 20  # realisations of the finest level: fewer do not tell how it goes with the others
-_MOST = 400  # of a coarse one
 Level = tuple[float, ...]  # eps_c, eps_f and eps_t
 _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
-
-_FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
-_FINEST_OF_LAYERS = 1 / 64  # eps_t of profiles that a run begins with on thin layers
-STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
 def first_levels(dimension: int, anisotropy: float = 1.0, thinnest_layer: float = inf) -> list[Level]:

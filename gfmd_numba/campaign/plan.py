@@ -43,6 +43,10 @@ from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import Location, Source
 
+PROGRAM_BYTES = 200_000_000  # of each process, without any work
+_TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
+_TASKS_PER_WORKER = 16  # so that all end at about the same time
+
 
 def doubt_of_bodies(cases: Sequence[Case]) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
@@ -128,11 +132,6 @@ def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:
             groups = f"{count} group{'s' * (count > 1)} of cases"
             found.append(f"a run will print no limit of {fit.variable} ({groups}): {'; '.join(reason.splitlines())}")
     return found
-
-
-PROGRAM_BYTES = 200_000_000  # of each process, without any work
-_TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
-_TASKS_PER_WORKER = 16  # so that all end at about the same time
 
 
 @dataclass(frozen=True)

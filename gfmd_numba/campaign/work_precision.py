@@ -43,6 +43,7 @@ _SAMPLED_NODES = 2**23
 Measures = dict[str, Reals]  # [realisation] or, along a path, [realisation, step]
 KAPPA, AREA = "kappa", "contact_area_fraction"
 OF_PATHS = ("hysteresis", "pull_off_pressure")
+_OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # which not every contact has
 
 
 def _column(long_name: str, **default: Any) -> Any:
@@ -69,9 +70,6 @@ class Point:
     hysteresis_error: float = _column("relative error of the hysteresis", default=nan)
     pull_off_pressure_error: float = _column("relative error of the pull-off pressure", default=nan)
     next_order: float = _column("what the next order in the slope would add to a displacement, over L_x", default=nan)
-
-
-_OF_SOME = ("hysteresis_error", "pull_off_pressure_error", "next_order")  # which not every contact has
 
 
 def dataset(points: Iterable[Point]) -> xr.Dataset:

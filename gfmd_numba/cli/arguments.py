@@ -21,6 +21,8 @@ threads_option = click.option(
     help="Threads that share the work on a map, at most one for each core; without it, what the file says, or 1",
 )
 results_argument = click.argument("results", type=click.Path(exists=True, path_type=Path))
+OF_PATHS = ("hysteresis", "pull_off_pressure")
+LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
 
 
 def workers_option(what: str) -> Callable[[Any], Any]:
@@ -37,9 +39,6 @@ def is_given(option: str) -> bool:
 def not_allowed(given: object, allowed: str) -> click.BadParameter:
     """Return the error about what an option was given, and what is allowed there."""
     return click.BadParameter(f"you gave {given}; gfmd allows {allowed}")
-
-
-OF_PATHS = ("hysteresis", "pull_off_pressure")
 
 
 def _variable_given(ctx: click.Context, param: click.Parameter, name: str | None) -> str | None:
@@ -80,7 +79,6 @@ def _exponent(option: str) -> Fixed:
     return name, float(ends[0]) if len(ends) == 1 else (float(ends[0]), float(ends[1]))
 
 
-LIMITS = {"eps_c": "continuum", "eps_f": "fractal", "eps_t": "thermodynamic"}
 fixed_option = click.option(
     "--fixed",
     multiple=True,

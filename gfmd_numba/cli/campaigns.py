@@ -27,7 +27,7 @@ from gfmd_numba.cli.arguments import (
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
-from gfmd_numba.cli.terminal import progress_bar, say, say_command, show_queue, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.terminal import progress_bar, say, say_command, say_doubts, show_queue, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable, word
 
@@ -69,7 +69,8 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
     says that the limit has the error you want.
     """
-    from gfmd_numba.campaign.file import target_of_run
+    from gfmd_numba.campaign.file import load_campaign, target_of_run
+    from gfmd_numba.campaign.output_directory import holds_another_version
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
 
@@ -77,6 +78,11 @@ def run(file: Path, output: Path | None, until: dict[str, float], budget: float 
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
+    campaign, document = load_campaign(file, until or None)
+    directory = output or Path(campaign.name)
+    if holds_another_version(directory, document.text):
+        replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
+        say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
         if until:
             reached = _run_rounds(file, output, who, choice, until, budget)
@@ -116,7 +122,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
 
     say_written("results", results)
     dataset = gfmd_numba.open_campaign(results)
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
     to_do = int((status == meanings.index("unfinished")).sum())
     asked = int((status != meanings.index("not_asked")).sum())

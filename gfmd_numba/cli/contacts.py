@@ -8,7 +8,6 @@ import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import replace
-from functools import partial
 from math import inf, isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -33,7 +32,7 @@ from gfmd_numba.cli.tables import (
     readable,
     unit,
 )
-from gfmd_numba.cli.terminal import say, tell, waiting, warn, warn_of_doubts
+from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
@@ -45,6 +44,8 @@ if TYPE_CHECKING:
     from gfmd_numba.simulate.curve import Over
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
+
+_MOST = 10_000
 
 
 @main.command()
@@ -82,7 +83,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         tell(of_steps(dataset))
     else:
         tell(of_contact(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
@@ -135,78 +136,49 @@ def surface(file: Path, output: Path) -> None:
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
     tell(of_numbers(dataset))
-    for sentence in filter(None, dataset.attrs["processing"].split("\n")):
-        say("done", sentence)
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
 
 
-_MOST = 10_000
+def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[object] | None:
+    """Return the values of a list `a,b,c`, or of a range `A:B:N` of N values evenly spaced in their logarithm.
 
+    Whatever is no number with a unit or without is returned as it is: the curve refuses it.
+    """
+    from gfmd_numba.scene.document import plain_scalar
 
-def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[float | str] | None:
-    """Return the values of a list `a,b,c`, or of a range `A:B:N` of N values evenly spaced in their logarithm."""
     if option is None:
         return None
-    name = str(param.name)
-    ends = option.split(":")
-    read = _load if name == "loads" else partial(_above_0, name=name)
-    if len(ends) == 1:
-        loads = [read(text) for text in option.split(",")]
-        if len({si for _, si in loads}) > 1:
-            raise not_allowed(repr(option), f"{name} with units of one kind, or all without")
-        return [_text(*load) for load in loads]
-    count = ends[-1].strip()
-    if len(ends) != 3 or not (count.isdecimal() and count.isascii() and len(count) < 6 and 2 <= int(count) <= _MOST):
+    *ends, count = option.split(":")
+    if not ends:
+        return [plain_scalar(text.strip()) for text in option.split(",")]
+    many = count.strip()
+    if len(ends) != 2 or not (many.isdecimal() and many.isascii() and len(many) < 6 and 2 <= int(many) <= _MOST):
         raise not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
-    (first, unit_of_first), (last, si), n = read(ends[0]), read(ends[1]), int(count)
+    (first, unit_of_first), (last, si), n = *map(_with_si_unit, ends), int(many)
+    if first is None or last is None:
+        return list(ends)
     if unit_of_first != si:
         raise not_allowed(repr(option), "two ends with units of one kind, or both without")
-    if not (first > 0.0 and last > 0.0 and first != last):
+    if not (0.0 < first < inf and 0.0 < last < inf and first != last):
         raise not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
-    inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
-    return [_text(load, si) for load in (first, *inner, last)]
+    values = [first, *(first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)), last]
+    return [f"{value!r} {si}" if si else value for value in values]
 
 
-def _load(text: str) -> tuple[float, str]:
-    """Return one load and its SI unit; without a unit, a number in what the loading of the scene prescribes."""
+def _with_si_unit(text: str) -> tuple[float | None, str]:
+    """Return a number and its SI unit, empty without one; None for a text that is no number."""
+    from pydantic_core import PydanticCustomError
+
     from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.loading import Loading, control_of, load_meant
-    from gfmd_numba.scene.units import quantities
+    from gfmd_numba.scene.units import QUANTITIES
 
-    control, number, si = control_of(text), plain_scalar(text.strip()), ""
-    if control is not None:
-        quantity = quantities(Loading)[control]
-        number, si = quantity.si_value(text), quantity.si
-    if type(number) not in (int, float) or not -inf < float(number) < inf:  # type: ignore[arg-type]
-        hint = load_meant(text)
-        told = f"you gave {text!r}; gfmd allows a finite number, like 0.01 or 1 MPa"
-        raise click.BadParameter(f"{told}; {hint}" if hint else told)
-    return float(number), si  # type: ignore[arg-type]
-
-
-def _above_0(text: str, name: str) -> tuple[float, str]:
-    """Return one time or speed above 0 and its SI unit; nothing without a unit."""
-    from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.units import SPEED, TIME
-
-    quantity, allowed = {
-        "times": (TIME, "a number of s above 0 or a time, like 10 or 5 min"),
-        "speeds": (SPEED, "a number above 0 or a speed, like 1e-3 or 1 mm/s"),
-    }[name]
     number = plain_scalar(text.strip())
-    if type(number) in (int, float) and 0.0 < float(number) < inf:  # type: ignore[arg-type]
+    if type(number) in (int, float):
         return float(number), ""  # type: ignore[arg-type]
-    try:
-        value = quantity.si_value(text)
-    except ValueError:
-        value = None
-    if value is None or not 0.0 < value < inf:
-        raise not_allowed(repr(text), allowed)
-    return value, quantity.si
-
-
-def _text(load: float, si: str) -> float | str:
-    return f"{load!r} {si}" if si else load
+    for quantity in QUANTITIES:
+        with suppress(PydanticCustomError):  # a unit of another quantity, or of none
+            return quantity.si_value(text), quantity.si
+    return None, ""
 
 
 @main.command()
@@ -234,9 +206,9 @@ def _text(load: float, si: str) -> float | str:
 @output_option
 def curve(
     file: Path,
-    loads: list[float | str] | None,
-    times: list[float | str] | None,
-    speeds: list[float | str] | None,
+    loads: list[object] | None,
+    times: list[object] | None,
+    speeds: list[object] | None,
     realisations: int,
     threads: int | None,
     output: Path,
@@ -252,7 +224,7 @@ def curve(
         from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
-    options: dict[Over, list[float | str] | None] = {"loads": loads, "times": times, "speeds": speeds}
+    options: dict[Over, list[object] | None] = {"loads": loads, "times": times, "speeds": speeds}
     asked_for = {name: each for name, each in options.items() if each}
     if len(asked_for) != 1:
         given = " and ".join(f"--{name}" for name in asked_for) or "none"
@@ -281,12 +253,12 @@ def curve(
     say_written("table", table)
     _draw(dataset, picture)
     tell(of_curve(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
     _end(dataset, realisations)
 
 
 def _draw(dataset: xr.Dataset, picture: Path) -> None:
-    from gfmd_numba.analysis import plot_creep, plot_curve, plot_friction
+    from gfmd_numba.analysis import plot_curve
     from gfmd_numba.storage.atomic_file import remove
     from gfmd_numba.storage.mark import is_product
 
@@ -294,8 +266,7 @@ def _draw(dataset: xr.Dataset, picture: Path) -> None:
         remove(picture, is_product)  # that of an earlier curve
         warn("no load has a result that could be drawn")
         return
-    draw = {"time": plot_creep, "speed": plot_friction}.get(over(dataset), plot_curve)
-    write_picture(picture, lambda: draw(dataset))
+    write_picture(picture, lambda: plot_curve(dataset))
 
 
 def _end(dataset: xr.Dataset, realisations: int) -> None:
@@ -441,7 +412,7 @@ def _measure(
         click.echo(json.dumps(found))  # null stands for numbers that are not finite
     else:
         tell(of_measures(dataset))
-    warn_of_doubts(dataset)
+    say_doubts(dataset)
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:

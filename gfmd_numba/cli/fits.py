@@ -17,7 +17,15 @@ from gfmd_numba.cli.arguments import (
     variable_option,
 )
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import check_output, companion, picture_suffixes, pictures, write, write_picture
+from gfmd_numba.cli.outputs import (
+    check_output,
+    companion,
+    picture_suffixes,
+    pictures,
+    say_written,
+    write,
+    write_picture,
+)
 from gfmd_numba.cli.tables import fit_options, of_fit, of_goal
 from gfmd_numba.cli.terminal import say, tell, waiting
 from gfmd_numba.text.input_error import InputError
@@ -29,12 +37,15 @@ if TYPE_CHECKING:
     from gfmd_numba.analysis.plots.style import Width
 
 
+_TABLES = [".nc", ".nc4", ".csv"]
+
+
 @main.command()
 @results_argument
 @variable_option
 @exponents_option
 @fixed_option
-@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write the fit to")
+@click.option("-o", "--output", type=NEW_FILE, help="File to write the fit to (.nc), or the limits as a table (.csv)")
 @click.option(
     "--function",
     type=NEW_FILE,
@@ -50,20 +61,34 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
 
     file = results_file(results)
     if output is not None:
-        check_output(output, file, file.parent / "campaign.yaml")
+        check_output(output, file, file.parent / "campaign.yaml", suffixes=_TABLES)
     if function is not None:
-        check_output(function, file, file.parent / "campaign.yaml", suffixes=[".nc", ".nc4", ".csv"])
+        check_output(function, file, file.parent / "campaign.yaml", suffixes=_TABLES)
     dataset = read_results(file)
     with naming(file):
         fitted = _fit(dataset, **asked)
     tell(of_fit(fitted))
     if fitted.attrs["variable"] in {fit_options(dataset).get("variable"), *targets_of(dataset)}:
         tell(of_goal(dataset, fitted))
-    if output is not None:
+    if output is not None and output.suffix == ".csv":
+        _write_limits(fitted, output)
+    elif output is not None:
         write(output, fitted, "fit")
     if function is not None:
         with naming(file):
             _write_function(fitted, function)
+
+
+def _write_limits(fitted: xr.Dataset, path: Path) -> None:
+    """Write the limit of each group with its error, its interval of 90 % and its parameters as text."""
+    from gfmd_numba.storage.atomic_file import write_table
+
+    limit = f"{fitted.attrs['variable']}_tfc"
+    names = [str(name) for name in fitted.coords if fitted[name].dims == ("group",) and name != "group"]
+    names += [limit, f"{limit}_error", f"{limit}_low", f"{limit}_high", "fit_status"]
+    units = {name: fitted[name].attrs.get("units", "1") for name in names}
+    write_table(path, {f"{name} ({units[name]})": fitted[name].values.tolist() for name in names})
+    say_written("fit", path)
 
 
 def _write_function(fitted: xr.Dataset, path: Path) -> None:

@@ -35,6 +35,12 @@ if TYPE_CHECKING:
 
 
 _MOST_EFFECTS = 50
+_OF_SOME = {
+    "error of hysteresis": "hysteresis_error",
+    "error of pull-off": "pull_off_pressure_error",
+    "order error (L_x)": "next_order",
+}
+_ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 @main.command()
@@ -223,14 +229,6 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
     print_table("realisations of each level", parameters, realisations)
     if len(now.cases) > MOST_ROWS:
         say("note", f"{len(now.cases) - MOST_ROWS} more levels are not shown", width=14)
-
-
-_OF_SOME = {
-    "error of hysteresis": "hysteresis_error",
-    "error of pull-off": "pull_off_pressure_error",
-    "order error (L_x)": "next_order",
-}
-_ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 @main.command()

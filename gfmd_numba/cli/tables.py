@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from math import floor, inf, isfinite, isnan, log10, nan, sqrt
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,65 @@ _WORDS = {  # of variables whose names are no words
     "pull_off_pressure": "pull-off pressure",
 }
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
+_UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
+_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
+MOST_ROWS = 200
+_MOST_EXPONENTS = 6
+_MOST_GROUPS = 3  # that a note names
+_NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
+_KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
+_LONGEST_NAME = 40
+_SHOWN_OF_PATHS = (
+    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
+    *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
+)
+_WIDE = 24
+_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
+    "force",
+    "line_load",
+    "mean_pressure",
+    "contact_area_fraction",
+    "contact_radius",
+    "approach",
+    "mean_gap",
+    "peak_pressure",
+    "n_segments",
+    "elastic_energy",
+    "kappa",
+    "kappa_r",
+    "plastic_area_fraction",
+    "mean_plastic_depth",
+    "plastic_volume",
+    "largest_plastic_strain",
+    "mean_worn_depth",
+    "mean_tangential_traction",
+    "mean_tangential_traction_y",
+    "stick_fraction",
+    "energy_lost",
+    "hysteretic_friction",
+    "hysteretic_friction_error",
+    "time_error",
+)
+_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
+_MEASURES = {  # of a solved contact: words, and the unit of a contact without units
+    "contact_area_fraction": ("contact area fraction", ""),
+    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
+    "mean_gap": ("mean gap over rms height", ""),
+    "perimeter": ("perimeter", "L_x"),
+    "gap_connects": ("channel", ""),
+    "contact_connects": ("contact bridges", ""),
+    "critical_gap": ("critical gap", "L_x"),
+    "largest_gap_fraction": ("largest connected gap", ""),
+    "largest_contact_fraction": ("largest contact cluster", ""),
+    "n_gaps": ("separate gaps", ""),
+    "hydraulic_gap": ("hydraulic gap", "L_x"),
+    "flow_factor": ("flow factor", ""),
+    "conductance": ("conductance", "1/L_x"),
+}
+_PRESCRIBED = (
+    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
+    *("sliding", "sliding_y", "speed", "time"),
+)
 
 
 def words(name: str) -> str:
@@ -109,18 +169,6 @@ def dimensions(scene: Scene, varied: Grid | None = None) -> str:
     return ", ".join(told)
 
 
-_UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
-MOST_ROWS = 200
-_MOST_EXPONENTS = 6
-_KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
-_LONGEST_NAME = 40
-_SHOWN_OF_PATHS = (
-    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
-    *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
-)
-
-
 def of_fit(fitted: xr.Dataset) -> Told:
     """Yield the variable in the limit, what separates it from the reference, and the sum of these there."""
     import numpy as np
@@ -153,14 +201,10 @@ def of_fit(fitted: xr.Dataset) -> Told:
         yield Line("note", f"{thick}: leave eps_t out, with levels of your own, for a slab of finite height")
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
-        yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom")
+        yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom, where about 1 is expected")
     if (fitted["error_budget"] > 0).any():
         yield Line("error", _sources(fitted, factor, unit))
-    messages = [str(message).splitlines() for message in fitted["message"].values]
-    for line in dict.fromkeys(line for lines in messages for line in lines):
-        having = [i for i, lines in enumerate(messages) if line in lines]
-        whose = "" if len(having) == len(messages) else _whose(fitted, having)
-        yield Line("note", f"{whose}{line}")
+    yield from _notes(fitted)
 
 
 def of_means(dataset: xr.Dataset, variable: str) -> Told:
@@ -267,7 +311,7 @@ def _distance(fitted: xr.Dataset, limit: str) -> str:
     share = abs(of_limit["extrapolated"] / in_the_limit(fitted)[0]).fillna(0.0)
     worst = int(share.values.argmax())
     finest = fractions(np.atleast_1d(of_limit["finest_eps"].values[worst]))
-    return f"from {finest}, {100 * float(share[worst]):.2g} % remain"
+    return f"from {finest}, {100 * float(share[worst]):.2g} % away from the limit"
 
 
 def _readable_unit(values: xr.DataArray) -> tuple[float, str]:
@@ -343,9 +387,26 @@ def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
     }
 
 
+def _notes(fitted: xr.Dataset) -> Iterator[Line]:
+    """Yield the messages of groups; of a sentence that many groups have with other numbers, the one of the largest."""
+    kinds: dict[str, dict[str, list[int]]] = {}
+    for group, message in enumerate(fitted["message"].values):
+        for line in str(message).splitlines():
+            kinds.setdefault(_NUMBER.sub("", line), {}).setdefault(line, []).append(group)
+    for lines in kinds.values():
+        having = sorted({group for groups in lines.values() for group in groups})
+        if len(having) > _MOST_GROUPS and len(lines) > 1:
+            line = max(lines, key=lambda line: float(_NUMBER.findall(line)[0]))
+            yield Line("note", f"{len(having)} groups, such as {_whose(fitted, lines[line][:1])}{line}")
+            continue
+        for line, groups in lines.items():
+            whose = "" if len(groups) == fitted.sizes["group"] else _whose(fitted, groups)
+            yield Line("note", f"{whose}{line}")
+
+
 def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     """Return which of several groups a note is about."""
-    if len(having) > 3:
+    if len(having) > _MOST_GROUPS:
         return f"{len(having)} of {fitted.sizes['group']} groups: "
     varied = {h: name for h, name in _parameters(fitted).items() if len(set(_values(fitted[name]))) > 1}
     groups = [", ".join(f"{heading} = {_values(fitted[name])[i]}" for heading, name in varied.items()) for i in having]
@@ -358,7 +419,7 @@ def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
     parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
     seconds = fitted.attrs.get("cpu_seconds", 0.0)
     spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
-    return f"largest parts {', '.join(parts)}{f' (in {unit})' if unit else ''}{spent}"
+    return f"largest parts{f' in {unit}' if unit else ''}, added in quadrature: {', '.join(parts)}{spent}"
 
 
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
@@ -388,53 +449,6 @@ def _left_open(fitted: xr.Dataset) -> float:
 
     open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
     return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
-
-
-_WIDE = 24
-_SHOWN = (  # as far as a dataset has them: a loaded body has but the last
-    "force",
-    "line_load",
-    "mean_pressure",
-    "contact_area_fraction",
-    "contact_radius",
-    "approach",
-    "mean_gap",
-    "peak_pressure",
-    "n_segments",
-    "elastic_energy",
-    "kappa",
-    "kappa_r",
-    "plastic_area_fraction",
-    "mean_plastic_depth",
-    "mean_worn_depth",
-    "mean_tangential_traction",
-    "mean_tangential_traction_y",
-    "stick_fraction",
-    "energy_lost",
-    "hysteretic_friction",
-    "hysteretic_friction_error",
-    "time_error",
-)
-_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
-_MEASURES = {  # of a solved contact: words, and the unit of a contact without units
-    "contact_area_fraction": ("contact area fraction", ""),
-    "contact_area_fraction_persson": ("Persson's estimate of it", ""),
-    "mean_gap": ("mean gap over rms height", ""),
-    "perimeter": ("perimeter", "L_x"),
-    "gap_connects": ("channel", ""),
-    "contact_connects": ("contact bridges", ""),
-    "critical_gap": ("critical gap", "L_x"),
-    "largest_gap_fraction": ("largest connected gap", ""),
-    "largest_contact_fraction": ("largest contact cluster", ""),
-    "n_gaps": ("separate gaps", ""),
-    "hydraulic_gap": ("hydraulic gap", "L_x"),
-    "flow_factor": ("flow factor", ""),
-    "conductance": ("conductance", "1/L_x"),
-}
-_PRESCRIBED = (
-    *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
-    *("sliding", "sliding_y", "speed", "time"),
-)
 
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:

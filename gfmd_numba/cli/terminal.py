@@ -23,6 +23,10 @@ if TYPE_CHECKING:
 
 COLUMNS = 80
 _SPACE = "\0"  # within a command, where no line may end: printable text has none
+_GAP = "  "
+_WIDEST_HEADING = 10
+_PATIENCE = 1.0  # s
+_WRITING = ", writing the results"
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
@@ -68,8 +72,10 @@ def warn(text: str) -> None:
     say("gfmd:", text, width=6, err=True)
 
 
-def warn_of_doubts(dataset: xr.Dataset) -> None:
-    """Print the reasons to doubt a result, as its attribute `validity` gives them."""
+def say_doubts(dataset: xr.Dataset) -> None:
+    """Print what was done to measured surfaces, and warn of the reasons to doubt a result."""
+    for sentence in dataset.attrs.get("processing", "").splitlines():
+        say("done", sentence)
     for doubt in dataset.attrs.get("validity", "").splitlines():
         warn(doubt)
 
@@ -81,9 +87,6 @@ def say_command(command: str, *, width: int) -> None:
     lines = wrap(whole, COLUMNS - width - 2, break_long_words=False, break_on_hyphens=False)
     click.echo(" \\\n".join(" " * width + line.replace(_SPACE, " ") for line in lines))
 
-
-_GAP = "  "
-_WIDEST_HEADING = 10
 
 Column = list[str]
 
@@ -131,10 +134,6 @@ def _blocks(keys: list[Column], columns: list[Column]) -> Iterator[list[Column]]
 
 def _length(block: list[Column]) -> int:
     return sum(len(column[0]) for column in block) + len(_GAP) * (len(block) - 1)
-
-
-_PATIENCE = 1.0  # s
-_WRITING = ", writing the results"
 
 
 @contextmanager

@@ -23,6 +23,12 @@ from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.solvers.status import Status
 
 _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
+_LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
+_HELD = 1e-2  # of the work of adhesion, which a node that a law of gap and slip holds has gained at least
+_CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
+_UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
+_DIVISIONS = 12  # halvings of a step at most
+_MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 
 
 def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals, law: NormalLaw) -> float:
@@ -62,14 +68,6 @@ def smallest_curvature(gap: Reals, held: npt.NDArray[np.bool_], stiffness: Reals
             energy, guess, body, partial(filtered, 1.0 / positive), tol=_TOLERANCE, maxiter=_ITERATIONS, largest=False
         )
     return float(values.min())
-
-
-_LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
-_HELD = 1e-2  # of the work of adhesion, which a node that a law of gap and slip holds has gained at least
-_CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
-_UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
-_DIVISIONS = 12  # halvings of a step at most
-_MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,54 @@ from typing import Literal
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS
 
+LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
+TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
+SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
+LOWEST = 0.2  # incompressible slab without a period, over that
+SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
+_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
+_JUNCTIONS_GROW = (
+    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
+    "the pressure alone would let it bear both"
+)
+_INTRODUCTION = """\
+# What can be combined
+
+This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
+prints it.
+
+Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
+all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
+"""
+_REASONS = {
+    "physics": """\
+## Pairs that make no physical sense
+
+No version of `gfmd` will accept these pairs. Entries say what is allowed in place of the last.
+""",
+    "solver": """\
+## Pairs that no solver can do
+
+These pairs make sense, but no solver does both.
+""",
+    "not built yet": """\
+## Pairs that are not built yet
+
+These pairs make sense, and a later version may accept them.
+""",
+    "without effect": """\
+## Options without effect
+
+The refused option would change nothing in such a scene.
+""",
+}
+_SOLVERS = """\
+## What each solver can do
+
+`auto` takes the first solver of the first line that can do all that a scene asks for. If you name one that cannot,
+`gfmd` names those that can.
+"""
+
 
 @dataclass(frozen=True)
 class Refusal:
@@ -27,16 +75,6 @@ class Refusal:
     because: Literal["physics", "solver", "not built yet", "without effect"]
 
 
-LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
-TALLEST = 1.0  # slab without a period under tangential tractions, over the length of the window
-SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
-LOWEST = 0.2  # incompressible slab without a period, over that
-SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
-_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
-_JUNCTIONS_GROW = (
-    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
-    "the pressure alone would let it bear both"
-)
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
 
 
@@ -126,9 +164,16 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
-    for feature in ("duration", "speed"):
-        nothing = "nothing without a relaxation of the body, as nothing else takes time"
-        yield Refusal("elastic bodies", feature, nothing, "without effect")
+    nothing = "nothing without a relaxation of the body, or friction that depends on the slip rate, as nothing else"
+    yield Refusal("timeless", "duration", f"{nothing} takes time", "without effect")
+    nothing = "nothing without a relaxation of the body, as nothing else takes time"
+    yield Refusal("elastic bodies", "speed", nothing, "without effect")
+    told = "a duration or a pressure_rate here, too, where friction depends on the slip rate"
+    yield Refusal("slip rate", "at once", told, "physics")
+    told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
+    yield Refusal("slip rate", "accuracy", told, "not built yet")
+    told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
+    yield Refusal("slip rate", "sticking", told, "physics")
     nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
     yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
     told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
@@ -292,43 +337,6 @@ REFUSALS = (
         "physics",
     ),
 )
-_INTRODUCTION = """\
-# What can be combined
-
-This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
-prints it.
-
-Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
-all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
-"""
-_REASONS = {
-    "physics": """\
-## Pairs that make no physical sense
-
-No version of `gfmd` will accept these pairs. Entries say what is allowed in place of the last.
-""",
-    "solver": """\
-## Pairs that no solver can do
-
-These pairs make sense, but no solver does both.
-""",
-    "not built yet": """\
-## Pairs that are not built yet
-
-These pairs make sense, and a later version may accept them.
-""",
-    "without effect": """\
-## Options without effect
-
-The refused option would change nothing in such a scene.
-""",
-}
-_SOLVERS = """\
-## What each solver can do
-
-`auto` takes the first solver of the first line that can do all that a scene asks for. If you name one that cannot,
-`gfmd` names those that can.
-"""
 PHRASES = {
     "accuracy": "`gfmd accuracy`",
     "anisotropy": "`anisotropy`",
@@ -344,6 +352,9 @@ PHRASES = {
     "path": "a `path`",
     "processes": "several processes (`gfmd solve --mpi`)",
     "surface made as a whole": "a random surface that is not self-affine (`psd`) with an `rms_gradient` of `each`",
+    "at once": "a load or a step that happens at once, without a `duration`",
+    "slip rate": "a friction that depends on the slip rate",
+    "timeless": "bodies without `relaxation`, and no friction that depends on the slip rate",
     "elastic bodies": "bodies without `relaxation`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",

@@ -58,6 +58,12 @@ INDICES = {
 
 
 Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
+_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
+_TOGETHER = "normal displacements of both bodies together, positive towards each other"
+_TOLD = {
+    "residual": "largest unbalanced traction over the largest traction",
+    "n_transforms": "fast Fourier transforms of the surface",
+}
 
 
 @dataclass(frozen=True)
@@ -310,10 +316,8 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         yield from _by_axis("tangential_displacement", "height", moved, contact.sideways[0], " ")
         yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
         if problem.interface.friction is not None:
-            slid = vector_slip.length(tangential.slip[0])
-            divided = problem.duration > 0.0 or problem.wears_by_slip
-            where = "the last division of this step" if divided else "this step"
-            yield "slip", "height", f"way a touching node has slid in {where}, 0 where it sticks", slid
+            slid = vector_slip.length(tangential.slip[0]) if contact.slid is None else contact.slid[0]
+            yield "slip", "height", "way a touching node has slid in this step, 0 where it sticks", slid
     if problem.tractions is not None:
         prescribed = *problem.tractions.tangential, problem.tractions.normal
         for component, values in zip(COMPONENTS[given.file.scene.dimension], prescribed, strict=True):
@@ -459,21 +463,13 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
-    if given.file.scene.creeps and given.file.scene.loading.speed is None:
+    if (given.file.scene.creeps and given.file.scene.loading.speed is None) or given.file.scene.has_slip_rates:
         found["time"] = times_of(scene for scene, _ in given.steps)
     if not given.file.path:
         found = {name: values for name, values in found.items() if name not in SLIDING}
         return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
     n = dataset.sizes["step"]
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
-
-
-_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
-_TOGETHER = "normal displacements of both bodies together, positive towards each other"
-_TOLD = {
-    "residual": "largest unbalanced traction over the largest traction",
-    "n_transforms": "fast Fourier transforms of the surface",
-}
 
 
 def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:

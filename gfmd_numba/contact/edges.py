@@ -29,7 +29,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial import legendre
-from scipy.special import sici
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.stiffness import half_space
@@ -41,6 +40,8 @@ _NEAREST = 0.5  # node spacings from the edge on, up to `_LEAST_NODES`, from whi
 _ROUNDS, _SETTLED = 8, 0.1  # of the extrapolation, and node spacings by which the last one may still move an edge
 _HALF_SPACE_TO_EDGES = 0.02  # of the half-space's excess: bodies thinner than some twenty nodes have another p^2
 _STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 an edge along an axis
+_ZONES = 20  # along a direction, beyond which waves and their aliases are independent
+_HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 
 
 @dataclass(frozen=True)
@@ -67,11 +68,9 @@ class Edge:
 
 _ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0
 _CUBES, _WEIGHTS = _ROOTS**3, 1.5 * _ROOTS**2 * legendre.leggauss(32)[1]  # int_0^1 f by nodes that are dense at 0
-_ZONES = 20  # along a direction, beyond which waves and their aliases are independent
-_HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
 HALF_SPACE = Edge(
     _HALF,
-    2.0 - float(sici(np.pi)[0]) / np.pi,
+    2.0 - 1.851937051982466 / np.pi,  # 2 - Si(pi) / pi
     (
         *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189, 0.116136, 0.1235081, 0.133042, 0.1454299, 0.1621301),
         _HALF,

@@ -101,7 +101,8 @@ class Rubbing:
         assert contact.sideways is not None
         wall = wall_pressure(problem, contact)
         slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.sideways, wall)
-        return cls(problem.interface.conditions.held(wall).ravel(), components(found.traction, wall), slip)
+        held = held_by_friction(problem, contact, wall).ravel()
+        return cls(held, components(found.traction, wall), slip)
 
     def linear(self, before: "Rubbing") -> float:
         """What tractions linear between an earlier contact and this one take, per nominal area."""
@@ -118,6 +119,14 @@ class Rubbing:
         first, last = ((each.traction * slipped).sum(axis=0) for each in (before, self))
         share = np.divide(np.minimum(before.held, self.held), self.held, out=np.zeros_like(last), where=self.held > 0.0)
         return 0.5 * float((np.maximum(first, share * last) + last).mean())
+
+
+def held_by_friction(problem: Problem, contact: Contact, wall: Reals) -> Reals:
+    """Largest tangential traction `[(y,) x]` in g E* by the pressure of the wall and the last slip."""
+    found, step = contact.equilibrium.tangential, contact.step
+    assert found is not None  # of contacts under friction
+    assert step is not None
+    return problem.interface.lasting(step.duration).held(wall, vector_slip.length(found.slip[0]))
 
 
 def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:

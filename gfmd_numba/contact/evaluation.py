@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.regions import regions
 from gfmd_numba.contact import edges
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
@@ -91,22 +91,10 @@ def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
     now, ends = touching(contact), contact.ends or (False,) * (contact.heights.ndim - 1)
     if now.ndim == 3:
-        return np.array([0 if each.all() and not any(ends) else _clusters(each, ends) for each in now])
+        around = [not end for end in ends]
+        return np.array([0 if each.all() and all(around) else regions(each, *around).max() for each in now])
     begun = np.count_nonzero(now & ~beside(contact, now, 1, 1), axis=1)
     return np.asarray(begun + now[:, 0] if any(ends) else begun)
-
-
-def _clusters(flags: npt.NDArray[np.bool_], ends: tuple[bool, ...]) -> int:
-    """Clusters of flags `[y, x]` that touch with a side of a node, on a torus but for axes along which it `ends`."""
-    labels, count = scipy.ndimage.label(flags)
-    joined = np.arange(count + 1)
-    sides = (labels[0], labels[-1]), (labels[:, 0], labels[:, -1])
-    for (one, other), end in zip(sides, ends, strict=True):
-        if end:
-            continue
-        for a, b in {(int(a), int(b)) for a, b in zip(one, other, strict=True) if a and b}:
-            joined[joined == joined[a]] = joined[b]
-    return len(set(joined[1:].tolist()))
 
 
 @once
@@ -341,7 +329,7 @@ def mean_worn_depth(contact: Contact) -> Reals:
 
 
 def time_error(contact: Contact) -> Reals:
-    """Relative error by the divisions of time of all steps so far `[realisation]`."""
+    """Relative error by the divisions of all steps so far `[realisation]`."""
     return np.full(len(contact.heights), contact.time_error)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.contact import branch, plastic_flow, solution, time_steps, two_step
-from gfmd_numba.contact.energy_balance import Balance, components, wall_pressure
+from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
@@ -142,7 +142,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
-    sticks = rubbing < problem.interface.conditions.held(wall) - slack
+    sticks = rubbing < held_by_friction(problem, contact, wall) - slack
     return float((sticks & touching).sum() / touching.sum())
 
 

@@ -9,6 +9,19 @@ from typing import Literal
 
 from gfmd_numba.scene import Scene
 
+_ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
+_OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
+_FLOW = "gfmd_numba.contact.flow_measures"
+_OF_A_LAYER = "it depends on the sublayers, of which limits know nothing"
+# coordinates of what a loading prescribes; the fields of a contact have the short names
+PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
+OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
+OF_TOUCHING = {  # observables, and statistics of a contact, that there are only where nodes touch
+    *("kappa", "kappa_counted", "kappa_edges", "kappa_r", "rms_gradient_contact", "n_segments", "contact_radius"),
+    *("contact_area_fraction", "contact_area_fraction_counted", "contact_area_fraction_persson"),
+    *("perimeter", "contact_connects", "largest_contact_fraction"),
+}
+
 
 @dataclass(frozen=True)
 class Observable:
@@ -54,12 +67,6 @@ class Observable:
         """Why it never has a limit; nothing where it may have one."""
         return _ELSEWHERE.get(self.of, self.no_limit)
 
-
-_ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
-_OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
-
-_FLOW = "gfmd_numba.contact.flow_measures"
-_OF_A_LAYER = "it depends on the sublayers, of which limits know nothing"
 
 OBSERVABLES = {
     "kappa": Observable(
@@ -151,7 +158,7 @@ OBSERVABLES = {
     "time_error": Observable(
         "contact",
         "1",
-        "relative error of pressures and displacements by the divisions of time, of all steps so far",
+        "relative error of pressures and displacements by the divisions of all steps so far",
         needs="divisions",
         no_limit=_OF_AN_ERROR,
     ),
@@ -275,14 +282,6 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
 }
 ROUGH_BODY_OBSERVABLES = {
     "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
-}
-# coordinates of what a loading prescribes; the fields of a contact have the short names
-PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
-OF_PUNCH, OF_SUM = "of the punch", "of the sum of the heights"
-OF_TOUCHING = {  # observables, and statistics of a contact, that there are only where nodes touch
-    *("kappa", "kappa_counted", "kappa_edges", "kappa_r", "rms_gradient_contact", "n_segments", "contact_radius"),
-    *("contact_area_fraction", "contact_area_fraction_counted", "contact_area_fraction_persson"),
-    *("perimeter", "contact_connects", "largest_contact_fraction"),
 }
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 

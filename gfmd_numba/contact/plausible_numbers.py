@@ -10,6 +10,10 @@ from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, numbers_in
 from gfmd_numba.text.numbers import with_prefix
 
+LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
+_LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
+_LIKELY_LOADS = (1e-6, 0.3)  # E*
+
 
 class Common(NamedTuple):
     """Values of a quantity that are common, in SI units, what others are, and the likely units of others."""
@@ -65,7 +69,6 @@ COMMON = {
     **dict.fromkeys(("radius", "radius_y", "width", "edge_radius"), _OF_FORMS),
     **dict.fromkeys(("displacement", "sliding", "sliding_y"), _OF_PUNCHES),
 }
-LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
 _OF_BOUNDARIES = {
     component.key(name): quantity
     for component in COMPONENTS[2]
@@ -79,8 +82,6 @@ _UP_TO_MODULUS = {
 }
 _WITHIN_PERIOD = {"range", "normal_length", "tangential_length", "rms_height", "displacement"}
 _WITHIN_PERIOD |= {name for name, quantity in _OF_BOUNDARIES.items() if quantity is LENGTH}
-_LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
-_LIKELY_LOADS = (1e-6, 0.3)  # E*
 
 
 def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:

@@ -24,6 +24,13 @@ from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options
 
+_TABLES = OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
+_MAKE_NO_NUMBERS = {"analysis", "campaign", "cli", "scene", "simulate", "storage", "text"}  # of what a shard holds
+_TEXT = rb'"""(?s:.*?)"""'
+_PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text that is no docstring stays
+    rb"^[ \t]*(?P<prose>#.*|[rR]?" + _TEXT + rb")?[ \t]*\n|(?P<kept>" + _TEXT + rb")", re.MULTILINE
+)
+
 
 @dataclass(frozen=True)
 class CounterBody:
@@ -169,13 +176,7 @@ class Problem:
         return replace(moved, mean_pressure=pressure, displacement=displacement)
 
 
-_TABLES = OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 _PACKAGE = Path(__file__).parent.parent
-_MAKE_NO_NUMBERS = {"analysis", "campaign", "cli", "scene", "simulate", "storage", "text"}  # of what a shard holds
-_TEXT = rb'"""(?s:.*?)"""'
-_PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text that is no docstring stays
-    rb"^[ \t]*(?P<prose>#.*|[rR]?" + _TEXT + rb")?[ \t]*\n|(?P<kept>" + _TEXT + rb")", re.MULTILINE
-)
 
 
 @lru_cache(maxsize=1)

@@ -13,6 +13,7 @@ import numpy as np
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies, Tractions
 from gfmd_numba.contact.scales import (
     Scales,
+    longest_time,
     plasticity,
     reduced_duration,
     reduced_load,
@@ -54,7 +55,9 @@ def reduce(
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
     is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
     may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
-    interface, interactions = _interface(scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient)
+    interface, interactions = _interface(
+        scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient, longest_time(scene)
+    )
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
     memory = relaxation(scene)
@@ -175,13 +178,17 @@ def _interface(
     may_slip: bool,
     scales: Scales,
     rms_gradient: float,
+    time: float,
 ) -> tuple[Interactions, tuple[Effect, ...]]:
     laws = {name: in_reduced_units(law, scales.length, scales.modulus) for name, law in asked.laws.items()}
-    interactions = Interactions.scaled(asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient)
+    units = scales.modulus * rms_gradient, scales.length * rms_gradient / time
+    interactions = Interactions.scaled(
+        asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient, time, units
+    )
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
     reason = "" if interactions.friction is None or may_slip else _why_nothing_slips(body, counter)
     if reason:
-        interactions = replace(interactions, friction=None)
+        interactions = replace(interactions, friction=None, slip_rate=None)
         effects["friction"] = Effect("friction", "dropped", reason)
     if interactions.hardness is not None:
         effects["hardness"] = Effect("hardness", "on", f"the pressure is at most {interactions.hardness:.4g} g E*")

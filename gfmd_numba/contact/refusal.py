@@ -10,7 +10,7 @@ from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSA
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
 from gfmd_numba.scene.body_record import Layer, Material
 from gfmd_numba.scene.document import Location
-from gfmd_numba.scene.interface_records import LawOfTheGap
+from gfmd_numba.scene.interface_records import Friction, LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import in_unit_of
@@ -117,6 +117,8 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
     if not of_time:
         yield "elastic bodies", ("scene", "body")
+        if isinstance(scene, LoadedBody) or not scene.has_slip_rates:
+            yield "timeless", ("scene", "body")
         if isinstance(scene, LoadedBody) or not scene.wears_by_slip:
             yield "undivided steps", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
@@ -184,6 +186,8 @@ def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
     for name, law in scene.interface.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
             yield feature, ("scene", "interface", name)
+        if isinstance(law, Friction) and law.depends_on_rate:
+            yield "slip rate", ("scene", "interface", name)
         if isinstance(law, LawOfTheGap) and law.pattern is not None:
             yield "pattern", ("scene", "interface", name, "pattern")
 
@@ -197,6 +201,8 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location
     for place, load in loads:
         given = (name for name in ("duration", "pressure_rate") if getattr(load, name) is not None)
         yield from (("duration", (*place, name)) for name in given)
+        if load.duration is None and load.pressure_rate is None:
+            yield "at once", place
     if scene.loading.speed is not None:
         yield "speed", ("scene", "loading", "speed")
     if scene.interface.wear is not None:

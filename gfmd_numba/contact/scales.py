@@ -25,6 +25,8 @@ from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_unit_of, quantities, rounded
 
 _INCOMPRESSIBLE = 0.5 - 1e-12
+SLIDING = ("sliding", "sliding_y")
+_YIELDS = "the body yields at all depths"
 
 
 def effective_modulus(body: Body, in_pascal: bool) -> float:
@@ -169,8 +171,6 @@ def whole_body_yields(body: Body) -> float:
 
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
-SLIDING = ("sliding", "sliding_y")
-
 
 def reduced_load(scene: Scene, rms_gradient: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
@@ -244,9 +244,6 @@ def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] |
         return min(hardnesses)
     works, ranges = grid.get("work_of_adhesion", (law.work_of_adhesion,)), grid.get("interaction_range", (law.range,))
     return min(hardnesses) - law.pull * max(max(works) / length for length in (min(ranges), max(ranges)))
-
-
-_YIELDS = "the body yields at all depths"
 
 
 def at_most(interface: Interface) -> str:

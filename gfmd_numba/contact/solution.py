@@ -59,14 +59,15 @@ def solve(problem: Problem, state: State | range) -> Contact:
     if change.out is not None:
         punch -= change.out
     drag = np.reshape(step.sliding, (-1, *(1 for _ in heights.shape[1:])))
-    is_cohesive = problem.interface.cohesive is not None  # slip then counts from where the punch came
+    laws = problem.interface.lasting(step.duration)
+    is_cohesive = laws.cohesive is not None  # slip then counts from where the punch came
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
         response = felt(_response(problem), change)
-        equilibrium = equilibrate(punch, response, load, problem.numerics, problem.interface, start, slid)
+        equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
@@ -89,7 +90,8 @@ def _without_period(
     problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, laws, change = punch.shape[1:], problem.interface, state.change(problem.step)
+    shape, change = punch.shape[1:], state.change(problem.step)
+    laws = problem.interface.lasting(problem.duration)
     response = felt(free_response(problem), change)
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach

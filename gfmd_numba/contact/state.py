@@ -18,6 +18,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 Found = TypeVar("Found")
+_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 class LoadStep(NamedTuple):
@@ -77,7 +78,6 @@ class Change:
 
 
 NO_CHANGE = Change()
-_COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 
 def _sum(parts: Iterable[Any]) -> Any:
@@ -201,10 +201,10 @@ class Contact:
     `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
     `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
     displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
-    it is empty with a period. `time_error` is the relative error by the divisions of time of all steps so far, 0 where
-    no step takes time. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite
-    without any. `pull` is what a law of the gap pulls at no gap `[(y,) x]`, 0 without one. `found` is what observables
-    have found.
+    it is empty with a period. `time_error` is the relative error by the divisions of all steps so far, 0 where no step
+    is divided. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite without
+    any, and `slid` `[realisation, (y,) x]` the way of each node along the punch in all of them, None without any.
+    `pull` is what a law of the gap pulls at no gap `[(y,) x]`, 0 without one. `found` is what observables have found.
     """
 
     heights: Reals
@@ -219,6 +219,7 @@ class Contact:
     ends: tuple[bool, ...] = ()
     time_error: float = 0.0
     least_pressure: float = np.inf
+    slid: Reals | None = None
     pull: Reals | float = 0.0
     found: dict[object, Any] = field(default_factory=dict, init=False, repr=False, compare=False)
 

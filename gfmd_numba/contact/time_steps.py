@@ -10,11 +10,14 @@ from dataclasses import replace
 from itertools import pairwise
 from math import expm1, inf, log1p, nan
 
+import numpy as np
+
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.relaxation import tractions_of
 from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
@@ -71,6 +74,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     start = state.step_before(problem.step)
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
+    slid: Reals | None = None
     slides = (problem.passing is not None or problem.wears_by_slip) and start.sliding != problem.step.sliding
     growth = _EVENLY if slides or series is None else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
@@ -78,10 +82,13 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
         step = start.towards(problem.step, share)._replace(duration=(share - gone) * problem.duration)
         solved = solution.solve(problem.under(step), state)
         spent.append(solved.equilibrium)
+        if solved.equilibrium.tangential is not None:
+            way = vector_slip.length(np.moveaxis(solved.equilibrium.tangential.slip, 1, 0))
+            slid = way if slid is None else slid + way
         if solved.equilibrium.status[0] != Status.ok:
             break
         state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
-    return replace(solved, least_pressure=least), spent
+    return replace(solved, least_pressure=least, slid=slid), spent
 
 
 def difference(coarse: Contact, fine: Contact) -> float:

@@ -39,7 +39,7 @@ from functools import lru_cache
 from math import ceil, hypot
 
 import numpy as np
-from scipy.special import erfc, itj0y0, j0, j1, jn, sici
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
@@ -158,7 +158,7 @@ def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
     else:
         r = np.arange(-6.0, hypot(1.0, 1.0) * q[-1] / _FINE + 8.0) * _FINE / q[-1]
         weights = weights * (q / body.condensed_stiffness(q) - 2.0)
-        along_r = np.array([weights @ j0(q * each) for each in r]) / (2.0 * np.pi)
+        along_r = np.array([weights @ scipy.special.j0(q * each) for each in r]) / (2.0 * np.pi)
         smooth = make_interp_spline(r, along_r, 5)(np.hypot(x[:, np.newaxis], x))
         along = np.pi * np.arange(n + 1, dtype=np.float64)
         found, waves = 2.0 * _of_maps(n, "1"), np.hypot(along[:, np.newaxis], along)
@@ -184,7 +184,7 @@ def displaced_by_layers(body: ElasticBody) -> float:
 
 def _short(q: Reals) -> Reals:
     """Share of waves of these numbers that counts as short."""
-    return np.asarray(0.5 * erfc((_LONG - q) / _WITHIN))
+    return np.asarray(0.5 * scipy.special.erfc((_LONG - q) / _WITHIN))
 
 
 @lru_cache(maxsize=1)
@@ -263,7 +263,7 @@ def _of_profiles(n: int) -> tuple[Reals, Reals]:
     """Transforms `[n + 1]` of ln(1 / |x|) / pi and of sgn(x) / 2, both cut at the length of the window."""
     q = np.pi * np.arange(n + 1)
     q[0] = 1.0
-    isotropic, odd = 2.0 * sici(q)[0] / (np.pi * q), np.where(np.arange(n + 1) % 2 == 1, 2.0, 0.0) / q
+    isotropic, odd = 2.0 * scipy.special.sici(q)[0] / (np.pi * q), np.where(np.arange(n + 1) % 2 == 1, 2.0, 0.0) / q
     isotropic[0], odd[0], odd[-1] = 2.0 / np.pi, 0.0, 0.0
     return isotropic, odd
 
@@ -313,6 +313,9 @@ def kernel_of_maps(n: int, kind: str) -> Reals:
 
 def _cut(z: Reals, m: int) -> Reals:
     """Share int_0^z J_m(t) dt - J_(m+1)(z) of the transform that is left once its kernel is cut, z = q R."""
+    bessel = scipy.special
     if m == 0:
-        return np.asarray(itj0y0(z)[0] - j1(z))
-    return np.asarray(1.0 - j0(z) - jn(2, z) if m == 1 else itj0y0(z)[0] - 2.0 * j1(z) - jn(3, z))
+        return np.asarray(bessel.itj0y0(z)[0] - bessel.j1(z))
+    if m == 1:
+        return np.asarray(1.0 - bessel.j0(z) - bessel.jn(2, z))
+    return np.asarray(bessel.itj0y0(z)[0] - 2.0 * bessel.j1(z) - bessel.jn(3, z))

@@ -23,7 +23,7 @@ from functools import reduce
 from typing import Any
 
 import numpy as np
-from scipy.fft import dct, dst
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
 
@@ -108,9 +108,9 @@ def of_half_a_period(samples: Reals, axis: int = -1, odd: bool = False) -> Reals
     Those of odd samples are without the factor -i.
     """
     if not odd:
-        return np.asarray(dct(samples, type=1, axis=axis))
+        return np.asarray(scipy.fft.dct(samples, type=1, axis=axis))
     inside = np.moveaxis(samples, axis, -1)[..., 1:-1]
-    return np.moveaxis(np.pad(dst(inside, type=1), (*((0, 0),) * (samples.ndim - 1), (1, 1))), -1, axis)
+    return np.moveaxis(np.pad(scipy.fft.dst(inside, type=1), (*((0, 0),) * (samples.ndim - 1), (1, 1))), -1, axis)
 
 
 def derivative(spectrum: Complexes) -> Complexes:

@@ -17,6 +17,11 @@ from gfmd_numba.arrays import Complexes, Indices, Numbers, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier.grid import wave_indices
 
+_FIRST = np.zeros(1, dtype=np.int64)
+_ROWS, _COLUMNS = 16, 8  # of a large map that are transformed together: 8 columns of 2048 nodes fit into 256 kB
+_LARGE = 2**20  # nodes of a map that is transformed in pieces
+_LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
+
 
 def _compiled_pyfftw() -> Any:
     """Compiled module of pyfftw, without the interfaces for which its package imports dask.array and scipy.fftpack.
@@ -40,10 +45,6 @@ def _compiled_pyfftw() -> Any:
 
 
 pyfftw = _compiled_pyfftw()
-_FIRST = np.zeros(1, dtype=np.int64)
-_ROWS, _COLUMNS = 16, 8  # of a large map that are transformed together: 8 columns of 2048 nodes fit into 256 kB
-_LARGE = 2**20  # nodes of a map that is transformed in pieces
-_LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
 def library_version() -> str:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import isinf
+from math import inf, isinf
 from pkgutil import resolve_name
 from typing import Any, Self
 
@@ -12,8 +12,10 @@ from gfmd_numba import kernels, scene
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
+from gfmd_numba.interface.slip_rate import SlipRateFriction, UserFunction
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from gfmd_numba.scene.interface_records import Friction
 
 
 @dataclass(frozen=True)
@@ -22,8 +24,8 @@ class Interactions:
 
     `friction` is Coulomb's coefficient, infinite for touching nodes that stick, None for a frictionless interface.
     `hardness` bounds the pressure of the hard wall, `shear_limit` what friction holds, in g E*, which rises by
-    `shear_rise` times the pressure. `laws` are the names of
-    all that acts, as in the scene file.
+    `shear_rise` times the pressure. Where friction depends on the slip rate or is a user's, `slip_rate` says what it
+    holds, and `friction` is the coefficient at rest. `laws` are the names of all that acts, as in the scene file.
     """
 
     hard_wall: bool
@@ -33,16 +35,27 @@ class Interactions:
     hardness: float | None = None
     shear_limit: float | None = None
     shear_rise: float = 0.0
+    slip_rate: SlipRateFriction | None = None
 
     @classmethod
-    def scaled(cls, asked: scene.Interface, length: float, energy: float) -> Self:
-        """Interactions of a scene, their lengths and their energies per area over these."""
+    def scaled(
+        cls,
+        asked: scene.Interface,
+        length: float,
+        energy: float,
+        time: float = 1.0,
+        units: tuple[float, float] = (1.0, 1.0),
+    ) -> Self:
+        """Interactions of a scene, their lengths, energies per area and slip rates over these.
+
+        `units` are what a pressure of 1 is then in Pa, and a slip rate of 1 in m/s.
+        """
         computed: dict[str, Any] = {
             law.ability: resolve_name(law.implementation).scaled(law, length, energy)
             for law in asked.laws.values()
             if law.implementation is not None
         }
-        rubs = asked.friction
+        rubs, stress = asked.friction, energy / length
         friction, limit, rise = (
             (None, None, 0.0) if rubs is None else (rubs.coefficient, rubs.limit, rubs.pressure_coefficient)
         )
@@ -51,10 +64,20 @@ class Interactions:
             computed.get("normal law"),
             friction,
             computed.get("cohesive law"),
-            None if asked.hardness is None else asked.hardness / (energy / length),
-            None if limit is None else limit / (energy / length),
+            None if asked.hardness is None else asked.hardness / stress,
+            None if limit is None else limit / stress,
             rise,
+            None if rubs is None or not rubs.depends_on_rate else _slip_rate(rubs, stress, length / time, units),
         )
+
+    def lasting(self, duration: float) -> Self:
+        """The same in a step of a duration, which slip rates know."""
+        return self if self.slip_rate is None else replace(self, slip_rate=self.slip_rate.lasting(duration))
+
+    def held(self, pressure: Reals, slip: Reals) -> Reals:
+        """Largest tangential traction by the pressure and the slip of a step."""
+        bound = self.conditions if self.slip_rate is None else self.slip_rate
+        return bound.held(pressure, slip)
 
     def patterned(self, pattern: Reals, padded: tuple[int, ...]) -> Self:
         """Interactions whose law of the gap has a pattern `[(y,) x]`, on the grid `padded` around it."""
@@ -71,7 +94,11 @@ class Interactions:
     @cached_property
     def abilities(self) -> tuple[str, ...]:
         """What the laws ask of a solver."""
-        more = {"hardness": self.hardness is not None, "sticking": self.friction is not None and isinf(self.friction)}
+        more = {
+            "hardness": self.hardness is not None,
+            "sticking": self.friction is not None and isinf(self.friction),
+            "slip rate": self.slip_rate is not None,
+        }
         return tuple(LAWS[name].ability for name in self.laws) + tuple(name for name, is_so in more.items() if is_so)
 
     @property
@@ -100,3 +127,17 @@ class Interactions:
     def _path(law: object) -> str:
         law = law.law if isinstance(law, PatternedLaw) else law
         return f"{type(law).__module__}:{type(law).__qualname__}"
+
+
+def _slip_rate(rubs: Friction, stress: float, speed: float, units: tuple[float, float]) -> SlipRateFriction:
+    """Friction that depends on the slip rate, its stresses and slip rates over these."""
+    limit = inf if rubs.limit is None else rubs.limit / stress
+    return SlipRateFriction(
+        rubs.coefficient,
+        rubs.velocity_strengthening or 0.0,
+        1.0 if rubs.reference_velocity is None else rubs.reference_velocity / speed,
+        (0.0, *(rate / speed for rate in rubs.slip_rates)) if rubs.slip_rates else (),
+        (rubs.coefficient, *rubs.coefficients) if rubs.slip_rates else (),
+        limit if rubs.function is None else UserFunction(rubs.function, *units),
+        rubs.pressure_coefficient,
+    )

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
@@ -77,7 +77,7 @@ class SumOfPowers(NormalLaw):
         if self._excess(nearest, pressure) > 0.0:
             while self._excess(far, pressure) > 0.0:
                 far *= 2.0
-            nearest = brentq(self._excess, nearest, far, (pressure,))
+            nearest = scipy.optimize.brentq(self._excess, nearest, far, (pressure,))
         return max(0.0, float(self.stiffness(np.asarray(nearest))))
 
     def _excess(self, gap: float, pressure: float) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from scipy.special import lambertw
+import scipy  # its modules load with their first use
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
@@ -85,7 +85,7 @@ class XuNeedlemanLaw:
 
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Bound of the stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
-        depth = 0.0 if hard_wall else float(lambertw(pressure * self.normal / self.work).real)
+        depth = 0.0 if hard_wall else float(scipy.special.lambertw(pressure * self.normal / self.work).real)
         normal = self.work / self.normal**2 * (1.0 + depth) * np.exp(depth)
         # the coupling is largest at gap = normal, slip = tangential / sqrt 2
         coupling = self.work / (self.normal * self.tangential) * np.sqrt(2.0) * np.exp(-1.5)

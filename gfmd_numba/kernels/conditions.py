@@ -12,18 +12,35 @@ class Conditions(NamedTuple):
     """What holds at a node that touches: its pressure is at most `hardness`, its `friction` holds that times pressure.
 
     Without a hardness that is infinite; without friction that is 0, and no node bears a tangential traction. None
-    bears more than the `limit`, which may have a `rise` with the pressure.
+    bears more than the `limit`, which may have a `rise` with the pressure. Where friction depends on more, `bounds`
+    `[realisation, node]` is what it holds; empty otherwise.
     """
 
     hardness: float = np.inf
     friction: float = 0.0
     limit: float = np.inf
     rise: float = 0.0
+    bounds: Reals = np.empty((0, 0))
 
-    def held(self, pressure: Reals) -> Reals:
-        """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction."""
-        held = np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
-        return np.minimum(held, self.limit + self.rise * np.maximum(pressure, 0.0))
+    def held(self, pressure: Reals, slip: Reals | None = None) -> Reals:
+        """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction.
+
+        The slip is of no account here.
+        """
+        return np.minimum(self.tried(pressure), self.limit + self.rise * np.maximum(pressure, 0.0))
+
+    def tried(self, pressure: Reals) -> Reals:
+        """What friction would hold without a limit."""
+        return np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
+
+    def near(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
+        """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
+        limited = (self.friction - self.rise) * pressure > self.limit
+        return (
+            np.where(limited, self.limit, 0.0) if limited.any() else None,
+            np.where(limited, self.rise, self.friction),
+            None,
+        )
 
 
 class State(NamedTuple):
@@ -108,6 +125,8 @@ def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -
         violation, slid = np.sqrt(traction), np.sqrt(way)
         pressure = load[i] - ku[i, normal, j]
         held = min(friction * pressure, conditions.limit + conditions.rise * pressure)
+        if conditions.bounds.size > 0:
+            held = conditions.bounds[i, j]
         if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
             if slid > 0.0 and np.isinf(friction):
                 violation = max(violation, pressure)

@@ -134,11 +134,9 @@ def newton_direction(z: Reals, step: float, last: float, nodes: Indices, count: 
 
 
 @jit
-def newton_update(
-    iterate: Iterate, energy: float, nodes: Indices, count: int, n: int, r: Reals, free_mean: bool
-) -> float:
-    """Line search along the direction; the step."""
-    p, gap, t, st = iterate
+def newton_update(iterate: Iterate, energy: float, nodes: Indices, count: int, r: Reals, free_mean: bool) -> float:
+    """Line search along the direction, of all but the gap; the step."""
+    p, t, st = iterate.p, iterate.t, iterate.st
     curvature = 0.0
     for k in range(count):
         curvature += t[nodes[k]] * st[nodes[k]]
@@ -148,9 +146,14 @@ def newton_update(
         r[k] -= step * st[nodes[k]]
     if free_mean:
         without_mean(r, count)
-    for j in range(n):
-        gap[j] += step * st[j]
     return step
+
+
+@jit
+def add_displacement(gap: Reals, st: Reals, step: float) -> None:
+    """Add what a step along a direction opens to the gap."""
+    for j in range(gap.size):
+        gap[j] += step * st[j]
 
 
 @jit

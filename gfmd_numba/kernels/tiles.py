@@ -6,7 +6,7 @@ Rows of a transform's memory may be longer than those of the map.
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals, Shorts
 from gfmd_numba.kernels.compilation import jit
 
 TILE = 8  # nodes along each side
@@ -25,55 +25,6 @@ def surround(tiles: Indices, places: Indices, down: int, across: int, ends: tupl
                 row, column = y + j - 1, x + i - 1
                 beyond = (ends[0] and not 0 <= row < down) or (ends[1] and not 0 <= column < across)
                 around[k, 3 * j + i] = tiles.size if beyond else places[row % down * across + column % across]
-
-
-@jit
-def tile_stencil(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
-    """Convolution of the values with a stencil `[2 reach + 1, 2 reach + 1]`, even along y, reach at most TILE."""
-    reach = stencil.shape[0] // 2
-    width = TILE + 2 * reach
-    patch = np.zeros((width, width))
-    loaded = np.zeros(width, dtype=np.bool_)
-    folded = np.zeros(width)  # rows above and below a node have the same weights
-    for k in range(around.shape[0]):
-        for b in range(3):
-            for a in range(3):
-                tile = values[around[k, 3 * b + a]]
-                up, left = reach + (b - 1) * TILE, reach + (a - 1) * TILE
-                first, last = max(left, 0), min(left + TILE, width)
-                for j in range(max(up, 0), min(up + TILE, width)):
-                    for i in range(first, last):
-                        patch[j, i] = tile[j - up, i - left]
-        for j in range(width):
-            largest = 0.0
-            for i in range(width):
-                largest += abs(patch[j, i])
-            loaded[j] = largest != 0.0  # not-a-number too
-        for y in range(TILE):
-            s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
-            for j in range(reach + 1):
-                above, below = y + reach - j, y + reach + j
-                if not (loaded[above] or loaded[below]):
-                    continue
-                if j == 0:
-                    row = patch[above]
-                else:
-                    for i in range(width):
-                        folded[i] = patch[above, i] + patch[below, i]
-                    row = folded
-                weights = stencil[reach + j]
-                for i in range(2 * reach + 1):
-                    c = weights[i]
-                    s0 += c * row[i]
-                    s1 += c * row[i + 1]
-                    s2 += c * row[i + 2]
-                    s3 += c * row[i + 3]
-                    s4 += c * row[i + 4]
-                    s5 += c * row[i + 5]
-                    s6 += c * row[i + 6]
-                    s7 += c * row[i + 7]
-            out = product[k, y]
-            out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
 
 
 @jit
@@ -101,11 +52,13 @@ def convolve_loaded(
     tiles_each_way: tuple[int, int],
     ends: tuple[bool, bool],
     kernel: Reals,
+    reach: int,
     product: Reals,
 ) -> None:
     """Fill the product on some tiles `[k, TILE, TILE]` with the convolution of what `list_loaded` has listed.
 
-    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and reaches the D tiles in each direction.
+    The kernel `[2 r + 1, 2 r + 1]`, r = (D + 1) TILE - 1, is even, and zero beyond its `reach` of nodes, at most D
+    tiles and the nodes of another but one.
     """
     starts, nodes, loads = loaded
     down, across = tiles_each_way
@@ -113,7 +66,7 @@ def convolve_loaded(
     distance = (width // 2 + 1) // TILE - 1
     around = 2 * distance + 1
     flat = kernel.reshape(-1)
-    offsets, v = np.empty(around**2 * TILE**2, dtype=np.int64), np.empty(around**2 * TILE**2)
+    offsets, v = np.empty(around**2 * TILE**2, dtype=np.uint64), np.empty(around**2 * TILE**2)
     for k in range(tiles.size):
         y, x = tiles[k] // across, tiles[k] % across
         count = 0
@@ -130,23 +83,24 @@ def convolve_loaded(
                         continue
                     column %= across
                 place = places[row * across + column]
-                corner = (width // 2 - j * TILE) * width + width // 2 - i * TILE
                 for s in range(starts[place], starts[place + 1]):
-                    offsets[count] = corner - nodes[s] // TILE * width - nodes[s] % TILE
-                    v[count] = loads[s]
-                    count += 1
+                    down_by, right_by = j * TILE + nodes[s] // TILE, i * TILE + nodes[s] % TILE
+                    if -reach <= down_by < TILE + reach and -reach <= right_by < TILE + reach:
+                        offsets[count] = np.uint64((width // 2 - down_by) * width + width // 2 - right_by)
+                        v[count] = loads[s]
+                        count += 1
         for line in range(TILE):
             s0 = s1 = s2 = s3 = s4 = s5 = s6 = s7 = 0.0  # a row of the tile, in registers
             for s in range(count):
-                o, c = offsets[s] + line * width, v[s]
+                o, c = offsets[s] + np.uint64(line * width), v[s]  # without a sign, eight at once
                 s0 += c * flat[o]
-                s1 += c * flat[o + 1]
-                s2 += c * flat[o + 2]
-                s3 += c * flat[o + 3]
-                s4 += c * flat[o + 4]
-                s5 += c * flat[o + 5]
-                s6 += c * flat[o + 6]
-                s7 += c * flat[o + 7]
+                s1 += c * flat[o + np.uint64(1)]
+                s2 += c * flat[o + np.uint64(2)]
+                s3 += c * flat[o + np.uint64(3)]
+                s4 += c * flat[o + np.uint64(4)]
+                s5 += c * flat[o + np.uint64(5)]
+                s6 += c * flat[o + np.uint64(6)]
+                s7 += c * flat[o + np.uint64(7)]
             out = product[k, line]
             out[0], out[1], out[2], out[3], out[4], out[5], out[6], out[7] = s0, s1, s2, s3, s4, s5, s6, s7
 
@@ -224,25 +178,81 @@ def gather_back(
 
 
 @jit
-def sum_tiles(weights: Reals, values: Reals, tiles: Indices, across: int, sums: Reals) -> None:
-    """Weighted sums of the values over blocks of 2 x 2 tiles, on a map of `across` tiles in a row."""
-    sums[:] = 0.0
-    for k in range(tiles.size):
-        total = 0.0
-        for y in range(TILE):
-            for x in range(TILE):
-                total += weights[k, y, x] * values[k, y, x]
-        sums[tiles[k] // across // 2, tiles[k] % across // 2] += total
+def list_neighbours(
+    nodes: Indices,
+    tiles: Indices,
+    around: Indices,
+    tiles_across: int,
+    blocks_across: int,
+    numbers: Shorts,
+    neighbours: Shorts,
+    blocks: Shorts,
+) -> None:
+    """Fill the numbers of the eight nodes around each listed one `[node, 8]`, and how many there are where none is.
+
+    Also the block of 2 x 2 tiles `[node]` that holds each. `numbers` `[m + 1, TILE, TILE]` is room; tiles around tiles
+    are those of `surround`.
+    """
+    numbers[:] = nodes.size
+    flat = numbers.reshape(-1)
+    for k in range(nodes.size):
+        flat[nodes[k]] = k
+    for k in range(nodes.size):
+        node, found = nodes[k], neighbours[k]
+        y, x, tile = node // TILE % TILE, node % TILE, tiles[node // TILE**2]
+        blocks[k] = tile // tiles_across // 2 * blocks_across + tile % tiles_across // 2
+        if 0 < y < TILE - 1 and 0 < x < TILE - 1:
+            found[0], found[1], found[2] = flat[node - TILE - 1], flat[node - TILE], flat[node - TILE + 1]
+            found[3], found[4] = flat[node - 1], flat[node + 1]
+            found[5], found[6], found[7] = flat[node + TILE - 1], flat[node + TILE], flat[node + TILE + 1]
+            continue
+        for j in range(8):
+            of_nine = j if j < 4 else j + 1
+            down, right = y + of_nine // 3 - 1, x + of_nine % 3 - 1
+            place = around[node // TILE**2, 4 + 3 * (down // TILE) + right // TILE]
+            found[j] = numbers[place, down % TILE, right % TILE]
 
 
 @jit
-def soften_tiles(pressure: Reals, weights: Reals, shared: Reals, tiles: Indices, across: int) -> None:
-    """Take the displacement that a block of 2 x 2 tiles shares, times the weights, off the pressure."""
-    for k in range(tiles.size):
-        common = shared[tiles[k] // across // 2, tiles[k] % across // 2]
-        for y in range(TILE):
-            for x in range(TILE):
-                pressure[k, y, x] -= weights[k, y, x] * common
+def near_pressure(
+    u: Reals,
+    neighbours: Shorts,
+    stencil: Reals,
+    some: tuple[int, int],
+    isolated: Reals,
+    blocks: Shorts,
+    p: Reals,
+    sums: Reals,
+) -> None:
+    """Pressure on some of the nodes, from the first to the last but one, by a stencil `[3, 3]` of their displacements.
+
+    `u` has a 0 behind the last one. Add up the pressures that displacements of the `isolated` nodes cause in `blocks`.
+    """
+    w = stencil.reshape(-1)
+    for k in range(some[0], some[1]):
+        j = neighbours[k]
+        total = w[4] * u[k]
+        for i in range(4):
+            total += w[i] * u[j[i]] + w[5 + i] * u[j[4 + i]]
+        p[k] = total
+        sums[blocks[k]] += isolated[k] * u[k]
+
+
+@jit
+def soften_nodes(p: Reals, isolated: Reals, blocks: Shorts, shared: Reals) -> None:
+    """Take the displacement that a block shares, times what an `isolated` node resists, off the pressures."""
+    for k in range(blocks.size):
+        p[k] -= isolated[k] * shared[blocks[k]]
+
+
+@jit
+def convolve_few(load: Reals, rows: Indices, columns: Indices, kernel: Reals, product: Reals) -> None:
+    """Convolve loads on few nodes of a periodic map with its even kernel `[y, x]`, on these nodes."""
+    for k in range(rows.size):
+        total = 0.0
+        for j in range(rows.size):
+            total += kernel[abs(rows[k] - rows[j]), abs(columns[k] - columns[j])] * load[j]
+        product[k] = total
 
 
 @jit

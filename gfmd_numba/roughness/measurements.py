@@ -14,6 +14,12 @@ from gfmd_numba.scene.units import METRES, PERIOD
 
 _CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
+UNEVEN = 1e-3  # of the spacing, by which neighbours in a file may be nearer or further than others
+_ROUNDED = 1e-2  # of the spacing, by which positions may be off even ones, as numbers of few digits are
+_EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
+_ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
+_FEWEST = 4  # values that make an axis on their own
+_SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
 
 @dataclass(frozen=True)
@@ -152,14 +158,6 @@ def _words(axes: list[str]) -> str:
 
 def _example(axes: list[str]) -> str:
     return "{" + ", ".join(f"{axis}: {'um' if axis == 'z' else 'mm'}" for axis in axes) + "}"
-
-
-UNEVEN = 1e-3  # of the spacing, by which neighbours in a file may be nearer or further than others
-_ROUNDED = 1e-2  # of the spacing, by which positions may be off even ones, as numbers of few digits are
-_EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
-_ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
-_FEWEST = 4  # values that make an axis on their own
-_SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
 
 def laid_out(

@@ -37,7 +37,8 @@ def detrended(heights: Reals, detrend: Detrend) -> tuple[Reals, tuple[str, ...]]
     if detrend == "none":
         return heights, ()
     trend = polynomial(heights, _ORDER[detrend])
-    return heights - trend, (f"subtracted the {detrend} fitted by least squares, of rms height {trend.std():g}",)
+    share = 100.0 * trend.var() / (heights.var() or 1.0)
+    return heights - trend, (f"subtracted the fitted {detrend}, {share:.2g} % of the mean square height",)
 
 
 def made_periodic(

@@ -7,16 +7,24 @@ Of the two models of maps whose directions differ, the thesis prints the spectra
 (3.14), and leaves sqrt(2H) out of the lengths.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
 import numpy as np
-from scipy.special import gamma, gammaln, hankel1, hyp2f1, j0, kv
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 
-_RIPPLE = {1: np.cos, 2: j0}  # mean of a wave over the directions from a point, by the dimension
+# mean of a wave over the directions from a point, by the dimension
+_RIPPLE: dict[int, Callable[[Reals], Reals]] = {1: np.cos, 2: lambda phase: scipy.special.j0(phase)}
 _SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
+_FAR = 30.0
+_TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
+_STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
+_REACH = 700  # steps below log r = 0, to r = 6e-19
+_FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
+_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
 
 
 @dataclass(frozen=True)
@@ -154,7 +162,7 @@ class Mounded:
 def matern(z: Reals, order: float) -> Reals:
     """Correlation 2^(1-H) / Gamma(H) z^H K_H(z) `[...]` of z >= 0, which is 1 at z = 0 (3.13)."""
     with np.errstate(invalid="ignore"):
-        found = 2.0 * np.exp(-gammaln(order)) * (z / 2.0) ** order * kv(order, z)
+        found = 2.0 * np.exp(-scipy.special.gammaln(order)) * (z / 2.0) ** order * scipy.special.kv(order, z)
     return np.where(z == 0.0, 1.0, found)
 
 
@@ -212,7 +220,7 @@ class ScalingAnisotropicSpectrum:
         """Spectral density `[...]` at wave vectors (q_x, q_y) (3.16 over 2 pi)."""
         found = np.ones(())
         for q, length, hurst in zip((q_x, q_y), self.correlation_lengths, self.hursts, strict=True):
-            peak = length * gamma(hurst + 0.5) / (np.sqrt(np.pi) * gamma(hurst))
+            peak = length * scipy.special.gamma(hurst + 0.5) / (np.sqrt(np.pi) * scipy.special.gamma(hurst))
             found = found * peak * (1.0 + (q * length) ** 2) ** (-0.5 - hurst)
         return np.asarray(found)
 
@@ -232,7 +240,7 @@ Anisotropic = LengthAnisotropicSpectrum | ScalingAnisotropicSpectrum  # of maps 
 
 def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
     scale, h, d = model.correlation_length / np.sqrt(2.0 * model.hurst), model.hurst, model.dimension
-    return float(scale**d * np.exp(gammaln(h + d / 2.0) - gammaln(h)) / np.pi ** (d / 2.0))
+    return float(scale**d * np.exp(scipy.special.gammaln(h + d / 2.0) - scipy.special.gammaln(h)) / np.pi ** (d / 2.0))
 
 
 def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
@@ -242,7 +250,7 @@ def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> 
     # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
     ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
     b_squared = (2.0 * a * q * mound / centre) ** 2
-    series = hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
+    series = scipy.special.hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
     return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
 
 
@@ -278,17 +286,11 @@ def _require(condition: bool, otherwise: str) -> None:
 
 
 # outgoing wave, by the dimension, of a phase
-_WAVE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: hankel1(0, phase)}
+_WAVE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: scipy.special.hankel1(0, phase)}
 _LOG_SIZE = {  # of the terms of the series, by the dimension, of alpha k and ln k!
-    1: lambda alpha_k, factorial: gammaln(alpha_k + 1.0) - factorial,
-    2: lambda alpha_k, factorial: 2.0 * gammaln(1.0 + alpha_k / 2.0) - factorial + alpha_k * np.log(2.0),
+    1: lambda alpha_k, factorial: scipy.special.gammaln(alpha_k + 1.0) - factorial,
+    2: lambda alpha_k, factorial: 2.0 * scipy.special.gammaln(1.0 + alpha_k / 2.0) - factorial + alpha_k * np.log(2.0),
 }
-_FAR = 30.0
-_TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
-_STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
-_REACH = 700  # steps below log r = 0, to r = 6e-19
-_FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
-_TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
 
 
 def stretched_exponential(q: Reals, hurst: float, dimension: int) -> Reals:
@@ -343,7 +345,7 @@ def _near(q: Reals, alpha: float, dimension: int) -> Reals:
 
 def _far(q: Reals, alpha: float, dimension: int) -> Reals:
     k = np.arange(1, _TERMS + 1)
-    log_size = _LOG_SIZE[dimension](alpha * k, gammaln(k + 1.0)) - dimension * np.log(np.pi)
+    log_size = _LOG_SIZE[dimension](alpha * k, scipy.special.gammaln(k + 1.0)) - dimension * np.log(np.pi)
     sign = -((-1.0) ** k) * np.sin(np.pi * alpha * k / 2.0)
     terms = log_size - (alpha * k + dimension) * np.log(q)[:, np.newaxis]
     return np.asarray((sign * np.exp(terms)).sum(axis=1))

@@ -6,7 +6,7 @@
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
@@ -230,6 +230,6 @@ def gaussian_distance(heights: Reals, dimension: int = 1) -> Reals:
     unit = standardised(heights, dimension)
     ordered = np.sort(unit.reshape(*unit.shape[:-dimension], -1), axis=-1)
     n = ordered.shape[-1]
-    expected = ndtr(ordered)
+    expected = scipy.special.ndtr(ordered)
     above = (np.arange(1, n + 1) / n - expected).max(axis=-1)
     return np.asarray(np.maximum(above, (expected - np.arange(n) / n).max(axis=-1)))

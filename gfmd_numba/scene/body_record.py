@@ -20,6 +20,11 @@ from gfmd_numba.scene.units import in_unit_of
 
 THINNEST, HIGHEST = 1e-12, 1e30  # heights over the period, as of a slab
 LARGEST_CONTRAST = 1e8  # of two moduli of a stack, up to which stiffnesses are right to eleven digits
+_RIGID = {
+    "const": "rigid",
+    "type": "string",
+    "allowed": "'rigid', or a mapping of 'youngs_modulus', 'poissons_ratio' for a half-space of that material",
+}
 
 
 class Material(BaseModel):
@@ -78,11 +83,6 @@ def _kind(given: Any) -> str:
     return "Material" if isinstance(given, dict | Material) else "rigid"
 
 
-_RIGID = {
-    "const": "rigid",
-    "type": "string",
-    "allowed": "'rigid', or a mapping of 'youngs_modulus', 'poissons_ratio' for a half-space of that material",
-}
 Base = Annotated[
     Annotated[Material, Tag("Material")] | Annotated[Literal["rigid"], Tag("rigid"), WithJsonSchema(_RIGID)],
     Discriminator(_kind),

@@ -22,6 +22,9 @@ from gfmd_numba.text.input_error import ABSENT, MOST_LINES, InputError, brief
 Location = tuple[str | int, ...]
 
 DEEPEST = 20
+_LONGEST = 100  # of a text that may be a number, and
+_MOST_HOMES = 6  # of a key, that a message names
+_MEASURED = "'measured' for the heights of a file: add `method: measured`"
 
 
 def _finite(text: str) -> object:
@@ -237,9 +240,6 @@ def _line(
 
 Record = TypeVar("Record", bound=BaseModel)
 
-_LONGEST = 100  # of a text that may be a number, and
-_MOST_HOMES = 6  # of a key, that a message names
-
 
 def validate(document: Document, model: type[Record]) -> Record:
     """Record of a document's data; raises InputError with one line per fault."""
@@ -266,9 +266,6 @@ def located(document: Document, place: Location = ()) -> Iterator[None]:
 def _schema(model: type[BaseModel]) -> dict[str, Any]:
     """Return the JSON Schema of a record, which takes longer to make than all else that refuses a document."""
     return model.model_json_schema()
-
-
-_MEASURED = "'measured' for the heights of a file: add `method: measured`"
 
 
 def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> str:

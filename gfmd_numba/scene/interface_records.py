@@ -5,8 +5,9 @@ they act across an open gap, whether they keep the bodies apart, and whether the
 `Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
 """
 
+from itertools import pairwise
 from math import inf, isinf
-from typing import ClassVar, Self, get_args
+from typing import Annotated, ClassVar, Self, get_args
 
 from pydantic import BaseModel, Field, model_validator
 
@@ -14,9 +15,11 @@ from gfmd_numba.scene.quantities import (
     RECORD,
     FileOfNodes,
     FrictionCoefficient,
+    FunctionOfNodes,
     Length,
     Pressure,
     SignedWorkOfAdhesion,
+    Speed,
     WearRate,
     WorkOfAdhesion,
     broken_rule,
@@ -199,9 +202,57 @@ class Friction(LawRecord):
         ge=0,
         description="What the limit rises by over the pressure, as shear strengths of films do (dimensionless)",
     )
+    velocity_strengthening: float | None = Field(
+        None,
+        gt=0,
+        le=10,
+        description="a of a coefficient that rises by a ln(1 + v / reference_velocity) with the slip rate v; None: it "
+        "does not (dimensionless)",
+    )
+    reference_velocity: Speed | None = Field(
+        None, description="Slip rate in m/s (L_x/s without a length) far below which the coefficient is that at rest"
+    )
+    slip_rates: tuple[Speed, ...] = Field(
+        (),
+        strict=False,
+        description="Rising slip rates in m/s (L_x/s without a length) at which the coefficients are",
+    )
+    coefficients: tuple[Annotated[float, Field(ge=0, le=100)], ...] = Field(
+        (),
+        strict=False,
+        description="Coefficients at the slip_rates, linear in between from the coefficient at rest on and constant "
+        "above (dimensionless)",
+    )
+
+    function: FunctionOfNodes | None = Field(
+        None,
+        description="In Python, the limit in Pa as a function of the gaps in m, which are 0, pressures in Pa and slip "
+        "rates in m/s of touching nodes, all arrays; None: no such limit",
+    )
+
+    @property
+    def depends_on_rate(self) -> bool:
+        """Whether it needs to know how fast nodes slip."""
+        return self.velocity_strengthening is not None or bool(self.slip_rates) or self.function is not None
+
+    @model_validator(mode="after")
+    def _rates(self) -> Self:
+        if (self.velocity_strengthening is None) != (self.reference_velocity is None):
+            raise broken_rule((), "both of velocity_strengthening and reference_velocity, or none")
+        if self.velocity_strengthening is not None and self.slip_rates:
+            raise broken_rule(("slip_rates",), "one of velocity_strengthening and a table of slip_rates")
+        if len(self.slip_rates) != len(self.coefficients):
+            raise broken_rule(("coefficients",), "as many coefficients as slip_rates")
+        if any(after <= before for before, after in pairwise(self.slip_rates)):
+            raise broken_rule(("slip_rates",), "slip rates that rise")
+        if self.depends_on_rate and isinf(self.coefficient):
+            raise broken_rule(("coefficient",), "a finite coefficient where friction depends on the slip rate")
+        return self
 
     @model_validator(mode="after")
     def _limits(self) -> Self:
+        if self.function is not None and self.limit is not None:
+            raise broken_rule(("limit",), "one of limit and function")
         if self.pressure_coefficient and (self.limit is None or self.pressure_coefficient >= self.coefficient):
             allowed = (
                 "nothing without a limit, which it raises, and less than the coefficient, which it does not replace"

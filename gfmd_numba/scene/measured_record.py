@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 AXES = ("y", "x")  # of a map; of a profile the last
 _SAID = re.compile(r"array of [0-9 x]+, sha256 ([0-9a-f]{64})")
+_HEIGHTS = "a list of at least 4 numbers, or of as many such lists"
 
 
 @dataclass(frozen=True)
@@ -98,9 +99,6 @@ class FileUnits(BaseModel):
     x: Unit | None = Field(None, description="Unit of positions or sizes along x; None: the file states it")
     y: Unit | None = Field(None, description="Unit of positions or sizes along y; None: the file states it")
     z: Unit | None = Field(None, description="Unit of heights; None: the file states it")
-
-
-_HEIGHTS = "a list of at least 4 numbers, or of as many such lists"
 
 
 def _heights(given: Any) -> Any:

@@ -1,9 +1,18 @@
 """What all records share: their configuration, the quantities that return and the error of a broken rule."""
 
+from collections.abc import Callable
 from math import inf
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    PlainSerializer,
+    PlainValidator,
+    WithJsonSchema,
+)
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.units import (
@@ -35,6 +44,17 @@ Duration = Annotated[Size, TIME]
 PressureRate = Annotated[Size, PRESSURE_RATE]
 Speed = Annotated[Size, SPEED]
 WearRate = Annotated[Size, WEAR_RATE]
+REDUCED_PRESSURE = (
+    "Mean pressure p/(g E*) (dimensionless); g is the rms gradient asked for, or that of measured heights, "
+    "and the squares of several surfaces add up"
+)
+RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
+PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
+MEAN_PRESSURE = "Mean pressure in Pa; needs moduli"
+LINE_LOAD = "Force per length in N/m on one period of a profile; needs moduli and a length"
+FORCE_ON_A_MAP = "Force in N on one period of a map; needs moduli and a length"
+FILES = (".npy", ".csv")
+SEED = "a whole number at least 0 and below 4294967296"
 
 
 def _aspect_ratio(given: float) -> float:
@@ -64,15 +84,6 @@ Dimension = Annotated[Literal[1, 2], BeforeValidator(_dimension)]
 Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent (dimensionless)")]
 Anisotropy = Annotated[float, Field(ge=1, description="Correlation length of a map, y over x (dimensionless)")]
 RmsGradient = Annotated[Size, Field(description="Root-mean-square gradient (dimensionless)")]
-REDUCED_PRESSURE = (
-    "Mean pressure p/(g E*) (dimensionless); g is the rms gradient asked for, or that of measured heights, "
-    "and the squares of several surfaces add up"
-)
-RMS_GRADIENT_TARGET = "rms gradient g asked for, in which reduced_pressure counts"
-PUNCH_DISPLACEMENT = "displacement of the punch beyond first touch"
-MEAN_PRESSURE = "Mean pressure in Pa; needs moduli"
-LINE_LOAD = "Force per length in N/m on one period of a profile; needs moduli and a length"
-FORCE_ON_A_MAP = "Force in N on one period of a map; needs moduli and a length"
 ReducedPressure = Annotated[Size, Field(description=REDUCED_PRESSURE)]
 EpsC = Annotated[float, Field(gt=0, le=1, description="Continuum discretisation 2 k_s/nx (dimensionless)")]
 EpsF = Annotated[float, Field(gt=0, le=1, description="Fractal discretisation k_l/k_s (dimensionless)")]
@@ -98,7 +109,6 @@ FrictionCoefficient = Annotated[
         json_schema_extra={"allowed": "a number above 0, or .inf for sticking contact"},
     ),
 ]
-FILES = (".npy", ".csv")
 
 
 def _file(given: str) -> str:
@@ -112,8 +122,22 @@ FileOfNodes = Annotated[
     AfterValidator(_file),
     Field(json_schema_extra={"allowed": "the name of a .npy or .csv file with one value for each node"}),
 ]
+_FUNCTION = "in Python a function of arrays of gaps, pressures and slip rates; in a file a limit or slip_rates"
+
+
+def _function(given: object) -> object:
+    if not callable(given):
+        raise ValueError(_FUNCTION)
+    return given
+
+
+FunctionOfNodes = Annotated[
+    Callable[..., Any],
+    PlainValidator(_function),
+    PlainSerializer(lambda function: getattr(function, "__qualname__", type(function).__name__), when_used="json"),
+    WithJsonSchema({"allowed": _FUNCTION}),
+]
 Points = Annotated[int, Field(ge=4, le=2**40)]
-SEED = "a whole number at least 0 and below 4294967296"
 Seed = Annotated[int, Field(ge=0, lt=2**32, description="Seed of the random surfaces")]
 
 

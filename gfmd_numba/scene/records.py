@@ -31,6 +31,10 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.scene.surfaces import Random, Surface
 from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
 
+_PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
+_TOLERANCE = "a number from 0 to 0.1, or exact"
+TIME_TOLERANCE = 1e-3
+
 
 class Component(NamedTuple):
     """A component of displacements and tractions: how its keys begin and end, and which way it is positive."""
@@ -100,9 +104,6 @@ class Boundary(BaseModel):
         return self
 
 
-_PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
-
-
 def _periodic(given: Any) -> Any:
     if given not in (True, False, *AXES) or (isinstance(given, (int, float)) and not isinstance(given, bool)):
         raise ValueError(_PERIODIC)
@@ -159,6 +160,11 @@ class Scene(BaseModel):
     def passes(self) -> bool:
         """Whether a punch that slides passes over the body: over one that creeps, unless it drags that or wears."""
         return self.creeps and self.interface.wear is None and not self.interface.couples
+
+    @property
+    def has_slip_rates(self) -> bool:
+        """Whether friction depends on the slip rate, so that each step takes time."""
+        return self.interface.friction is not None and self.interface.friction.depends_on_rate
 
     @property
     def wears_by_slip(self) -> bool:
@@ -222,7 +228,7 @@ class Scene(BaseModel):
             raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:
-                raise broken_rule(("roughness",), "nothing with a counter_body, which has a roughness of its own")
+                raise broken_rule(("roughness",), "nothing with a counter_body: write it inside body or counter_body")
             for name, body in (("body", self.body), ("counter_body", counter)):
                 if body.surface_modulus is None:
                     allowed = "a number above 0 for both bodies, as they share the load"
@@ -293,9 +299,6 @@ class Discretisation(BaseModel):
         return min(fits, key=lambda fit: abs(fit - Fraction(present)), default=None)
 
 
-_TOLERANCE = "a number from 0 to 0.1, or exact"
-
-
 def _tolerance(given: Any) -> Any:
     if given != "exact" and not (type(given) in (int, float) and 0 <= given <= 0.1):
         raise ValueError(_TOLERANCE)
@@ -304,9 +307,6 @@ def _tolerance(given: Any) -> Any:
 
 # checked before the union of types, which would tell every fault twice
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
-
-
-TIME_TOLERANCE = 1e-3
 
 
 class _Rough(Protocol):

@@ -12,6 +12,24 @@ from functools import lru_cache
 
 MOST_TEXT = 2**20  # bytes of a YAML file, which takes ten seconds to read
 _PARTS = 16  # of memory, of which the numbers of one file may fill one: solving takes the others
+START = 10  # seconds of processor time that a process may take to start
+_SLOWEST = 5e6  # bytes that it reads in a second, at least
+_PATIENCE = 30  # wall time over processor time on a machine with much else to do
+_READ = """
+import sys
+try:
+    import resource
+    resource.setrlimit(resource.RLIMIT_CPU, (int(sys.argv[3]),) * 2)
+except ImportError:
+    pass
+from netCDF4 import Dataset
+with Dataset(sys.argv[1]) as dataset:
+    for variable in dataset.variables.values():
+        for name in variable.ncattrs():
+            variable.getncattr(name)
+        if variable.size * 8 <= int(sys.argv[2]):
+            variable[...]
+"""
 
 
 def check_regular(path: str | os.PathLike[str], most: int) -> None:
@@ -49,26 +67,6 @@ def most_numbers() -> int:
     import psutil
 
     return int(psutil.virtual_memory().total) // _PARTS
-
-
-START = 10  # seconds of processor time that a process may take to start
-_SLOWEST = 5e6  # bytes that it reads in a second, at least
-_PATIENCE = 30  # wall time over processor time on a machine with much else to do
-_READ = """
-import sys
-try:
-    import resource
-    resource.setrlimit(resource.RLIMIT_CPU, (int(sys.argv[3]),) * 2)
-except ImportError:
-    pass
-from netCDF4 import Dataset
-with Dataset(sys.argv[1]) as dataset:
-    for variable in dataset.variables.values():
-        for name in variable.ncattrs():
-            variable.getncattr(name)
-        if variable.size * 8 <= int(sys.argv[2]):
-            variable[...]
-"""
 
 
 def can_be_read(path: str | os.PathLike[str], most: int) -> bool:

@@ -20,6 +20,29 @@ _DIGITS = r"[-+]?(?:\d+\.?\d*|\.\d+)"
 _FORTRAN = re.compile(rf"\s*({_DIGITS})[dD]([-+]?\d+)(?!\d)")
 _GROUPED = re.compile(r"\s*([-+]?\d{1,3}(?:([,'_ \u00a0\u202f])\d{3})(?:\2\d{3})*(?:\.\d*)?)(?![\d,'_])")
 _DECIMAL_COMMA = re.compile(r"\s*([-+]?\d*),(\d+)(?!\d|,)")
+_FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|⁻?[¹²³])?"
+_UNIT = rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR}){{0,4}}"
+_NUMBER = r"[-+]?(?:[0-9]+/[0-9]+|(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)"
+_NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
+NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
+_SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
+_LONGEST = 100  # of a text that is looked at
+METRES = {
+    "m": 1.0,
+    "km": 1e3,
+    "dm": 1e-1,
+    "cm": 1e-2,
+    "mm": 1e-3,
+    "um": 1e-6,
+    "nm": 1e-9,
+    "pm": 1e-12,
+    "angstrom": 1e-10,
+    "in": 0.0254,
+    "mil": 0.0254e-3,
+}
+PERIOD = "L_x"  # the unit of lengths that count in periods of the result
+LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}"])
+_PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
 
 
 def respelt(text: str) -> str:
@@ -34,15 +57,6 @@ def respelt(text: str) -> str:
     if found := _DECIMAL_COMMA.match(text):
         return f"decimals have a point: {found[1] or 0}.{found[2]}"
     return ""
-
-
-_FACTOR = r"[^\W\d_]+(?:(?:\^|\*\*)?-?[1-9]|⁻?[¹²³])?"
-_UNIT = rf"{_FACTOR}(?:(?:\s*[*/·]\s*|\s+){_FACTOR}){{0,4}}"
-_NUMBER = r"[-+]?(?:[0-9]+/[0-9]+|(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?)"
-_NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
-NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
-_SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
-_LONGEST = 100  # of a text that is looked at
 
 
 @dataclass(frozen=True)
@@ -245,7 +259,9 @@ def in_reduced_units(record: Record, length: float, modulus: float) -> Record:
     values = {name: (getattr(record, name), quantity) for name, quantity in quantities(type(record)).items()}
     return record.model_copy(
         update={
-            name: rounded(value / quantity.scale(length, modulus))
+            name: tuple(rounded(each / quantity.scale(length, modulus)) for each in value)
+            if isinstance(value, tuple)
+            else rounded(value / quantity.scale(length, modulus))
             for name, (value, quantity) in values.items()
             if value is not None
         }
@@ -267,21 +283,6 @@ def _quantity_of(parts: Any) -> Quantity | None:
     return None
 
 
-METRES = {
-    "m": 1.0,
-    "km": 1e3,
-    "dm": 1e-1,
-    "cm": 1e-2,
-    "mm": 1e-3,
-    "um": 1e-6,
-    "nm": 1e-9,
-    "pm": 1e-12,
-    "angstrom": 1e-10,
-    "in": 0.0254,
-    "mil": 0.0254e-3,
-}
-PERIOD = "L_x"  # the unit of lengths that count in periods of the result
-LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}"])
 _SPELLINGS = {
     "\u03bcm": "um",  # Greek mu, which the micro sign is normalised to
     "micron": "um",
@@ -292,7 +293,6 @@ _SPELLINGS = {
     "inches": "in",
     "mils": "mil",
 }
-_PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
 _SPELLINGS |= {
     f"{prefix}{metre}": f"{letter}m"
     for prefix, letter in _PREFIXES.items()

@@ -5,7 +5,7 @@ slides over it, at one speed after another.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
@@ -19,7 +19,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.doubts import FEW_NODES, doubts
+from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.plausible_numbers import implausible
@@ -42,6 +42,7 @@ from gfmd_numba.scene.quantities import (
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.solvers import status
 from gfmd_numba.text.input_error import brief
+from gfmd_numba.text.numbers import with_prefix
 
 SHOWN = (
     "reduced_pressure",
@@ -55,6 +56,8 @@ SHOWN = (
     "contact_stiffness",
     "peak_pressure",
     "n_segments",
+    "plastic_area_fraction",
+    "largest_plastic_strain",
     "elastic_energy",
     "hysteretic_friction",
     "hysteretic_friction_error",
@@ -80,6 +83,8 @@ _VALUES: dict[str, Any] = {  # types, by what is prescribed
     _SPEED: tuple[Speed, ...],
 }
 Over = Literal["loads", "times", "speeds"]
+_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
+_OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
 @cache
@@ -136,10 +141,6 @@ def read_curve(
         scenes = (scene for scene, _ in steps_of(path.scene, path.path))
         check_loads(((("loads", i // 2), scene) for i, scene in enumerate(scenes)), given.surfaces, asked)
     return curve
-
-
-_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
-_OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
 def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
@@ -210,7 +211,10 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
     Each load is approached over a short step. `contact_stiffness` is the rise of the mean pressure over the fall of the
     mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
     """
-    numbers = implausible(curve.given.file.scene)
+    own = curve.given.file
+    numbers = implausible(
+        (own if curve.prescribed in _TITLES else _with_path(own, curve.prescribed, curve.loads)).scene
+    )
     with shared_by(curve.given.file.numerics.threads):
         for i in range(curve.realisations):
             given = _realisation(curve, i)
@@ -274,23 +278,36 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
         values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
-    hardest = sorted(counted, key=lambda step: -float(step["peak_pressure"]))
-    attributes = hardest[0].attrs
-    if said := _of_all(step.attrs.get("validity", "") for step in hardest):
+    hardest = sorted(range(len(counted)), key=lambda i: -float(counted[i]["peak_pressure"]))
+    attributes = counted[hardest[0]].attrs
+    validities = [(curve.loads[i % columns], counted[i].attrs.get("validity", "")) for i in hardest]
+    if said := _of_all(validities, _load_attributes(curve)["units"].removeprefix("1")):
         attributes = attributes | {"validity": said}
     return xr.Dataset(values, coords={"prescribed_load": list(curve.loads[:columns])}, attrs=attributes)
 
 
-def _of_all(validities: Iterable[str]) -> str:
-    """Return the sentences of several contacts, the hardest first, a line each.
+def _of_all(validities: Sequence[tuple[float, str]], unit: str) -> str:
+    """Return the sentences of several contacts and their loads, the hardest first, a line each.
 
-    Of those that differ in their numbers alone it is the first, and of contacts of too few nodes the last.
+    Of those that differ in their numbers alone it is the first, and of contacts of too few nodes the last. What not all
+    say stands behind the loads of those that do.
     """
+    every = {load for load, _ in validities}
     found: dict[str, str] = {}
-    for line in (line for validity in validities for line in validity.splitlines()):
+    loads: dict[str, set[float]] = {}
+    for load, line in ((load, line) for load, validity in validities for line in validity.splitlines()):
         key = re.sub(r"[-+.\de]*\d", "", line)
-        found[key] = line if line.startswith(FEW_NODES) else found.get(key, line)
-    return "\n".join(found.values())
+        found[key] = line if line.startswith((FEW_NODES, NARROW_CONTACTS)) else found.get(key, line)
+        loads.setdefault(key, set()).add(load)
+    return "\n".join(f"{_at(loads[key], every, unit)}{line}" for key, line in found.items())
+
+
+def _at(loads: set[float], every: set[float], unit: str) -> str:
+    """Return at which loads something is said, nothing if at every one."""
+    if loads == every:
+        return ""
+    ends = dict.fromkeys(with_prefix(load, unit, 3).strip() for load in (min(loads), max(loads)))
+    return f"at {' to '.join(ends)}: "
 
 
 def curve_of(
@@ -328,19 +345,23 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     dataset["residual"] = found["residual"].max("realisation").assign_attrs(found["residual"].attrs)
     for name in ("n_iterations", "wall_time"):
         dataset[name] = found[name].sum("realisation").assign_attrs(found[name].attrs)
-    dataset["prescribed_load"].attrs = load_attributes(curve.given.file.scene)[
-        PRESCRIBED.get(curve.prescribed, curve.prescribed)
-    ]
+    dataset["prescribed_load"].attrs = _load_attributes(curve)
     dataset.attrs = {
         **found.attrs,
         "Conventions": CONVENTIONS,
         "title": _TITLES.get(curve.prescribed, "load curve"),
         "scene": curve.given.file.model_dump_json(),
+        "processing": "\n".join(sentence for surface in curve.given.measured for sentence in surface.done),
         "prescribed": curve.prescribed,
     }
     if len(solved) < len(curve.loads) * curve.realisations:
         dataset.attrs["interrupted"] = _finished(curve, found)
     return dataset if curve.prescribed not in _TITLES else dataset.rename(prescribed_load=curve.prescribed)
+
+
+def _load_attributes(curve: LoadCurve) -> dict[str, str]:
+    """Name and unit of what is prescribed."""
+    return load_attributes(curve.given.file.scene)[PRESCRIBED.get(curve.prescribed, curve.prescribed)]
 
 
 def _standard_error(values: xr.DataArray) -> xr.DataArray:

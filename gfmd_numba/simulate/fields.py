@@ -55,6 +55,10 @@ _OF_PROFILES = _OF_MAPS | {
 _IN_PLANE = ("u1", "u3", "strain1", "strain3", "strain5", "stress1", "stress2", "stress3", "stress5")  # of profiles
 _LONG_NAMES = {1: _OF_PROFILES, 2: _OF_MAPS}
 _QUANTITIES = {"u": ("displacement", "length"), "strain": ("strain", "1"), "stress": ("stress", "stress")}
+_ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
+_WHOLE = "all nodes of the period, as `gfmd solve` leaves them; cut the fields inside afterwards"
+_ALTERED = "contact: you gave a contact that was altered; gfmd allows what `gfmd solve` leaves"
+_PRESCRIBED, _COUNTER = "prescribed_", "counter_body_"
 
 
 @dataclass(frozen=True)
@@ -315,11 +319,7 @@ def _add_peaks(dataset: xr.Dataset, largest: Largest, units: Units, failed: bool
 
 Record = TypeVar("Record", BoundaryFile, SceneFile)
 
-_ROUNDING = 1e-3  # of the spacing, by which nodes may be off their places
-_WHOLE = "all nodes of the period, as `gfmd solve` leaves them; cut the fields inside afterwards"
-_ALTERED = "contact: you gave a contact that was altered; gfmd allows what `gfmd solve` leaves"
 _TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
-_PRESCRIBED, _COUNTER = "prescribed_", "counter_body_"
 _ON_EACH = ("pressure", *_TRACTIONS)
 _FIELDS = (
     *(whose + name for whose in ("", _COUNTER) for name in _ON_EACH),

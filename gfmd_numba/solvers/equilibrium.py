@@ -228,10 +228,11 @@ def _solve(
         found = iteration.certificate.full_contact
         result.full_contact_pressure[rows] = pressure_scale(whole.punch, whole.response) if found is None else found
     _iterate(iteration, rows, borne, options, result, hardness)
-    if whole.response.is_rigid and solver.successor is not None and "rigid mean" not in SOLVERS[solver.successor].can:
+    asked = {*laws.abilities, *(("rigid mean",) if whole.response.is_rigid else ())}
+    if solver.successor is None or not asked <= SOLVERS[solver.successor].can:
         return
     stuck = rows[(result.status[rows] != Status.ok) & ~_above(_SURELY_YIELDS * hardness, result, rows)]
-    if solver.successor is not None and stuck.size and options.max_iterations > (solver.gives_up_after or 0):
+    if stuck.size and options.max_iterations > (solver.gives_up_after or 0):
         other = replace(options, solver=solver.successor)
         _iterate(begin(batch(stuck, laws), other), stuck, borne, other, result, hardness)
 

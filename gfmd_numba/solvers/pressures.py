@@ -98,7 +98,7 @@ class Closing(NamedTuple):
 
     `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
     of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
-    `rounding` are closed. The `room` `[2, node]` is free.
+    `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
     """
 
     iterate: kernels.Iterate
@@ -109,6 +109,11 @@ class Closing(NamedTuple):
     rounding: float
     free_mean: bool
     room: Reals
+
+    @property
+    def change(self) -> Reals:
+        """Change of the pressure `[node]` that is next, after `error` or after `solve` has reached its tolerance."""
+        return self.room[1, : self.nodes.size]
 
     def error(self) -> float:
         """Relative error of the pressure."""
@@ -127,8 +132,13 @@ class Closing(NamedTuple):
             kernels.newton_direction(z, step, last, nodes, count, iterate)
             last = energy
             self.soften()
-            step = kernels.newton_update(iterate, energy, nodes, count, iterate.gap.size, r, self.free_mean)
+            step = kernels.newton_update(iterate, energy, nodes, count, r, self.free_mean)
+            self._open(step)
         return most
+
+    def _open(self, step: float) -> None:
+        gap, opened = self.iterate.gap, self.iterate.st
+        team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
 
     def _begin(self) -> None:
         kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)

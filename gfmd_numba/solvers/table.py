@@ -16,6 +16,7 @@ ABILITIES = {
     "dimension 2": " with dimension 2",
     "friction": ", which follow both displacements",
     "sticking": " with an infinite coefficient of friction",
+    "slip rate": " with a friction that depends on the slip rate",
     "cohesive law": " with a law of gap and slip",
     "prescribed": ", the solver of both displacements",
     "normal law": ", as the others know the hard wall only",
@@ -84,7 +85,8 @@ SOLVERS = {
     "frictional_newton": Solver(
         "guesses which nodes touch, stick and slip, and solves the linear problem that is left; without friction the "
         "same as active_set_newton, or as truncated_newton with a law",
-        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"}),
+        can=frozenset({"dimension 1", "dimension 2", "hard wall", "normal law", "friction", "sticking", "rigid mean"})
+        | {"slip rate"},
         condensed=("gfmd_numba.solvers.truncated_newton:under_a_law", *_ACTIVE_SETS),
         coupled=("gfmd_numba.solvers.friction.newton:FrictionalNewton",),
         block_samples=2**18,

@@ -14,6 +14,7 @@ Content = bytes | memoryview | mmap.mmap
 
 _WORDS = b"written by gfmd-numba, sha256 "
 _HEX_DIGITS = 64
+_IN_TABLES = b"# " + _WORDS
 
 
 class _Form(NamedTuple):
@@ -46,7 +47,6 @@ _PRODUCTS = (
     _Form(b"<!doctype html>", b"", lambda text: b"<!-- " + text + b" -->\n"),
 )
 _NOTE = _Form(b"{", b"}", lambda text: b', "mark": "' + text + b'"')
-_IN_TABLES = b"# " + _WORDS
 
 
 def marked(content: bytes | memoryview) -> bytes:

@@ -20,6 +20,10 @@ _PREFIXED |= dict.fromkeys(("J m-2", "J/m^2"), "J/m²") | {"m s-1": "m/s"}
 _OTHERS = {"Pa m-1": (1e-12, "MPa/µm")}
 _LEAST = 1e-15  # below which a number of the smallest prefix would be no shorter than one without
 _NEARLY = 1.0 - 1e-9  # what rounding leaves just below a prefix has it: 1 GPa, not 1000 MPa
+_ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
+_FAR = 100.0
+_FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten
+_MOST_DIGITS = 7  # of a value, however small its error
 
 
 def si_prefix(largest: float, unit: str) -> tuple[float, str]:
@@ -40,10 +44,6 @@ def with_prefix(value: float, unit: str, digits: int = 4) -> str:
     return f"{factor * value:.{digits}g} {name}"
 
 
-_ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
-_FAR = 100.0
-
-
 def typical(values: Iterable[float]) -> float:
     """Return the size that tables and pictures choose the prefix of many numbers by.
 
@@ -56,10 +56,6 @@ def typical(values: Iterable[float]) -> float:
         return 0.0
     least, most = min(sizes), max(sizes)
     return most if most <= _FAR * least else max(median(sizes), most / _FAR)
-
-
-_FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten
-_MOST_DIGITS = 7  # of a value, however small its error
 
 
 def with_error(value: float, error: float, digits: int = 4) -> str:
@@ -81,6 +77,8 @@ def with_error(value: float, error: float, digits: int = 4) -> str:
     shown = [f"{round(each, -last):.{places}f}" for each in (value, error)]
     if float(shown[1]) == 0.0:
         shown[1] = f"{error:.1e}"
+    if power and float(shown[0]) == 0.0:
+        return f"0±{error * scale:.1e}"  # a power of ten common to both would be that of the error alone
     both = "±".join(shown)
     return f"({both})e{power:+03d}" if power else both
 

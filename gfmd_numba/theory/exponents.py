@@ -9,17 +9,6 @@ _SLACK = 0.75
 
 _OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
 _AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
-
-
-def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
-    """Whether the share of g^2 that contacts do not see gives the law of a variable in eps_f, without an exponent.
-
-    The `load` is the reduced pressure p / (g E*) of all levels, nan if it is not the same or not known.
-    """
-    known = variable in _OF_THE_SLOPE or (variable in _AT_ONE_LOAD and load > 0.0)
-    return known and 0.0 <= hurst <= 1.0
-
-
 _COUNTED, _PLASTIC, _OF_GRADIENT, _OF_HEIGHTS = (0.75, 1.5), (0.5, 1.5), (1.25, 2.75), (1.5, 4.0)
 _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact lengths
     "kappa_counted": _COUNTED,
@@ -35,6 +24,15 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
 _AREAS = (*_OF_THE_SLOPE, *_AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
+
+
+def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
+    """Whether the share of g^2 that contacts do not see gives the law of a variable in eps_f, without an exponent.
+
+    The `load` is the reduced pressure p / (g E*) of all levels, nan if it is not the same or not known.
+    """
+    known = variable in _OF_THE_SLOPE or (variable in _AT_ONE_LOAD and load > 0.0)
+    return known and 0.0 <= hurst <= 1.0
 
 
 def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mapping[str, tuple[float, float]]:

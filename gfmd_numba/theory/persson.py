@@ -7,7 +7,7 @@ slab. Campaigns record it as `full_contact_pressure`. The thesis's G is s^2 / 2,
 
 import numpy as np
 import numpy.typing as npt
-from scipy.special import erf
+import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 
@@ -15,7 +15,7 @@ from gfmd_numba.arrays import Reals
 def contact_area_fraction(mean_pressure: npt.ArrayLike, full_contact_pressure: npt.ArrayLike) -> Reals:
     """Contact area over nominal area erf(p / (s sqrt 2)), of arrays that broadcast, in one unit (4.16)."""
     ratio = np.asarray(mean_pressure, dtype=np.float64) / np.asarray(full_contact_pressure, dtype=np.float64)
-    return np.asarray(erf(ratio / np.sqrt(2.0)))
+    return np.asarray(scipy.special.erf(ratio / np.sqrt(2.0)))
 
 
 def pressure_density(

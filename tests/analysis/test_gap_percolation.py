@@ -8,7 +8,8 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.channels import connects, regions
+from gfmd_numba.analysis.channels import connects
+from gfmd_numba.arrays.regions import regions
 from support.solved_maps import made, pressed, wave
 
 DRAWN = {

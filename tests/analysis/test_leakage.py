@@ -170,6 +170,14 @@ def test_the_step_of_a_path_whose_factors_surprise_is_named():
     assert "along x and y in step 1 are" in said
 
 
+def test_a_direction_without_an_open_channel_is_told():
+    touching = ~OPEN
+    touching[5:13] = False  # open along x alone
+    said = leakage(made(touching)).validity
+    assert "No channel is open along y: on this grid nothing leaks there" in said
+    assert "along x and y" not in said
+
+
 @pytest.mark.parametrize("gap", [1.0, 0.3 + np.random.default_rng(2).random((32, 32))], ids=["parallel", "random"])
 def test_factors_that_are_alike_are_no_matter(gap):
     assert leakage(made(OPEN, gap)).validity == ""

@@ -107,7 +107,7 @@ def test_a_layer_on_a_base_is_as_thin_as_it_is():
 @pytest.mark.long
 def test_the_limit_of_a_thin_slab_is_that_of_the_half_space(tmp_path):
     """The height is a share of the period, so that the slab becomes thick where eps_t goes to 0."""
-    scene = SCENE | {"body": {"poissons_ratio": 0.33, "aspect_ratio": 0.05}, "loading": {"reduced_pressure": 0.007}}
+    scene = SCENE | {"body": {"poissons_ratio": 0.33, "aspect_ratio": 0.1}, "loading": {"reduced_pressure": 0.007}}
     scene["roughness"] = SCENE["roughness"] | {"hurst": 0.3}
     results = gfmd_numba.run({"name": "slab", "seed": 5, "scene": scene, "target": {"kappa": "3%"}}, tmp_path / "out")
     fit = gfmd_numba.fit_tfc(results, **json.loads(results.attrs["fit"]))

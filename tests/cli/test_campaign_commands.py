@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -36,9 +37,25 @@ def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
     fitted = xr.open_dataset(tmp_path / "fit.nc")
     assert (fitted["fit_status"] == "ok").all()
     assert with_error(float(fitted["kappa_tfc"][0]), float(fitted["kappa_tfc_error"][0])) in done.output
+    done = gfmd("fit", "small", "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", "fit.csv")
+    assert done.exit_code == 0
+    table = pd.read_csv(tmp_path / "fit.csv", comment="#")
+    assert table["hurst (1)"].tolist() == [0.3, 0.8]
+    for name in ("kappa_tfc", "kappa_tfc_error", "kappa_tfc_low", "kappa_tfc_high"):
+        np.testing.assert_array_equal(table[f"{name} (1)"], fitted[name])
     done = gfmd("plot", "small/small.nc", "-o", "picture.png", "--variable", "kappa_counted")
     assert done.exit_code == 0
     assert (tmp_path / "picture.png").stat().st_size > 10_000
+
+
+def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    first = gfmd("run", campaign(tmp_path), "--workers=0")
+    again = gfmd("run", campaign(tmp_path), "--workers=0")
+    changed = gfmd("run", campaign(tmp_path, **{"hurst: [0.3, 0.8]": "hurst: [0.8]"}), "--workers=0")
+    for done, is_told in ((first, False), (again, False), (changed, True)):
+        assert done.exit_code == 0
+        assert ("small holds another version of this campaign" in unfolded(done.output)) == is_told
 
 
 @pytest.mark.parametrize("realisations", [1, 6])

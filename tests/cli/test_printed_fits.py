@@ -70,10 +70,10 @@ def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
     assert "mean_gap (µm) and its limit" in said
     sampling = 1e6 * float(of_gap["error_budget"].sel(source="sampling").max())
     assert f"sampling {sampling:.2g}" in said
-    assert "(in µm)" in said
+    assert "largest parts in µm, added in quadrature" in said
     assert "nm: add `cross` to the limits" in said
     tell(of_fit(of_kappa))
-    assert "(in " not in capsys.readouterr().out
+    assert "parts in" not in capsys.readouterr().out
 
 
 def test_a_missed_target_is_told_with_what_reaches_it(capsys):
@@ -91,3 +91,17 @@ def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
         fit["alpha_error"].loc[{"limit": "eps_f"}] = error
         tell(of_fit(fit))
         assert ("exponent anywhere from 0.5 to 1.5, as assumed" in unfolded(capsys.readouterr().out)) == said
+
+
+def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
+    fit = fitted(noisy(campaign((0.3, 0.8)), np.random.default_rng(1))).isel(group=[0, 1, 0, 0])
+    fit["message"] = ("group", [f"means lie {factor} times off" for factor in (1.1, 1.3, 1.2, 1.25)])
+    tell(of_fit(fit))
+    said = unfolded(capsys.readouterr().out)
+    assert "4 groups, such as H = 0.8: means lie 1.3 times off" in said
+    assert said.count("times off") == 1
+    fit["message"] = ("group", ["means lie 1.1 times off", "means lie 1.2 times off", "", ""])
+    tell(of_fit(fit))
+    said = unfolded(capsys.readouterr().out)
+    assert "H = 0.3: means lie 1.1 times off" in said
+    assert "H = 0.8: means lie 1.2 times off" in said

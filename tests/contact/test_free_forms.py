@@ -187,6 +187,33 @@ def test_a_contact_of_too_few_nodes_is_warned_of(more, warned):
         assert re.search(warned, found[0])
 
 
+@pytest.mark.parametrize(("eps_c", "warned"), [(1.0, "contacts are 1.. nodes wide .* take eps_c = 1/2"), (1 / 4, None)])
+def test_narrow_contacts_of_a_rough_surface_are_warned_of(eps_c, warned):
+    scene = {"body": {"poissons_ratio": 0.3}, "roughness": {"method": "psd", "hurst": 0.3, "rms_gradient": 0.01}}
+    scene |= {"interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.02}}
+    with catch_warnings(record=True, action="always") as said:
+        gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": eps_c, "eps_f": 1 / 64, "eps_t": 1 / 2}})
+    narrow = [str(each.message) for each in said if "nodes wide on average" in str(each.message)]
+    assert len(narrow) == (warned is not None)
+    assert warned is None or re.search(warned, narrow[0])
+
+
+def test_more_points_of_a_measured_surface_widen_its_contacts():
+    waves, places = np.arange(1, 50), np.arange(128) / 128
+    phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, waves.size)
+    heights = (1e-6 * waves**-0.9 * np.cos(2.0 * np.pi * np.outer(places, waves) + phases)).sum(axis=1)
+    said = []
+    for points in ({}, {"points": 512}):
+        roughness = {"method": "measured", "heights": heights, "units": {"z": "m"}, **points}
+        scene = {"length": 1e-3, "body": {"youngs_modulus": 210e9, "poissons_ratio": 0.3}, "roughness": roughness}
+        scene |= {"interface": {"hard_wall": {}}, "loading": {"pressure": 2e8}}
+        with catch_warnings(record=True, action="always") as found:
+            gfmd_numba.solve({"scene": scene})
+        said.append([str(each.message) for each in found if "nodes wide" in str(each.message)])
+    assert "points: 256 or more" in said[0][0]
+    assert said[1] == []
+
+
 def test_a_curve_warns_once_of_its_narrowest_contact():
     scene = {"periodic": False, "body": {"poissons_ratio": 0.0}, "interface": {"hard_wall": {}}}
     scene |= {"form": {"radius": 5.0, "points": 64}, "loading": {"displacement": 1e-3}}

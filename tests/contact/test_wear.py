@@ -186,7 +186,8 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
     assert float(found["mean_worn_depth"][-1]) == pytest.approx(float(plain["mean_worn_depth"][-1]), rel=5e-3)
     assert 0.0 < float(found["time_error"][-1]) < 5e-3
     assert "energy_lost" not in found
-    assert "in the last division of this step" in found["slip"].long_name
+    touches = found["pressure"][-1].values > 0.0
+    assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.4  # of all divisions, less what the body follows
 
 
 def test_long_steps_of_a_punch_that_rubs_hold_their_tolerance():

@@ -1,5 +1,7 @@
 """Maps whose rows processes share: their transforms, their edges and their sums."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -50,7 +52,7 @@ def test_edges_are_those_of_the_neighbours(size):
         return values[np.newaxis, [0, 1, -2, -1]]
 
     bounds = [16 * rank // size for rank in range(size + 1)]
-    expected = [samples[[first - 2, first - 1, last % 16, (last + 1) % 16]] for first, last in zip(bounds, bounds[1:])]
+    expected = [samples[[first - 2, first - 1, last % 16, (last + 1) % 16]] for first, last in pairwise(bounds)]
     np.testing.assert_array_equal(_shared(samples, size, edges), expected)
 
 

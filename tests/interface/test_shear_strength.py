@@ -58,7 +58,7 @@ def revised(limit, unsure=0.01):
     """What is revised of a node that slips under a falling pressure and of one that touches down."""
     contact, along = np.array([True, False]), np.array([[1.0, 0.0]])
     tractions = np.array([[-0.3, 0.0], [1.0, 0.0]])
-    guess = FrictionGuess(contact, along, np.zeros(2), tractions, np.zeros(2), np.zeros(2, dtype=bool))
+    guess = FrictionGuess(contact, along, np.zeros(2), tractions, np.zeros(2), np.zeros(2, dtype=bool), np.zeros(2))
     moved, found = np.array([[0.2, 0.3], [0.0, 1.0]]), np.array([[-0.2, 0.0], [0.4, 0.0]])
     conditions = Conditions(friction=0.5, limit=limit)
     return guess.revision(Found(moved, found, np.zeros(2), np.zeros((1, 2))), conditions, 1e-12, unsure)

@@ -59,21 +59,6 @@ def test_neighbours_of_a_tile_lie_around_it_on_the_torus_or_beyond_an_end(kernel
         np.testing.assert_array_equal(found.reshape(3, 3), places[y : y + 3, x : x + 3])
 
 
-@pytest.mark.parametrize("reach", [1, 5, 8])
-@pytest.mark.parametrize("kernel", both(kernels.tile_stencil))
-def test_a_stencil_is_a_periodic_convolution(kernel, reach, rng):
-    values, product = random_values(rng), np.zeros((TILES.size + 1, SIDE, SIDE))
-    stencil = rng.normal(size=(2 * reach + 1, 2 * reach + 1))
-    stencil += stencil[::-1]
-    values[2:4] = 0.0  # rows without load are left out
-    kernel(values, surroundings(), stencil, product)
-    image, expected = joined(values), np.zeros((NY, NX))
-    for j in range(-reach, reach + 1):
-        for i in range(-reach, reach + 1):
-            expected += stencil[reach + j, reach + i] * np.roll(image, (-j, -i), (0, 1))
-    np.testing.assert_allclose(product[:-1], cut(expected)[TILES], atol=1e-12)
-
-
 def sharing(weights, per_tile):
     """Matrices `[coarse node, node]` that share values along y and along x among the coarse nodes of a torus."""
     before = (weights.shape[1] - per_tile - 1) // 2
@@ -110,8 +95,9 @@ def test_values_are_read_back_as_they_were_shared(kernel, per_tile, wide, rng):
 
 
 @pytest.mark.parametrize("ends", [(False, False), (True, False), (False, True)])
+@pytest.mark.parametrize("short", [0, 10])
 @pytest.mark.parametrize("kernel", both(kernels.convolve_loaded))
-def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rng):
+def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, short, ends, rng):
     """Random nodes of the listed tiles against shifted maps, on a torus or an end."""
     values, product = random_values(rng) * (rng.random((TILES.size + 1, SIDE, SIDE)) < 0.3), np.empty((8, SIDE, SIDE))
     loaded = np.empty(len(values) + 1, dtype=np.int64), np.empty(values.size, dtype=np.int64), np.empty(values.size)
@@ -119,7 +105,9 @@ def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rn
     reach = 2 * SIDE - 1
     around = rng.normal(size=(2 * reach + 1, 2 * reach + 1))
     around += around[::-1, ::-1]
-    kernel(loaded, TILES, PLACES, (DOWN, ACROSS), ends, around, product)
+    if short:
+        around = np.pad(around[short:-short, short:-short], short)
+    kernel(loaded, TILES, PLACES, (DOWN, ACROSS), ends, around, reach - short, product)
     pad = [(2 * SIDE, 2 * SIDE)] * 2
     image, expected = joined(values), np.empty((TILES.size, SIDE, SIDE))
     for axis, end in enumerate(ends):
@@ -136,22 +124,52 @@ def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, ends, rn
     np.testing.assert_allclose(product[: TILES.size], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("kernel", both(kernels.sum_tiles))
-def test_sums_are_those_of_blocks_of_four_tiles(kernel, rng):
-    values, weights, sums = random_values(rng), random_values(rng), rng.random((2, 2))
-    kernel(weights, values, TILES, ACROSS, sums)
-    whole = np.zeros((4 * SIDE, NX))
-    whole[:NY] = joined(values) * joined(weights)
-    np.testing.assert_allclose(sums, whole.reshape(2, 16, 2, 16).sum(axis=(1, 3)), atol=1e-12)
+@pytest.mark.parametrize("kernel", both(kernels.list_neighbours))
+def test_neighbours_are_those_around_a_node_of_a_period(kernel, rng):
+    nodes = np.flatnonzero(rng.random((TILES.size, SIDE, SIDE)) < 0.5)
+    numbers, neighbours = np.empty((TILES.size + 1, SIDE, SIDE), np.int32), np.empty((nodes.size, 8), np.int32)
+    blocks = np.empty(nodes.size, np.int32)
+    kernel(nodes, TILES, surroundings(), ACROSS, 2, numbers, neighbours, blocks)
+    y, x = np.divmod(TILES[nodes // SIDE**2], ACROSS)
+    np.testing.assert_array_equal(blocks, 2 * (y // 2) + x // 2)
+    number = np.full((TILES.size + 1) * SIDE**2, nodes.size)
+    number[nodes] = np.arange(nodes.size)
+    image = joined(number.reshape(-1, SIDE, SIDE) - nodes.size) + nodes.size
+    shifts = [(y, x) for y in (1, 0, -1) for x in (1, 0, -1) if (y, x) != (0, 0)]
+    expected = [cut(np.roll(image, shift, axis=(0, 1)))[TILES].reshape(-1)[nodes] for shift in shifts]
+    np.testing.assert_array_equal(neighbours, np.transpose(expected))
 
 
-@pytest.mark.parametrize("kernel", both(kernels.soften_tiles))
+@pytest.mark.parametrize("kernel", both(kernels.near_pressure))
+def test_a_node_feels_its_neighbours_and_blocks_their_sums(kernel, rng):
+    some, u, stencil, isolated = (3, 17), np.append(rng.random(20), 0.0), rng.random((3, 3)), rng.random(20)
+    neighbours, blocks = rng.integers(0, 21, (20, 8), np.int32), rng.integers(0, 4, 20, np.int32)
+    p, sums = np.zeros(20), np.zeros(4)
+    kernel(u, neighbours, stencil, some, isolated, blocks, p, sums)
+    first = slice(*some)
+    expected = stencil[1, 1] * u[:-1] + u[neighbours] @ np.delete(stencil.ravel(), 4)
+    np.testing.assert_allclose(p[first], expected[first])
+    assert not np.delete(p, np.arange(20)[first]).any()
+    np.testing.assert_allclose(sums, np.bincount(blocks[first], (isolated * u[:-1])[first], minlength=4))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.soften_nodes))
 def test_what_a_block_shares_is_taken_off(kernel, rng):
-    pressure, weights, shared = random_values(rng), random_values(rng), rng.random((2, 2))
-    common = np.repeat(np.repeat(shared, 16, axis=0), 16, axis=1)[:NY]
-    expected = pressure[:-1] - weights[:-1] * cut(common)[TILES]
-    kernel(pressure, weights, shared, TILES, ACROSS)
-    np.testing.assert_allclose(pressure[:-1], expected)
+    p, isolated, shared, blocks = rng.random(20), rng.random(20), rng.random(4), rng.integers(0, 4, 20, np.int32)
+    expected = p - isolated * shared[blocks]
+    kernel(p, isolated, blocks, shared)
+    np.testing.assert_allclose(p, expected)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.convolve_few))
+def test_few_nodes_are_convolved_with_the_kernel_of_a_period(kernel, rng):
+    symbol, load, product = rng.random((6, 9)), np.zeros((6, 9)), np.empty(7)
+    symbol += np.roll(symbol[::-1], 1, axis=0)
+    symbol += np.roll(symbol[:, ::-1], 1, axis=1)
+    where = np.divmod(rng.permutation(54)[:7], 9)
+    load[where] = rng.random(7)
+    kernel(load[where], *where, np.fft.ifft2(symbol).real, product)
+    np.testing.assert_allclose(product, np.fft.ifft2(np.fft.fft2(load) * symbol).real[where], atol=1e-14)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.put_tiles))

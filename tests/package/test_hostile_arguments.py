@@ -79,14 +79,6 @@ FUNCTIONS = {
     },
     "gfmd_numba.analysis.plot_contact": lambda things: {"dataset": things.contact(), "width": "single"},
     "gfmd_numba.analysis.plot_curve": lambda things: {"dataset": things.curve(), "width": "single"},
-    "gfmd_numba.analysis.plot_creep": lambda things: {
-        "dataset": gfmd_numba.creep_curve(CREEP, [0.1, 1.0]),
-        "width": "single",
-    },
-    "gfmd_numba.analysis.plot_friction": lambda things: {
-        "dataset": gfmd_numba.friction_curve(CREEP, [1e-6, 1e-3]),
-        "width": "single",
-    },
     "gfmd_numba.analysis.plot_fit": lambda things: {"fit": things.fit(), "width": "double"},
     "gfmd_numba.analysis.plot_leakage": lambda things: {"dataset": analysis.leakage(things.map()), "width": "single"},
     "gfmd_numba.analysis.plot_conductance": lambda things: {

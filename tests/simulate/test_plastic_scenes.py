@@ -86,6 +86,19 @@ def test_layers_sublayers_and_increments_that_are_too_few_are_told():
     assert doubts(increments=16) == ""
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_plastic_strain_that_is_not_small_is_told():
+    scene = copy.deepcopy(FLOWS["scene"]) | {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.5}}
+    del scene["form"]
+    scene["loading"] = {"pressure": "150 MPa"}
+    scene["body"]["plasticity"] |= {"sublayers": 8, "increments": 2}
+    eps = {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1}
+    found = gfmd_numba.solve({"scene": scene, "discretisation": eps})
+    strain = float(found["largest_plastic_strain"])
+    assert strain > 0.1
+    assert f"the largest plastic strain is {strain:.2g}, where" in found.attrs["validity"]
+
+
 REFUSED = {
     "saturation alone": (
         changed("scene", "body", plasticity={"yield_stress": "1 GPa", "saturation_stress": "2 GPa"}),

@@ -44,9 +44,7 @@ def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split,
     tiles, places = newton.listed(rng.random(tiles_each_way[0] * tiles_each_way[1]) < share)
     m = tiles.size
     compliance = SplitCompliance(stiff, shape, tiles_each_way, split=split)
-    around = np.empty((m, 9), dtype=np.int64)
-    kernels.surround(tiles, places, *tiles_each_way, (False, False), around)
-    compliance.place(tiles, places, around)
+    compliance.place(tiles, places)
     soft = np.divide(1.0, stiff, out=np.zeros_like(stiff), where=stiff > 0.0)
     for values in (rng.normal(size=(m + 1, 8, 8)), rng.random((m + 1, 8, 8)), np.ones((m + 1, 8, 8))):
         values[-1] = 0.0

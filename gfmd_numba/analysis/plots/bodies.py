@@ -16,6 +16,16 @@ from gfmd_numba.arrays import Reals
 
 _USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
 _DEEPEST = 0.5  # of L_x: below, the waves have died out
+_COLUMNS = 3
+_TITLE = 0.3  # inches of the title of a panel
+_MOST = 8  # planes that are drawn: the highest
+_COMPONENTS_OF_MAPS = (
+    ("normal", "", "out of the body"),
+    ("tangential", "", "along $x$"),
+    ("tangential", "_y", "along $y$"),
+)
+_QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
+_ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
 @checked
@@ -87,11 +97,6 @@ def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: f
     )
     ticks = [tick for tick in MaxNLocator(5).tick_values(0.0, levels[-1]) if tick <= levels[-1]]
     figure.colorbar(drawn, ax=axis, label=label, format="%.3g", ticks=ticks)
-
-
-_COLUMNS = 3
-_TITLE = 0.3  # inches of the title of a panel
-_MOST = 8  # planes that are drawn: the highest
 
 
 def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure:
@@ -168,14 +173,6 @@ def _thicknesses(middles: Reals) -> Reals:
 
 
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
-_COMPONENTS_OF_MAPS = (
-    ("normal", "", "out of the body"),
-    ("tangential", "", "along $x$"),
-    ("tangential", "_y", "along $y$"),
-)
-_QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units without a length or moduli
-
-_ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
 @checked

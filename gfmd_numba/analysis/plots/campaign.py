@@ -30,6 +30,14 @@ _DASHES = ("-", "--", ":", "-.")
 
 Key = tuple[float, ...]  # parameters of a group
 Look = dict[str, Any]
+_WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
+_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
+_OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
+_PANELS = {
+    "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
+    "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
+    "eps_t": ("Thermodynamic limit", r"$1/\varepsilon_t = L_x/\lambda_l$"),
+}
 
 
 @dataclass(frozen=True)
@@ -110,9 +118,6 @@ def _value(axis: xr.DataArray, value: float) -> str:
         mantissa, exponent = number.split("e")
         number = rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}"
     return f"{symbol} = {number}" + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
-
-
-_WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 
 
 ValuesOf = Callable[[xr.Dataset], tuple[Reals, Reals]]  # values (case) of cases, and their errors
@@ -201,9 +206,6 @@ def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     return np.asarray(values, dtype=float)
 
 
-_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
-
-
 @checked
 def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Figure:
     """Draw the limits that `fit_tfc` found, with standard errors, against the parameter that has most values.
@@ -223,14 +225,6 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Fig
 def _limits(groups: xr.Dataset) -> tuple[Reals, Reals]:
     value, error = in_the_limit(groups)
     return value.values, error.values
-
-
-_OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
-_PANELS = {
-    "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
-    "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
-    "eps_t": ("Thermodynamic limit", r"$1/\varepsilon_t = L_x/\lambda_l$"),
-}
 
 
 @checked

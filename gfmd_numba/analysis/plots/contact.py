@@ -20,6 +20,19 @@ from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, dr
 from gfmd_numba.analysis.plots.style import COLOURS, Width
 from gfmd_numba.arrays import Flags, Reals
 
+_BEYOND = 2e-3
+_DENSITY_DIMS = ("pressure", "gap", "length", "area")
+# how contacts were counted, over what, and how that is labelled
+_CONTACTS = {
+    "segments": ("segments", "length", r"Segment length over $L_x$"),
+    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
+}
+_SUM = "sum of the heights"  # how a height is named that stands for rough bodies which no dataset tells apart
+_CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
+_FLATTENED = "#D55E00"
+_LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it surrounds
+_ARROWS = 20  # along a side of the map, at most
+
 
 @checked
 def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width | None = None) -> Figure:
@@ -94,16 +107,6 @@ def _end(statistics: xr.Dataset, over: str) -> float:
     return float(density[over][last])
 
 
-_BEYOND = 2e-3
-_DENSITY_DIMS = ("pressure", "gap", "length", "area")
-# how contacts were counted, over what, and how that is labelled
-_CONTACTS = {
-    "segments": ("segments", "length", r"Segment length over $L_x$"),
-    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
-}
-
-
-_SUM = "sum of the heights"  # how a height is named that stands for rough bodies which no dataset tells apart
 _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
     "tangential_traction": (r"tangential $\tau$", COLOURS[0], "-"),
     "prescribed_normal_traction": ("prescribed, outwards", COLOURS[2], "--"),
@@ -175,11 +178,6 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     return figure
 
 
-_CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
-_FLATTENED = "#D55E00"
-_LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it surrounds
-
-
 def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
     """Draw the contact of a map in its units, tangential tractions if it has any, and statistics where they are known.
 
@@ -242,7 +240,6 @@ def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
     )
 
 
-_ARROWS = 20  # along a side of the map, at most
 _SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # without yellow, faint on white
 
 

@@ -9,7 +9,7 @@ from gfmd_numba.analysis.plots.accuracy import plot_accuracy
 from gfmd_numba.analysis.plots.bodies import plot_body, plot_flow, plot_loaded_body
 from gfmd_numba.analysis.plots.campaign import plot_fit
 from gfmd_numba.analysis.plots.contact import plot_contact, plot_statistics
-from gfmd_numba.analysis.plots.curve import plot_creep, plot_curve, plot_friction
+from gfmd_numba.analysis.plots.curve import plot_curve
 from gfmd_numba.analysis.plots.map_image import plot_conductance, plot_leakage
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.rounds import plot_rounds
@@ -28,8 +28,8 @@ KINDS: dict[str, tuple[str, Draw]] = {  # a variable that no later kind has
     "fit": ("fit_status", plot_fit),
     "loaded body": ("normal_traction", plot_loaded_body),
     "loading path": ("step", plot_path),
-    "creep curve": ("time", plot_creep),
-    "friction curve": ("speed", plot_friction),
+    "creep curve": ("time", plot_curve),
+    "friction curve": ("speed", plot_curve),
     "contact": ("pressure", plot_contact),
 }
 

@@ -53,6 +53,12 @@ _STYLE: dict[Any, Any] = {
     "legend.handlelength": 2.6,  # a whole dash and dot
     **dict.fromkeys(("axes.titlesize", "figure.labelsize", "figure.titlesize"), "medium"),
 }
+_PRESCRIBED = (
+    ("reduced_pressure", "$p^*$", ""),
+    ("punch_displacement", "punch displacement", "L_x"),
+    ("sliding", "sliding", "L_x"),
+    ("sliding_y", "sliding along $y$", "L_x"),
+)
 
 
 class _Picture(Figure):
@@ -247,14 +253,6 @@ def prefix(
         power = int(np.floor(np.log10(largest))) if largest else 0
         return (1.0, f"${natural}$") if -2 <= power <= 3 else (10.0**-power, rf"$10^{{{power}}}\,{natural}$")
     return si_prefix(largest, unit)
-
-
-_PRESCRIBED = (
-    ("reduced_pressure", "$p^*$", ""),
-    ("punch_displacement", "punch displacement", "L_x"),
-    ("sliding", "sliding", "L_x"),
-    ("sliding_y", "sliding along $y$", "L_x"),
-)
 
 
 def named_last_step(dataset: xr.Dataset) -> str:

@@ -8,9 +8,12 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.fourier.grid import resample
 from gfmd_numba.interface.normal_law import NormalLaw
+from gfmd_numba.interface.slip_rate import SlipRateFriction
 from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.kernels import Conditions
 from gfmd_numba.solvers.iteration import Batch, Start
+
+Bound = Conditions | SlipRateFriction  # what friction holds at a node
 
 _FAINT = 1e-6  # slope of the law times the largest compliance below which its traction is taken to be known
 
@@ -36,6 +39,7 @@ class Revision:
     joins: Flags
     direction: Reals
     slip_compliance: Reals
+    slid: Reals
     wrong: Indices
 
     def keep(self, guess: "FrictionGuess", nodes: Indices) -> None:
@@ -43,6 +47,7 @@ class Revision:
         self.leaves[nodes] = self.joins[nodes] = False
         self.direction[:, nodes] = guess.direction[:, nodes]
         self.slip_compliance[nodes] = 0.0
+        self.slid[nodes] = guess.slid[nodes]
 
 
 @dataclass
@@ -50,7 +55,8 @@ class FrictionGuess:
     """What is guessed of a row `[n]`, and the tractions found last.
 
     `contact` are the nodes that touch; `direction` `[component, n]` is the way each of them slips, 0 where it sticks;
-    `slip_compliance` is the slip over the friction of a slipping node. `tractions` `[component + 1, n]` are the
+    `slip_compliance` is the slip over the friction of a slipping node, `slid` the slip about which a friction that
+    depends on it is linear. `tractions` `[component + 1, n]` are the
     tangential ones, then the pressure on touching nodes and minus the traction of a law on others, which is linear
     about the displacement `normal`. Nodes that are `released` bear no tangential traction: an infinite friction has
     pulled them off, and they stick where they touch down again.
@@ -62,14 +68,16 @@ class FrictionGuess:
     tractions: Reals
     normal: Reals
     released: Flags
+    slid: Reals
 
     @classmethod
     def sticking(cls, contact: Flags, tractions: Reals, normal: Reals) -> Self:
         """Return a guess in which all nodes in contact stick."""
         n = contact.size
-        return cls(contact, np.zeros((len(tractions) - 1, n)), np.zeros(n), tractions, normal, np.zeros(n, np.bool_))
+        still, none = np.zeros((len(tractions) - 1, n)), np.zeros(n, np.bool_)
+        return cls(contact, still, np.zeros(n), tractions, normal, none, np.zeros(n))
 
-    def revision(self, found: Found, conditions: Conditions, rounding: float, unsure: float) -> Revision:
+    def revision(self, found: Found, bound: Bound, rounding: float, unsure: float) -> Revision:
         """Return what a solution speaks for.
 
         Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
@@ -77,33 +85,36 @@ class FrictionGuess:
         as across. A node that sticks gives way where its traction is above friction by more than it is `unsure`.
         """
         pressure, shear = np.where(self.contact, found.tractions[-1], 0.0), found.tractions[:-1]
-        slid, overlap, held = found.u[:-1] - found.anchor, found.u[-1] - found.wall, conditions.held(pressure)
+        slid, overlap = found.u[:-1] - found.anchor, found.u[-1] - found.wall
         size, strength = length(slid), length(shear)
         slips = self.contact & self.direction.any(axis=0)
+        held = bound.held(pressure, np.where(slips, size, 0.0))
         leaves = self.contact & ~(pressure > 0.0)
         joins = ~self.contact & (overlap > rounding)
         gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
-        starts = joins & (size > conditions._replace(limit=np.inf).held(overlap))
+        starts = joins & (size > bound.tried(overlap))
         direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
         for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
             direction[:, where] = way[:, where] / of[where]
         slip_compliance[goes_on] = size[goes_on] / held[goes_on]
         wrong = leaves | joins | gives_way | turns_back
-        if np.isfinite(conditions.limit):
-            slope = conditions.friction - conditions.rise
-            before, now = slope * np.array([self.tractions[-1], pressure]) - conditions.limit
+        if isinstance(bound, Conditions) and np.isfinite(bound.limit):
+            slope = bound.friction - bound.rise
+            before, now = slope * np.array([self.tractions[-1], pressure]) - bound.limit
             wrong |= goes_on & ((before > 0.0) != (now > 0.0)) & (abs(now) > unsure)
-        return Revision(leaves, joins, direction, slip_compliance, np.flatnonzero(wrong))
+        begun = np.where(goes_on | starts, size, 0.0)
+        return Revision(leaves, joins, direction, slip_compliance, begun, np.flatnonzero(wrong))
 
-    def revise(self, revision: Revision, found: Found, conditions: Conditions, law: NormalLaw | None) -> Reals | float:
+    def revise(self, revision: Revision, found: Found, bound: Bound, law: NormalLaw | None) -> Reals | float:
         """Follow a revision; return the traction `[n]` of the law on touching nodes."""
         before, wall = self.contact, found.wall
         self.contact = (before | revision.joins) & ~revision.leaves
         self.direction, self.slip_compliance = revision.direction, revision.slip_compliance
+        self.slid = revision.slid
         pressure = np.where(before, np.maximum(found.tractions[-1], 0.0), 0.0)
-        held, strength = conditions.held(pressure), length(found.tractions[:-1])
+        held, strength = bound.held(pressure, self.slid), length(found.tractions[:-1])
         part = np.divide(held, strength, out=np.ones_like(held), where=strength > held)
         self.tractions = np.array([*(part * found.tractions[:-1]), pressure])
         if law is None:
@@ -115,7 +126,7 @@ class FrictionGuess:
         self.tractions[-1] = np.where(self.contact, pressure, -pull)
         return np.where(self.contact, pull, 0.0)
 
-    def on_finer_grid(self, wall: Reals, conditions: Conditions) -> Self:
+    def on_finer_grid(self, wall: Reals, bound: Bound) -> Self:
         """The same of a profile under a wall `[x]` on a finer grid."""
         n, m = wall.size, self.contact.size
         x = np.arange(n) * (m / n)
@@ -123,9 +134,10 @@ class FrictionGuess:
         tractions = np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in self.tractions])
         contact = self.contact[nearest] & (tractions[-1] > 0.0)
         tractions *= contact
-        most = conditions.held(tractions[-1])
+        most = bound.held(tractions[-1], self.slid[nearest])
         tractions[:-1] = np.clip(tractions[:-1], -most, most)
         guess = self.sticking(contact, tractions, wall)
+        guess.slid = self.slid[nearest] * contact
         guess.direction = self.direction[:, nearest] * contact
         return guess
 

@@ -7,8 +7,10 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
+from gfmd_numba.interface.slip_rate import SlipRateFriction
 from gfmd_numba.interface.vector_slip import length
 from gfmd_numba.solvers.friction.guess import (
+    Bound,
     Found,
     FrictionGuess,
     Tangent,
@@ -96,7 +98,8 @@ class FrictionalNewton:
         rows, shape = len(punch), punch.shape[1:]
         if laws.friction is None or not laws.hard_wall:
             raise ValueError("this solver knows friction on a hard wall only")
-        self._conditions, self._law, self._batch = laws.conditions, laws.normal_law, batch
+        self._bound: Bound = laws.conditions if laws.slip_rate is None else laws.slip_rate
+        self._law, self._batch = laws.normal_law, batch
         held = response.with_mean(0.0) if response.is_rigid else response
         self._products = products = Products(held, rows, shape, sources=2)
         self._near = NearTractions(response, shape)
@@ -113,7 +116,8 @@ class FrictionalNewton:
         self._drifts = response.drifts
         self._rounding = np.finfo(np.float64).eps * np.ptp(wall[:, :n], axis=1)
         self._asked = options.residual
-        self._is_linear = self._law is None and self._components == 1  # the problem of a guess that stands
+        one_way = self._components == 1 and laws.slip_rate is None
+        self._is_linear = self._law is None and one_way  # the problem of a guess that stands
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners
         self._guesses = self._first_guesses(batch, options)
         inner = _INNER if self._law is None else _INNER_OF_LAW
@@ -150,11 +154,22 @@ class FrictionalNewton:
             guess = self._guesses[i]
             ku[i, :-1, :n] = guess.tractions[:-1]
             ku[i, -1, :n] = load[i] - guess.contact * guess.tractions[-1]
+        if isinstance(self._bound, SlipRateFriction):
+            self.certificate.conditions = self._conditions(sure)
         residual = self.certificate.look(self.state, active, n, strongest)
         for i in sure[residual[stands] > self._asked]:
             self._progress[i].last *= _TIGHTEN
         unsure = np.maximum([each.moved for each in progress], 10.0 * self._asked)
         return np.where(stands, residual, np.maximum(residual, unsure))
+
+    def _conditions(self, rows: Indices) -> kernels.Conditions:
+        """What holds at touching nodes under the pressures and slips of some rows."""
+        n, (u, ku, _, load, anchor) = self.field.n, self.state
+        bounds = np.zeros((len(u), n))
+        for i in rows:
+            slip = length(u[i, :-1, :n] - anchor[i, :, :n])
+            bounds[i] = self._bound.held(load[i] - ku[i, -1, :n], slip)
+        return self.certificate.conditions._replace(bounds=bounds)
 
     def _is_close(self, progress: _Progress) -> bool:
         return progress.moved < _CLOSE * self._asked
@@ -172,7 +187,7 @@ class FrictionalNewton:
                 if coarse._progress[i].changed <= _SHARE * coarse._guesses[i].contact.sum():
                     break
         self._spent += np.ceil(coarse.n_transforms * grid.relative_cost(coarse.field.n, n)).astype(np.int64)
-        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._conditions) for i in every]
+        return [coarse._guesses[i].on_finer_grid(batch.punch[i], self._bound) for i in every]
 
     def _first_guess(self, i: int) -> FrictionGuess:
         """Guess of the normal contact under the tangential tractions with which the row begins, all nodes sticking."""
@@ -198,7 +213,7 @@ class FrictionalNewton:
             punch=punch.reshape(shape),
             response=self._condensed,
             load=None if batch.load is None else self.state.load[[i]],
-            interface=replace(batch.interface, friction=None),
+            interface=replace(batch.interface, friction=None, slip_rate=None),
             begun=replace(Start.at_rest(punch), displacement=start.reshape(shape)),
         )
         solver, row = begin(normal, Options("frictional_newton", settled, _NORMAL_STEPS)), np.arange(1)
@@ -218,7 +233,7 @@ class FrictionalNewton:
     def _step(self, i: int) -> None:
         guess, progress, n = self._guesses[i], self._progress[i], self.field.n
         total = None if self._batch.load is None else self.state.load[i] * n
-        body = Body(lambda f: self._products.deflect(i, f), self._near, self._conditions, total, self._drifts)
+        body = Body(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
         wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)
@@ -257,24 +272,25 @@ class FrictionalNewton:
         n, guess, progress, state = self.field.n, self._guesses[i], self._progress[i], self.state
         wall, anchor, contact = state.wall[i, :n], state.anchor[i, :, :n], guess.contact
         pressure = np.where(contact, tractions[-1], 0.0)
-        if self._components == 1 and self._drifts and contact.any() and guess.direction[0, contact].all():
+        all_slip = self._components == 1 and contact.any() and guess.direction[0, contact].all()
+        if self._drifts and all_slip and isinstance(self._bound, kernels.Conditions):
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (
-                slid - slid[middle_slip(slid, self._conditions.held(pressure), contact)]
+                slid - slid[middle_slip(slid, self._bound.held(pressure), contact)]
             )  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())
-        revision = guess.revision(found, self._conditions, self._rounding[i], unsure)
-        nears = self._law is not None and progress.moved < _CLOSER * progress.nearest
+        revision = guess.revision(found, self._bound, self._rounding[i], unsure)
+        nears = not self._is_linear and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
         if progress.changes_one_node:
             revision.keep(guess, revision.wrong[:-1])
-        if np.isinf(self._conditions.friction):
+        if np.isinf(self.certificate.conditions.friction):
             guess.released |= revision.leaves
             anchor[:, guess.released] = u[:-1, guess.released]
         state.u[i, -1, :n] = np.where(contact & (pressure > 0.0), wall, np.minimum(u[-1], wall))
         state.u[i, :-1, :n] = self._slid_against(guess, found)
-        pull = guess.revise(revision, found, self._conditions, self._law)
+        pull = guess.revise(revision, found, self._bound, self._law)
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             state.load[i] = (guess.tractions[-1] - pull).mean()
         if self._law is None:
@@ -297,7 +313,8 @@ class FrictionalNewton:
         if self._components == 1:
             return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
         against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
-        far = (forth > 0.0) & (length(slid) * self._near.tangential_of_a_node > self._conditions.held(pressure))
+        size = length(slid)
+        far = (forth > 0.0) & (size * self._near.tangential_of_a_node > self._bound.held(pressure, size))
         return np.where(bears & ~far, found.anchor - against * shear, found.u[:-1])
 
     def _begin_anew(self, i: int) -> None:

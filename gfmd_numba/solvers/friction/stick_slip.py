@@ -4,7 +4,8 @@ Unknown are the pressure p of the wall on touching nodes and, with a law of the 
 tangential tractions of sticking nodes; and on maps the traction t of a slipping node across the direction e in which it
 slips. Along e it bears -mu p, or at a limit a constant, which may rise with p. The traction of a slip s turns by as
 much as the slip does, t / (mu p) = -ds / s across e, so that the node gives way by t s / (mu p) (Alart & Curnier,
-Comput. Methods Appl. Mech. Eng. 92:353, 1991).
+Comput. Methods Appl. Mech. Eng. 92:353, 1991). Where friction depends on the slip rate, it is linear about the last
+slip: the change of the traction along e is unknown, too, and over its slope by the slip minus the change of the slip.
 
 It is solved by generalised minimal residuals, preconditioned by an approximate inverse of the compliance of each
 component on the nodes in contact.
@@ -21,7 +22,7 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
-from gfmd_numba.solvers.friction.guess import FrictionGuess, Tangent
+from gfmd_numba.solvers.friction.guess import Bound, FrictionGuess, Tangent
 from gfmd_numba.solvers.tiles.near_field import NearField
 
 
@@ -43,6 +44,8 @@ class NearTractions:
         self.normal_of_a_node = float((_inverse(normal) * share).sum())
         # a rigid mean is not one of the sum, in which an attraction would move it
         self.takes_law = self._normal.takes_own and not response.is_rigid
+        self._in_order = dimension == 1  # nodes have to be in their order around the period
+        self._order: Indices | slice = slice(None)
 
     @property
     def transforms(self) -> float:
@@ -57,7 +60,8 @@ class NearTractions:
         if nodes.size:
             self._normal.factor(nodes, nodes.size, own if self.takes_law else None)
         if dragged.size:
-            self._tangential.factor(nodes[dragged], dragged.size)
+            self._order = np.argsort(dragged) if self._in_order else slice(None)
+            self._tangential.factor(nodes[dragged[self._order]], dragged.size)
 
     def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
         """Return the pressure `[node]` and tractions `[component, dragged]` that about cause displacements."""
@@ -66,7 +70,9 @@ class NearTractions:
             self._normal.solve(normal, pressure)
         if tangential.size:
             for u, t in zip(tangential, traction, strict=True):
-                self._tangential.solve(u, t)
+                found = np.empty_like(t)
+                self._tangential.solve(u[self._order], found)
+                t[self._order] = found
         return pressure, traction
 
 
@@ -135,6 +141,7 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
     return basis[: k + 1], shares
 
 
+_LEAST_GROWTH = 1e-12  # slope of friction by slip, over the stiffness of a node, below which it is as good as 0
 # slope of a repulsion times the compliance of a node from which on it is told by its inverse, where not every law is
 _STIFF = 0.3
 
@@ -149,7 +156,7 @@ class Body(NamedTuple):
 
     deflect: Callable[[Reals], Reals]
     near: NearTractions
-    conditions: kernels.Conditions
+    bound: Bound
     total: float | None
     drifts: bool
 
@@ -205,15 +212,23 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        _, friction, limit, rise = body.conditions
-        limited = (friction - rise) * guess.tractions[-1, self.slipping] > limit
-        self._drag = np.where(limited, -rise, -friction) * along  # tangential traction over pressure
-        self._limit = np.where(limited, -limit, 0.0) * along if limited.any() else None
-        self._turning = self.slipping if components == 2 else self.slipping[:0]
-        self._across = np.array([-along[1], along[0]]) if components == 2 else along[:, :0]
-        self._slip_compliance = guess.slip_compliance[self._turning]
+        limit, drag, growth = body.bound.near(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
+        self._drag = -drag * along  # tangential traction over pressure
+        self._limit = None if limit is None else -limit * along
+        # ways in which slipping nodes have tractions of their own, what they give way by for each, and from where
+        self._ways, self._slip_compliance, self._begun = along[:, :0], np.empty(0), np.empty(0)
+        if components == 2:
+            self._ways, self._slip_compliance = np.array([-along[1], along[0]]), guess.slip_compliance[self.slipping]
+            self._begun = np.zeros(self.slipping.size)
+        self._n_across = self._begun.size
+        if growth is not None:
+            compliance = 1.0 / np.maximum(growth, _LEAST_GROWTH * body.near.tangential_of_a_node)
+            self._ways = np.concatenate((self._ways, along), axis=1)
+            self._slip_compliance = np.append(self._slip_compliance, compliance)
+            self._begun = np.append(self._begun, guess.slid[self.slipping])
+        self._turning = np.tile(self.slipping, (components == 2) + (growth is not None))
         self._yield = 1.0 / np.sqrt(1.0 + self._slip_compliance * body.near.tangential_of_a_node)
-        dragged = np.concatenate((of_stuck, self._of_slipping[: self._turning.size]))
+        dragged = np.concatenate((of_stuck, self._of_slipping if self._turning.size else self._of_slipping[:0]))
         body.near.factor(rows.nodes[: rows.held], dragged, None if rows.own is None else rows.own[: rows.held])
         self._parts = rows.nodes.size, rows.nodes.size + components * self.stuck.size
         self._drifts = body.drifts and self.stuck.size + self._turning.size > 0
@@ -233,8 +248,8 @@ class StickSlip:
             unit, dragged = none.copy(), np.zeros(self._parts[0])
             unit[component] = 1.0
             dragged[self._of_slipping] = self._drag[component]
-            sums.append(self._join(dragged, unit, self._across[component]))
-            takers.append(self._join(np.zeros(self._parts[0]), unit, self._across[component]))
+            sums.append(self._join(dragged, unit, self._ways[component]))
+            takers.append(self._join(np.zeros(self._parts[0]), unit, self._ways[component]))
             prescribed.append(0.0 if self._limit is None else -float(self._limit[component].sum()))
         shape = len(sums), self._parts[1] + self._turning.size
         self._sums = np.array(sums).reshape(shape)
@@ -245,7 +260,9 @@ class StickSlip:
 
     def unknowns(self, tractions: Reals) -> Reals:
         """Return the unknowns `[unknown]` with the prescribed sums that are nearest to tractions `[component, n]`."""
-        x = self._join(tractions[-1, self._rows.nodes], tractions[:-1, self.stuck], self._part_across(tractions))
+        own = self._along_ways(tractions)
+        own[self._n_across :] = 0.0  # changes of what friction holds
+        x = self._join(tractions[-1, self._rows.nodes], tractions[:-1, self.stuck], own)
         return np.asarray(x + (self._taken @ (self._prescribed - self._sums @ x)) @ self._uniform)
 
     def tractions(self, x: Reals) -> Reals:
@@ -263,7 +280,7 @@ class StickSlip:
         found[:-1, self.slipping] = self._drag * pressure[self._of_slipping]
         found[:-1, self.stuck] = sticking
         if across.size:
-            found[:-1, self._turning] += self._across * across
+            found[:-1, self.slipping] += self._of_ways(across)
         return found
 
     def deflected(self, x: Reals, known: bool = False) -> Reals:
@@ -275,7 +292,7 @@ class StickSlip:
 
     def prescribed(self, anchor: Reals) -> Reals:
         """Right-hand side of the linear problem `[unknown]`."""
-        return self._join(self._rows.asked, anchor[:, self.stuck], self._part_across(anchor))
+        return self._join(self._rows.asked, anchor[:, self.stuck], self._along_ways(anchor) + self._begun)
 
     def restricted(self, u: Reals, x: Reals) -> Reals:
         """Left-hand side `[unknown]` of the unknowns, which cause displacements `[component, n]`."""
@@ -283,7 +300,7 @@ class StickSlip:
         normal = -rows.closing * u[-1, rows.nodes]
         if rows.own is not None:
             normal += rows.own * pressure
-        return self._join(normal, u[:-1, self.stuck], self._part_across(u) + self._slip_compliance * turning)
+        return self._join(normal, u[:-1, self.stuck], self._along_ways(u) + self._slip_compliance * turning)
 
     def correction(self, misfit: Reals) -> tuple[Reals, Reals]:
         """Return a change of the unknowns that approximately removes a misfit and keeps every sum.
@@ -305,7 +322,7 @@ class StickSlip:
     def _inverse(self, misfit: Reals) -> Reals:
         rows, (down, sideways, across) = self._rows, self._split(misfit)
         if across.size:
-            sideways = np.concatenate((sideways, self._across * (self._yield * across)), axis=1)
+            sideways = np.concatenate((sideways, self._of_ways(self._yield * across)), axis=1)
         pressure, tractions = self._body.near.solve(rows.soften * down[: rows.held], sideways)
         found = np.empty_like(misfit)
         of_nodes, sticking, turning = self._split(found)
@@ -313,17 +330,23 @@ class StickSlip:
         of_nodes[rows.held :] = down[rows.held :]
         sticking[:] = tractions[:, : self.stuck.size]
         if across.size:
-            turning[:] = self._yield * (self._across * tractions[:, self.stuck.size :]).sum(axis=0)
+            own = tractions[:, self.stuck.size :]
+            turning[:] = self._yield * (self._ways * np.tile(own, across.size // own.shape[1])).sum(axis=0)
         return found
 
-    def _part_across(self, values: Reals) -> Reals:
-        """Part across the slip of quantities `[component, n]` that have tangential ones in front."""
+    def _along_ways(self, values: Reals) -> Reals:
+        """Parts along the ways of slipping nodes of quantities `[component, n]` that have tangential ones in front."""
         if not self._turning.size:
             return np.empty(0)
-        return np.asarray((self._across * values[: len(self._across), self._turning]).sum(axis=0))
+        return np.asarray((self._ways * values[: len(self._ways), self._turning]).sum(axis=0))
+
+    def _of_ways(self, values: Reals) -> Reals:
+        """Tangential vectors `[component, slipping]` of values along the ways of slipping nodes."""
+        components, n = len(self._ways), self.slipping.size
+        return np.asarray((self._ways * values).reshape(components, -1, n).sum(axis=1))
 
     def _split(self, x: Reals) -> tuple[Reals, Reals, Reals]:
-        """Pressures, tractions `[component, stuck]` and tractions across slip of the unknowns."""
+        """Pressures, tractions `[component, stuck]` and tractions along the ways of slipping nodes."""
         first, second = self._parts
         return x[:first], x[first:second].reshape(len(self._drag), -1), x[second:]
 

@@ -6,10 +6,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from scipy.special import erf
+import scipy  # its modules load with their first use
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
@@ -24,7 +24,7 @@ class Split(NamedTuple):
 
     `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
     tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
-    of a pressure is left. A distance of 0 stands for a fitted stencil: on compact contacts it costs less than the sum.
+    of a pressure is left. A sharpness of 0 stands for a fitted stencil.
     """
 
     coarsening: int
@@ -34,7 +34,7 @@ class Split(NamedTuple):
     error: float
 
 
-FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 0, 0.0, 4, 5e-3)
+FAR, NEAR = Split(8, 8, 2.7, 6, 2e-5), Split(4, 1, 0.0, 4, 5e-3)
 _REACH = 5  # nodes in each direction that the stencil of NEAR sees
 _FITTED = 64  # waves in each direction on which that is fitted
 
@@ -65,7 +65,7 @@ class SplitCompliance:
     ) -> None:
         self.error, coarsening = split.error, split.coarsening
         self._tiles_each_way, self._ends = tiles_each_way, ends
-        self._tiles = self._places = self._around = np.empty(0, dtype=np.int64)
+        self._tiles = self._places = np.empty(0, dtype=np.int64)
         self._coarse_shape = tuple(n // coarsening for n in shape)
         self._per_tile = TILE // coarsening
         self._field = Transform(1, *self._coarse_shape, in_place=True)
@@ -75,12 +75,13 @@ class SplitCompliance:
             spline(np.arange(TILE)[:, np.newaxis] / coarsening - np.arange(first, last))
         )
         distance = min(split.distance, *((n // TILE - 1) // 2 for n in shape))
-        self._is_summed = distance > 0
-        if self._is_summed:
+        self._reach = (distance + 1) * TILE - 1
+        if split.sharp:
             self._kernel = _near_kernel(stiffness, shape, distance, split.sharp)
         else:
             few = tuple(min(n, _FITTED) for n in shape)
-            self._kernel = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
+            stencil = _fitted(shape, _soft(stiffness[grid.some_waves(shape, few)]).tobytes())
+            self._kernel, self._reach = np.pad(stencil, self._reach - _REACH), _REACH
         waves = grid.wave_indices(self._coarse_shape)
         angles = _angles(waves, shape)
         nodes = np.arange(-before * coarsening, before * coarsening + 1)
@@ -100,9 +101,9 @@ class SplitCompliance:
         """Number of nodes of the coarser grid."""
         return self._field.n
 
-    def place(self, tiles: Indices, places: Indices, around: Indices) -> None:
-        """Prepare `apply` for some tiles, the place of each tile among them, and of those around each."""
-        self._tiles, self._places, self._around = tiles, places, around
+    def place(self, tiles: Indices, places: Indices) -> None:
+        """Prepare `apply` for some tiles, and the place of each tile among them."""
+        self._tiles, self._places = tiles, places
 
     def apply(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement `[m + 1, TILE, TILE]` of the m tiles from the pressure on them."""
@@ -112,33 +113,19 @@ class SplitCompliance:
             np.empty(pressure.size, dtype=np.int64),
             np.empty(pressure.size),
         )
-        if self._is_summed:
-            kernels.list_loaded(pressure, *loaded)
-        else:
-            convolve(pressure, self._around, self._kernel, displacement)
+        kernels.list_loaded(pressure, *loaded)
         coarse = self._field.memory[0]
         kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
         self._field.stiffen(self._far)
 
         def some(_: int, first: int, last: int) -> None:
             tiles, found = self._tiles[first:last], displacement[first:last]
-            if self._is_summed:
-                each = tiles, self._places, self._tiles_each_way, self._ends
-                kernels.convolve_loaded(loaded, *each, self._kernel, found)
+            each = tiles, self._places, self._tiles_each_way, self._ends
+            kernels.convolve_loaded(loaded, *each, self._kernel, self._reach, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
         reached = self._kernel.size // TILE**2  # tiles, by each loaded node
-        summed = int(loaded[0][-1]) * reached if self._is_summed else 0
-        team().share(some, self._tiles.size, max(displacement.size, summed))
-
-
-def convolve(values: Reals, around: Indices, stencil: Reals, product: Reals) -> None:
-    """Fill the product on tiles with the convolution of the values with a stencil; the work is shared by tiles."""
-
-    def some(_: int, first: int, last: int) -> None:
-        kernels.tile_stencil(values, around[first:last], stencil, product[first:last])
-
-    team().share(some, len(around), product.size)
+        team().share(some, self._tiles.size, max(displacement.size, int(loaded[0][-1]) * reached))
 
 
 def _spline(order: int) -> Callable[[Reals], Reals]:
@@ -183,7 +170,7 @@ def _near_kernel(stiffness: Reals, shape: tuple[int, ...], distance: int, sharp:
     steep = max(stiff[ny // 2, 0] / abs(along_y[ny // 2, 0]), stiff[0, nx // 2] / along_x[0, nx // 2])
     fades = 2.0 * sharp / (distance * TILE) * steep
     with np.errstate(divide="ignore", invalid="ignore"):
-        near = np.where(stiff > 0.0, erf(stiff / fades) / stiff, 2.0 / (math.sqrt(math.pi) * fades))
+        near = np.where(stiff > 0.0, scipy.special.erf(stiff / fades) / stiff, 2.0 / (math.sqrt(math.pi) * fades))
     reach = (distance + 1) * TILE - 1
     nodes = np.arange(-reach, reach + 1)
     return np.ascontiguousarray(grid.influence(near, *few)[np.ix_(nodes % few[0], nodes % few[1])])
@@ -220,16 +207,16 @@ _SIDE = 16  # nodes along each side of a block, two tiles: larger blocks cost it
 class TileField:
     """Preconditioner of the compliance on the nodes in contact of some tiles: near neighbours and blocks.
 
-    Values on m tiles are `[m + 1, TILE, TILE]`. `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it
-    does not count. Tiles are listed row by row, `tiles_across` of them.
+    `stiffness` is `[ny, nx // 2 + 1]`; at q = 0 zero or infinite if it does not count. Tiles are listed row by row,
+    `tiles_across` of them.
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
-        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
+        stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
+        self._stencil = np.pad(stencil, (3 - len(stencil)) // 2)
+        self.stiffest = float(stencil.max())  # of a node between its neighbours
         self._across = tiles_across
-        self._tiles = self._around = np.empty(0, dtype=np.int64)
-        self._nodes, self._isolated, self._stiff = self._tiles, np.empty(0), np.empty(0)
+        self._nodes = self._tiles = np.empty(0, dtype=np.int64)
 
     @property
     def transforms(self) -> int:
@@ -241,25 +228,42 @@ class TileField:
         """Number of blocks."""
         return math.prod(self._blocks.shape)
 
-    def place(self, tiles: Indices, around: Indices) -> None:
-        """Prepare `factor` for some tiles and the places of those around them."""
-        self._tiles, self._around = tiles, around
-
-    def factor(self, nodes: Indices, contact: Flags) -> None:
-        """Prepare `solve` for the nodes in contact, which are listed and marked."""
-        self._nodes, (self._values, self._near) = nodes, np.zeros((2, *contact.shape))
-        if self._blocks.useful:
-            self._sums, self._stiff = np.zeros((2, *self._blocks.shape))
-            self._isolated = np.zeros(contact.shape)
-            convolve(contact.astype(np.float64), self._around, self._stencil, self._isolated)
-            kernels.sum_tiles(self._isolated, contact, self._tiles, self._across, self._stiff)
+    def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
+        """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
+        if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
+            return
+        self._nodes, self._tiles = nodes, tiles
+        down, across = self._blocks.shape
+        first = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
+        self._ends = np.searchsorted(nodes, TILE**2 * first)
+        numbers = np.empty((tiles.size + 1, TILE, TILE), dtype=np.int32)
+        self._neighbours, self._places = (np.empty((nodes.size, *each), dtype=np.int32) for each in ((8,), ()))
+        kernels.list_neighbours(nodes, tiles, around, self._across, across, numbers, self._neighbours, self._places)
+        uniform = np.append(np.ones(nodes.size), 0.0)
+        self._isolated, isolated = uniform, np.empty(nodes.size)
+        self._near(uniform, isolated)
+        stiff = np.bincount(self._places, isolated, self.nodes).astype(np.float64)
+        self._isolated, self._stiff = isolated, stiff.reshape(self._blocks.shape)
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
-        """Fill the pressure on the nodes in contact that about causes the displacement there."""
-        self._values.reshape(-1)[self._nodes] = displacement
-        convolve(self._values, self._around, self._stencil, self._near)
+        """Fill the pressure on the nodes in contact that about causes the displacement there, which ends with a 0."""
+        sums = self._near(displacement, pressure)
         if self._blocks.useful:
-            kernels.sum_tiles(self._isolated, self._values, self._tiles, self._across, self._sums)
-            shared = self._blocks.shared(self._sums, self._stiff)
-            kernels.soften_tiles(self._near, self._isolated, shared, self._tiles, self._across)
-        np.take(self._near.reshape(-1), self._nodes, out=pressure)
+            shared = self._blocks.shared(sums, self._stiff).reshape(-1)
+
+            def some(_: int, a: int, b: int) -> None:
+                kernels.soften_nodes(pressure[a:b], self._isolated[a:b], self._places[a:b], shared)
+
+            team().share(some, self._places.size, self._places.size)
+
+    def _near(self, displacement: Reals, pressure: Reals) -> Reals:
+        """Fill the pressure by near neighbours, and return the sums of it over blocks."""
+        sums = np.zeros(self._blocks.shape)
+        each = displacement, self._neighbours, self._stencil
+
+        def some(_: int, first: int, last: int) -> None:
+            nodes = self._ends[first], self._ends[last]
+            kernels.near_pressure(*each, nodes, self._isolated, self._places, pressure, sums.reshape(-1))
+
+        team().share(some, self._blocks.shape[0], self._neighbours.size)
+        return sums

@@ -1,6 +1,8 @@
 """Near neighbours of a map, and what all contacts do to each other on a grid too coarse to see any of them."""
 
 import math
+from collections.abc import Callable
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -58,6 +60,7 @@ def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
 
 _FEWEST = 256  # nodes of the map in each direction: on smaller ones blocks save less than they cost
 _TOLERANCE, _ITERATIONS = 1e-2, 50  # of the coarse problem: ten times that shows in the conjugate gradients
+_PAIRS = 8  # of loaded blocks, for each block, up to which to sum them takes less time than transforms
 _ONE = np.zeros(1, dtype=np.int64)
 
 
@@ -93,30 +96,52 @@ class Blocks:
         return self.made * grid.relative_cost(self._field.n, self._nodes)
 
     def shared(self, load: Reals, stiff: Reals) -> Reals:
-        """Displacement y of blocks with S^-1 y + stiff y = load, by conjugate gradients preconditioned by S.
+        """Displacement y of blocks with S^-1 y + stiff y = load."""
+        where = np.flatnonzero(stiff)
+        if where.size**2 < _PAIRS * stiff.size:  # the others need not be known
+            among, found = partial(self._soft_among, np.divmod(where, self.shape[1])), np.zeros(stiff.size)
+            found[where] = _solved(among, load.reshape(-1)[where], stiff.reshape(-1)[where])
+            return found.reshape(self.shape)
+        return _solved(self._soft, load, stiff)
 
-        S^-1 of a direction is the sum that the direction is of the residuals, so it is never applied.
-        """
-        y, r = np.zeros_like(load), load
-        z = self._soft(r)
-        energy = first = float((r * z).sum())
-        direction, unsmoothed = z, r
-        for _ in range(_ITERATIONS):
-            if energy <= _TOLERANCE**2 * first:
-                break
-            reaction = unsmoothed + stiff * direction
-            step = energy / float((direction * reaction).sum())
-            y, r = y + step * direction, r - step * reaction
-            z, last = self._soft(r), energy
-            energy = float((r * z).sum())
-            direction, unsmoothed = z + energy / last * direction, r + energy / last * unsmoothed
-        return y
+    @cached_property
+    def _kernel(self) -> Reals:
+        """Displacement of all blocks under the pressure of the first one."""
+        one = np.zeros(self.shape)
+        one[0, 0] = 1.0
+        return self._soft(one)
+
+    def _soft_among(self, where: tuple[Indices, Indices], load: Reals) -> Reals:
+        found = np.empty_like(load)
+        kernels.convolve_few(load, *where, self._kernel, found)
+        return found
 
     def _soft(self, load: Reals) -> Reals:
         field = self._field
         field.sources[0][0, : field.n] = load.ravel()
         field.apply(self._compliance, _ONE, source=0)
         return field.result[0, : field.n].reshape(self.shape).copy()
+
+
+def _solved(soft: Callable[[Reals], Reals], load: Reals, stiff: Reals) -> Reals:
+    """Displacement y of blocks with S^-1 y + stiff y = load, by conjugate gradients preconditioned by S, or `soft`.
+
+    S^-1 of a direction is the sum that the direction is of the residuals, so it is never applied.
+    """
+    y, r = np.zeros_like(load), load
+    z = soft(r)
+    energy = first = float((r * z).sum())
+    direction, unsmoothed = z, r
+    for _ in range(_ITERATIONS):
+        if energy <= _TOLERANCE**2 * first:
+            break
+        reaction = unsmoothed + stiff * direction
+        step = energy / float((direction * reaction).sum())
+        y, r = y + step * direction, r - step * reaction
+        z, last = soft(r), energy
+        energy = float((r * z).sum())
+        direction, unsmoothed = z + energy / last * direction, r + energy / last * unsmoothed
+    return y
 
 
 _SIDE = 8  # nodes along each side of a block

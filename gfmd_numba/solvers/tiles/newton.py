@@ -160,6 +160,8 @@ class MapContact:
 
         team().by_rows(some, gap.shape)
         self._open(gap, gap)
+        self._take(gap, self._gap)
+        self._sharpen()
         self._begin_on_tiles()
 
     def loaded_tiles(self) -> Flags:
@@ -210,7 +212,8 @@ class MapContact:
         self._retile()
 
     def _take(self, image: Reals, values: Reals) -> None:
-        kernels.take_tiles(image, self.tiles, self.wall.shape[1], values)
+        nx, tiles = self.wall.shape[1], self.tiles
+        team().share(lambda _, a, b: kernels.take_tiles(image, tiles[a:b], nx, values[a:b]), tiles.size, values.size)
 
     def _begin_on_tiles(self) -> None:
         """Find the gap on the tiles as well as the compliance between them is known."""
@@ -222,17 +225,28 @@ class MapContact:
         self.error = self._error()
         self.coarse_transforms += self._level.transforms() - before
 
+    def _sharpen(self) -> None:
+        """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
+
+        Nodes under tension leave.
+        """
+        before = self._level.transforms()
+        if self.count:
+            closing = self._closing()
+            closing.error()
+            pressure = _flat(self.pressure)
+            pressure[closing.nodes] = np.maximum(pressure[closing.nodes] + closing.change, 0.0)
+            np.greater(self.pressure, 0.0, out=self.contact)
+            self.count = int(np.count_nonzero(self.contact))
+            if self._load is not None:
+                pressure *= self._load * self.transform.n / pressure.sum()
+        self.coarse_transforms += self._level.transforms() - before
+
     def _choose(self) -> None:
-        """Choose and prepare the compliance between the tiles."""
+        """Choose the compliance between the tiles."""
         share = self.tiles.size / self._marks.size
         self._exact = not any(self._level.ends) and share > _DENSE
         self._compliance = self._level.far if share < _DILUTE else self._level.near
-        self._place()
-
-    def _place(self) -> None:
-        """Prepare compliance and preconditioner, which other maps use too."""
-        self._compliance.place(self.tiles, self._places, self._around)
-        self._level.inverse.place(self.tiles, self._around)
 
     def settle(self, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -244,12 +258,15 @@ class MapContact:
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
         level, before, gap = self._level, self.pressure.copy(), self._gap.copy()
         counted = level.transforms()
-        self._place()
         total = 0.0 if self._load is None else self._load * self.transform.n
         for _ in range(_STEPS):
             closing = self._closing()
             iterations = closing.solve(tolerance, _ITERATIONS) if closing.nodes.size else 0
             iterate, contact = closing.iterate, _flat(self.contact)
+            # the gap is found anew if the contact changes, so that the next change of the pressure costs nothing
+            ahead = tolerance > goal and 0 < iterations < _ITERATIONS
+            if ahead:
+                iterate.p[closing.nodes] += closing.change
             changed = kernels.revise_contact(
                 iterate, contact, closing.nodes, closing.nodes.size, contact.size, total, self._rounding, self.free_mean
             )
@@ -259,6 +276,8 @@ class MapContact:
             if changed:
                 self._soften(self.pressure - before, self._gap)
                 self._gap += gap
+            elif ahead:
+                iterate.p[closing.nodes] -= closing.change
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
         self.coarse_transforms += level.transforms() - counted
@@ -266,16 +285,17 @@ class MapContact:
     def _closing(self) -> Closing:
         """Problem of the pressure that closes the gap on the nodes in contact."""
         nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
-        inverse.factor(nodes, self.contact)
+        inverse.factor(nodes, self.tiles, self._around)
         direction, displacement = self._zeros(), self._zeros()
         iterate = kernels.Iterate(*(_flat(each) for each in (self.pressure, self._gap, direction, displacement)))
-        soften, room = partial(self._soften, direction, displacement), np.empty((2, nodes.size))
+        soften, room = partial(self._soften, direction, displacement), np.zeros((2, nodes.size + 1))
         # uniform pressures take off what changes the load
         return Closing(iterate, nodes, inverse, soften, np.ones(nodes.size), self._rounding, self.free_mean, room)
 
     def _soften(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""
         if not self._exact:
+            self._compliance.place(self.tiles, self._places)  # which other maps use too
             self._compliance.apply(pressure, displacement)
             return
         put_tiles(pressure, self.tiles, self.rows, self.wall.shape[1])
@@ -320,7 +340,7 @@ def listed(marks: Flags) -> tuple[Indices, Indices]:
 def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
     """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
     team().by_rows(lambda some: rows[some].fill(0.0), rows.shape)
-    kernels.put_tiles(values, tiles, rows, nx)
+    team().share(lambda _, a, b: kernels.put_tiles(values[a:b], tiles[a:b], rows, nx), tiles.size, values.size)
 
 
 def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:

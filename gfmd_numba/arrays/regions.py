@@ -1,0 +1,29 @@
+"""Regions of flagged nodes of a map."""
+
+import numpy as np
+import numpy.typing as npt
+import scipy  # its modules load with their first use
+
+from gfmd_numba.arrays import Flags
+
+
+def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.NDArray[np.int32]:
+    """Label of each node `[y, x]`, from 1 on, and 0 where the flag is not set.
+
+    Nodes of one region share sides; corners do not connect. `around_y` and `around_x` join the two ends of a period.
+    """
+    labels, count = scipy.ndimage.label(flags)
+    ends = [
+        ends
+        for ends, joined in (((labels[0], labels[-1]), around_y), ((labels.T[0], labels.T[-1]), around_x))
+        if joined
+    ]
+    if not ends or count == 0:
+        return np.asarray(labels)
+    one, other = (np.concatenate(side) for side in zip(*ends, strict=True))
+    both = (one > 0) & (other > 0)
+    graph = scipy.sparse.coo_array((np.ones(int(both.sum())), (one[both], other[both])), shape=(count + 1, count + 1))
+    joined = scipy.sparse.csgraph.connected_components(graph, directed=False)[1]
+    # the background is a component of its own, as no pair holds label 0
+    number = np.unique(np.delete(joined, 0), return_inverse=True)[1] + 1
+    return np.asarray(np.concatenate([[0], number])[labels], dtype=np.int32)

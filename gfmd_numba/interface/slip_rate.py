@@ -1,0 +1,117 @@
+"""Friction that depends on how fast a node slips, or holds what a function of the user says.
+
+The coefficient at rest rises as that of velocity strengthening, a ln(1 + v / v0) (Bar-Sinai et al., Lubricants 7:91,
+2019): for v far above v0 the logarithm of rate and state laws, for v far below none, so that nodes may stick. Or it is
+linear between the values of a table. The slip rate is the slip of a step over its duration.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from gfmd_numba.arrays import Reals
+from gfmd_numba.text.input_error import InputError
+
+_SHORT = 1e-6  # relative difference of pressures and slip rates between which the slope of a function is taken
+
+
+class Hold(NamedTuple):
+    """What friction holds at nodes `[node]`, and its slopes by the pressure and by the slip."""
+
+    held: Reals
+    by_pressure: Reals
+    by_slip: Reals
+
+
+@dataclass(frozen=True)
+class UserFunction:
+    """Traction in Pa by gap in m, pressure in Pa and slip rate in m/s, in units of `stress` and `speed`."""
+
+    function: Callable[[Reals, Reals, Reals], Reals]
+    stress: float
+    speed: float
+
+    def __call__(self, pressure: Reals, rate: Reals) -> Reals:
+        """Traction `[node]` of touching nodes, whose gap is 0; raises InputError for one that is none."""
+        given = self.function(np.zeros_like(pressure), pressure * self.stress, rate * self.speed)
+        found = np.asarray(given)
+        is_real = found.dtype.kind in "iuf" and found.shape in ((), pressure.shape)
+        if not is_real or not (np.isfinite(found).all() and (found >= 0.0).all()):
+            allowed = "a function that returns a finite traction of at least 0 Pa for each pressure and slip rate"
+            raise InputError(f"scene.interface.friction.function: gfmd allows {allowed}")
+        return np.broadcast_to(found, pressure.shape) / self.stress
+
+
+@dataclass(frozen=True)
+class SlipRateFriction:
+    """The smaller one of a coefficient that depends on the slip rate times the pressure, and a limit.
+
+    `rates` and `coefficients` are a table that begins at rest; without one the coefficient rises by `strengthening`
+    times ln(1 + v / reference). `limit` rises by `rise` times the pressure, or is a function. A step takes `duration`.
+    """
+
+    coefficient: float
+    strengthening: float = 0.0
+    reference: float = 1.0
+    rates: tuple[float, ...] = ()
+    coefficients: tuple[float, ...] = ()
+    limit: float | UserFunction = np.inf
+    rise: float = 0.0
+    duration: float = 0.0
+
+    def lasting(self, duration: float) -> Self:
+        """The same in a step of a duration."""
+        return replace(self, duration=duration)
+
+    def held(self, pressure: Reals, slip: Reals) -> Reals:
+        """Largest tangential traction `[node]` by pressure and slip; 0 where the pressure is not positive."""
+        return self.hold(pressure, slip).held
+
+    def tried(self, pressure: Reals) -> Reals:
+        """What the coefficient at rest holds without a limit."""
+        return np.asarray(self.coefficient * np.maximum(pressure, 0.0))
+
+    def near(self, pressure: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
+        """Constant part, part per pressure and part per further slip of what is held `[node]` near pressure and slip.
+
+        What falls with the slip counts as constant, which keeps the problem of a guess positive.
+        """
+        held, by_pressure, by_slip = self.hold(pressure, slip)
+        return held - by_pressure * np.maximum(pressure, 0.0), by_pressure, np.maximum(by_slip, 0.0)
+
+    def hold(self, pressure: Reals, slip: Reals) -> Hold:
+        """What is held `[node]` by pressure and slip, and its slopes."""
+        pressure, rate = np.maximum(pressure, 0.0), slip / self.duration
+        coefficient, by_rate = self._coefficient(rate)
+        limit, limit_by_pressure, limit_by_rate = self._limit(pressure, rate)
+        limited = coefficient * pressure > limit
+        by_rate = np.where(limited, limit_by_rate, by_rate * pressure)
+        return Hold(
+            np.where(limited, limit, coefficient * pressure),
+            np.where(limited, limit_by_pressure, coefficient),
+            by_rate / self.duration,
+        )
+
+    def _coefficient(self, rate: Reals) -> tuple[Reals, Reals]:
+        """Coefficient at a slip rate, and its slope."""
+        if self.rates:
+            known = np.array((self.rates, self.coefficients))
+            slopes = np.append(np.diff(known[1]) / np.diff(known[0]), 0.0)
+            return np.interp(rate, *known), slopes[np.searchsorted(known[0], rate, side="right") - 1]
+        rises = self.strengthening * np.log1p(rate / self.reference)
+        return self.coefficient + rises, self.strengthening / (self.reference + rate)
+
+    def _limit(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, Reals | float, Reals | float]:
+        """Limit by pressure and slip rate, and its slopes."""
+        if not isinstance(self.limit, UserFunction):
+            return self.limit + self.rise * pressure, self.rise, 0.0
+        found, slopes = self.limit(pressure, rate), []
+        for i, values in enumerate((pressure, rate)):
+            least = _SHORT * float(values.max(initial=0.0)) or _SHORT
+            short = np.maximum(_SHORT * values, least)
+            moved = [pressure, rate]
+            moved[i] = values + short
+            slopes.append((self.limit(*moved) - found) / short)
+        return found, slopes[0], slopes[1]

@@ -25,6 +25,7 @@ from gfmd_numba.cli.arguments import (
 )
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
+from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
 from gfmd_numba.cli.tables import (
     endings,
@@ -46,6 +47,7 @@ from gfmd_numba.text.printable import printable
 if TYPE_CHECKING:
     import xarray as xr
 
+    from gfmd_numba.arrays.processes import Communicator
     from gfmd_numba.scene import BoundaryFile, Document, SceneFile
     from gfmd_numba.simulate.curve import Over
 
@@ -58,8 +60,9 @@ _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # 
 @main.command()
 @file_argument
 @threads_option
+@mpi_option
 @output_option
-def solve(file: Path, threads: int | None, output: Path) -> None:
+def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
     The command writes height, pressure, displacement and gap over x. It also writes and prints contact area, mean gap
@@ -69,13 +72,20 @@ def solve(file: Path, threads: int | None, output: Path) -> None:
     with without_collections():
         from gfmd_numba.scene import SceneFile, input_files, load_scene
         from gfmd_numba.simulate import solve as solve_file
+        from gfmd_numba.simulate import solve_in_processes
 
-    described, document = load_scene(file)
-    described, document = _with_threads(described, document, threads)
-    check_output(output, file, *input_files(described))
+    def read() -> tuple[SceneFile | BoundaryFile, Document]:
+        described, document = _with_threads(*load_scene(file), threads)
+        check_output(output, file, *input_files(described))
+        return described, document
+
+    described, document = read() if mpi is None else of_the_first(mpi, read)
     # warnings are told below, in the words of the file
     with waiting("solving"), warnings.catch_warnings(action="ignore", category=UserWarning):
-        dataset = solve_file(described, document)
+        found = solve_file(described, document) if mpi is None else solve_in_processes(described, document, mpi)
+    if found is None:  # the first process has it
+        return
+    dataset = found
     write(output, dataset)
     steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
     if "step" in dataset.dims:

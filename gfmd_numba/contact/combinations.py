@@ -208,6 +208,33 @@ def _flowing() -> Iterator[Refusal]:
     yield Refusal("plasticity", "hardness", twice, "physics")
 
 
+def _of_processes() -> Iterator[Refusal]:
+    """What several processes do not share yet, or do without."""
+    not_yet = {
+        "dimension 1": "dimension 2",
+        "prescribed": "a contact",
+        "rough bodies": "a rigid punch on one smooth body",
+        "no period": "true",
+        "surface made as a whole": "a self-affine surface, method psd, with an rms_gradient of each surface",
+        "measured surface": "a random surface",
+        "form": "no form",
+        "hardness": "a hard_wall without hardness",
+        "normal law": "a hard_wall alone",
+        "cohesive law": "a hard_wall alone",
+        "friction": "no friction",
+        "wear": "no wear",
+        "relaxation": "no relaxation",
+        "plasticity": "no plasticity",
+        "boundary": "no boundary",
+        "displacement": "a reduced_pressure, pressure or force",
+        "path": "no path",
+    }
+    for feature, allowed in not_yet.items():
+        yield Refusal("processes", feature, f"{allowed} with --mpi: the rest is not built yet", "not built yet")
+    yield Refusal("processes", "named solver", "auto with --mpi, which has a solver of its own", "without effect")
+    yield Refusal("processes", "threads", "1 with --mpi: start more processes instead", "without effect")
+
+
 def _of_patterns() -> Iterator[Refusal]:
     """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
     told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
@@ -282,6 +309,7 @@ REFUSALS = (
     *_in_time(),
     *_flowing(),
     *_of_threads(),
+    *_of_processes(),
     *_of_patterns(),
     Refusal(
         "smooth bodies",
@@ -321,6 +349,11 @@ PHRASES = {
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no law of the gap and no cohesive law",
     "duration": "the `duration` or `pressure_rate` of a load or a step",
+    "form": "a `form`",
+    "named solver": "a `solver` by name",
+    "path": "a `path`",
+    "processes": "several processes (`gfmd solve --mpi`)",
+    "surface made as a whole": "a random surface that is not self-affine (`psd`) with an `rms_gradient` of `each`",
     "at once": "a load or a step that happens at once, without a `duration`",
     "function": "a friction that is a `function`",
     "slip rate": "a friction that depends on the slip rate",

@@ -22,7 +22,7 @@ Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that
 # axes of a grid that vary a body
 _ASPECT_RATIO = {"body": "aspect_ratio", "counter_body": "counter_body_aspect_ratio"}
 _POISSONS_RATIO = {"body": "poissons_ratio", "counter_body": "counter_body_poissons_ratio"}
-Where = Literal["accuracy", "limits", "thermodynamic limit"]
+Where = Literal["accuracy", "limits", "thermodynamic limit", "processes"]
 
 
 def check_combination(
@@ -45,10 +45,12 @@ def check_combination(
         check_bearable(document, scene, path, grid or {})
 
 
-def check_where(document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics) -> None:
-    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy`, or lacks such limits."""
-    at: Location = () if where == "accuracy" else ("limits",)
-    refused = _table_refusals(_features(scene, numerics, (), None) | {where: [at]})
+def check_where(
+    document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics, path: Sequence[Step] = ()
+) -> None:
+    """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or `--mpi`, or lacks limits."""
+    at: Location = ("limits",) if "limit" in where else ()
+    refused = _table_refusals(_features(scene, numerics, path, None) | {where: [at]})
     _raise(document, (each for each in refused if where in (each[1].present, each[1].refused)))
 
 
@@ -94,6 +96,8 @@ def _features(
 def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
     if numerics.time_tolerance is not None:
         yield "time_tolerance", ("numerics", "time_tolerance")
+    if numerics.solver != "auto":
+        yield "named solver", ("numerics", "solver")
     if numerics.threads > 1:
         yield "threads", ("numerics", "threads")
     if numerics.topography_order is not None:
@@ -125,6 +129,8 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
             yield "anisotropy", ("scene", *place, "anisotropy")
         if isinstance(surface, Measured) and isinstance(scene, Scene):
             yield "measured surface", ("scene", *place, "method")
+        if isinstance(surface, Random) and not surface.by_columns:
+            yield "surface made as a whole", ("scene", *place)
         if isinstance(surface, Random) and surface.of_maps:
             yield "model of maps", ("scene", *place, surface.named_by)
     along_y = [name for name, value in scene.boundary or () if value is not None and name.endswith("_y")]
@@ -210,6 +216,7 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location
 def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
     if scene.form is None:
         return
+    yield "form", ("scene", "form")
     if not scene.surfaces:
         yield "form alone", ("scene", "form")
     if scene.counter_body is not None:
@@ -246,6 +253,8 @@ def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Locat
     for load in ("reduced_pressure", "line_load", "force"):
         if getattr(scene.loading, load) is not None:
             yield load, ("scene", "loading", load)
+    if path:
+        yield "path", ("path",)
     for i, step in enumerate(path):
         # how far a punch has slid that wears and nothing drags on, a half-space need not know
         drags = ("sliding",) if scene.interface.wear is None or scene.wears_by_slip else ()

@@ -7,6 +7,7 @@ from gfmd_numba.kernels.energy_descent import *
 from gfmd_numba.kernels.laws import *
 from gfmd_numba.kernels.plastic_flow import *
 from gfmd_numba.kernels.pressures import *
+from gfmd_numba.kernels.slabs import *
 from gfmd_numba.kernels.spectral import *
 from gfmd_numba.kernels.steps import *
 from gfmd_numba.kernels.tiles import *

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gfmd_numba.arrays import Complexes, Indices
+from gfmd_numba.arrays import Complexes, Indices, Reals
 from gfmd_numba.fourier import grid
 
 
@@ -13,7 +13,11 @@ def stream(seed: int, realisation: int) -> np.random.Generator:
 
 def complex_gaussian(seed: int, realisation: int, count: int) -> Complexes:
     """First `count` complex Gaussians of mean square 2 by Box-Muller (3.35); a prefix of any longer request."""
-    radius, angle = stream(seed, realisation).random((count, 2)).T
+    return _box_muller(stream(seed, realisation).random((count, 2)))
+
+
+def _box_muller(uniform: Reals) -> Complexes:
+    radius, angle = uniform.T
     return np.asarray(np.sqrt(-2.0 * np.log1p(-radius)) * np.exp(2j * np.pi * angle))
 
 
@@ -42,3 +46,20 @@ def _ordinal(ky: Indices, kx: Indices) -> Indices:
     ring = np.maximum(kx, abs(ky))
     within = np.where(kx == ring, ky + ring, np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
     return np.asarray(2 * ring * (ring - 1) + within)
+
+
+def waves_of_columns(seed: int, realisation: int, largest_index: int, columns: slice) -> Complexes:
+    """Some columns k_x of what `waves` gives on the smallest grid that holds all, without the others in memory."""
+    source, first, last = stream(seed, realisation), columns.start, columns.stop
+    found: Complexes = np.zeros((2 * largest_index + 1, last - first), dtype=np.complex128)
+    for ring in range(1, largest_index + 1):
+        drawn, end = source.random((4 * ring, 2)), min(last, ring)
+        if first <= ring < last:
+            found[np.arange(-ring, ring + 1), ring - first] = _box_muller(drawn[: 2 * ring + 1])
+        if first < end:
+            for k_y, start in ((ring, 2 * ring + 1), (-ring, 3 * ring)):
+                found[k_y, : end - first] = _box_muller(drawn[start + first : start + end])
+    if first == 0 < last:
+        found[-1 : -largest_index - 1 : -1, 0] = found[1 : largest_index + 1, 0].conj()
+    found /= np.sqrt(2.0)
+    return found

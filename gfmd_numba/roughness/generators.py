@@ -164,6 +164,6 @@ def random_surface(
     if record.rms_gradient is None:
         assert record.rms_height is not None  # the record's promise
         return surface, record.rms_height * gradient_over_height(surface.generator, surface.whole)
-    if record.points is not None:
+    if record.points is not None and not record.by_columns:
         surface.generator.power(surface.whole)  # which may refuse the record
     return surface, record.rms_gradient

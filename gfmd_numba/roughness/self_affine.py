@@ -7,10 +7,10 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
+from gfmd_numba.roughness.amplitudes import complex_gaussian, waves, waves_of_columns
 from gfmd_numba.roughness.generators import Shape, band, gradient_over_height
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import SelfAffine
@@ -73,25 +73,47 @@ def maps(
     With an `anisotropy` of 1 or more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths,
     are that much longer along y.
     """
+    smallest, power_law = (2 * cut_off_index + 1,) * 2, (hurst, cut_on_index, cut_off_index)
+    columns = slice(0, nx // 2 + 1)
+    heights = np.empty((len(realisations), nx, nx))
+    for row, realisation in zip(heights, realisations, strict=True):
+        drawn = waves(seed, realisation, smallest, cut_off_index)
+        spectrum, squares = columns_of_map(power_law, drawn, nx, columns, anisotropy, form)
+        spectrum /= np.sqrt(squares.sum())
+        row[...] = grid.signal(spectrum, nx, nx)
+    return heights
+
+
+def columns_of_map(
+    power_law: tuple[float, float, int],
+    drawn: Complexes,
+    nx: int,
+    columns: slice,
+    anisotropy: float = 1.0,
+    form: Form = _PLATEAU,
+) -> tuple[Complexes, Reals]:
+    """Coefficients `[k_y, k_x]` of some columns of a map, on no scale, and its mean-square gradient by columns.
+
+    `power_law` has its Hurst exponent and both indices. The waves `drawn` are those of the columns up to the cut-off.
+    """
+    hurst, cut_on_index, cut_off_index = power_law
     smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
+    own = slice(columns.start, columns.start + drawn.shape[1])
     q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
+    q_x = q_x[:, own]
     index = np.hypot(anisotropy * q_y, q_x) / (2.0 * np.pi)
     lowest = 0.0 if form.plateau else cut_on_index * (1.0 - 1e-12)
     kept = (index > 0.0) & (index >= lowest) & (index <= cut_off_index * (1.0 + 1e-12))
     envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
-    weight = grid.multiplicity(smallest[1]) * np.hypot(q_y, q_x) ** 2
-    k_y, k_x = grid.wave_indices(smallest)
-    heights = np.empty((len(realisations), nx, nx))
-    for row, realisation in zip(heights, realisations, strict=True):
-        amplitudes = envelope * waves(seed, realisation, smallest, cut_off_index)
-        power = envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
-        amplitudes /= np.sqrt((weight * power).sum())
-        spectrum = np.zeros((nx, nx // 2 + 1), dtype=np.complex128)
-        np.add.at(spectrum, (k_y % nx, k_x), amplitudes)
-        if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient; along y they add up
-            spectrum[:, -1] = 2.0 * spectrum[:, -1].real
-        row[...] = grid.signal(spectrum, nx, nx)
-    return heights
+    amplitudes = envelope * drawn
+    power = envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
+    squares = (grid.multiplicity(smallest[1])[own] * np.hypot(q_y, q_x) ** 2 * power).sum(axis=0)
+    spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
+    np.add.at(spectrum, (grid.wave_indices(smallest)[0] % nx, np.arange(drawn.shape[1])), amplitudes)
+    if 2 * cut_off_index == nx and columns.stop > cut_off_index:
+        # at Nyquist both signs of q share one real coefficient; along y they add up
+        spectrum[:, -1] = 2.0 * spectrum[:, -1].real
+    return spectrum, squares
 
 
 @dataclass(frozen=True)
@@ -126,6 +148,13 @@ class SelfAffineWaves:
         if len(shape) == 1:
             return profiles(*waves, form)
         return maps(*waves, self.anisotropy, form)
+
+    def columns(self, nx: int, seed: int, realisation: int, columns: slice) -> tuple[Complexes, Reals]:
+        """Some columns of a map, as `columns_of_map` has them, made without the others."""
+        own = slice(columns.start, max(columns.start, min(columns.stop, self.cut_off_index + 1)))
+        drawn = waves_of_columns(seed, realisation, self.cut_off_index, own)
+        power_law, form = (self.hurst, self.cut_on_index, self.cut_off_index), Form(self.plateau, self.by_theory)
+        return columns_of_map(power_law, drawn, nx, columns, self.anisotropy, form)
 
     def mean_square_height(self, shape: Shape) -> float:
         """Mean square height of an ensemble of unit rms gradient."""

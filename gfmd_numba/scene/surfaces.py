@@ -45,6 +45,11 @@ class Random(BaseModel):
         """Key that tells this kind of surface from all others: its model, or its method if that has one only."""
         return "model" if "model" in type(self).model_fields else "method"
 
+    @property
+    def by_columns(self) -> bool:
+        """Whether some waves of a map are made, and scaled, without the others in memory."""
+        return False
+
     def longest(self, period: float) -> float:
         """Longest wavelength that has to fit the period with a whole number of waves."""
         return period
@@ -110,6 +115,11 @@ class SelfAffine(PowerLaw):
     anisotropy: Anisotropy | None = Field(
         None, description="Correlation length of a map along y over that along x (dimensionless); None: isotropic"
     )
+
+    @property
+    def by_columns(self) -> bool:
+        """Where each surface has its rms gradient, which is a sum over waves."""
+        return self.rms_gradient is not None and self.scaling == "each"
 
     def misfit(self, period: float) -> tuple[str, str] | None:
         """As of all power laws, or an anisotropy whose longest wavelength along y does not fit the period."""

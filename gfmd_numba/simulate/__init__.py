@@ -4,12 +4,15 @@ import warnings
 
 import xarray as xr
 
+from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
 from gfmd_numba.contact.contact_input import read_contact, read_loaded_body
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
+from gfmd_numba.contact.refusal import check_where
+from gfmd_numba.contact.slabs import solve_in_slabs
 from gfmd_numba.scene import BoundaryFile, Document, SceneFile
 
 
@@ -28,6 +31,21 @@ def solve(file: SceneFile | BoundaryFile, document: Document) -> xr.Dataset:
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset
+
+
+def solve_in_processes(
+    file: SceneFile | BoundaryFile, document: Document, communicator: Communicator
+) -> xr.Dataset | None:
+    """As `solve`, of a map that processes share: its dataset in the first of them, None in the others.
+
+    Raises InputError, in all of them, for what they cannot share.
+    """
+    check_where(document, file.scene, "processes", file.numerics, file.path if isinstance(file, SceneFile) else ())
+    assert isinstance(file, SceneFile)  # any other is refused
+    given = read_contact(file, document)
+    problem, effects = given.reduced
+    found = solve_in_slabs(problem, file.realisation, communicator)
+    return None if found is None else path_dataset(given, problem, effects, [found])
 
 
 def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:

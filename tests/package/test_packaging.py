@@ -57,9 +57,9 @@ def test_a_plain_installation_brings_what_is_imported_and_no_more():
     }
     required = {name for r in _requirements() for name in NAMED_BY.get(r.name, {r.name.lower()})}
     extras = PROJECT["project"]["optional-dependencies"]
-    optional = {Requirement(extras[name][0]).name.lower() for name in ("instruments", "functions", "cluster")} | {
-        "dask_jobqueue"
-    }
+    optional = {
+        Requirement(extras[name][0]).name.lower() for name in ("instruments", "functions", "cluster", "mpi")
+    } | {"dask_jobqueue"}
     with_another = {"pydantic_core"}  # which pydantic pins
     by_name = {
         "pyfftw",

@@ -49,6 +49,8 @@ ELSEWHERE = {
     "python -m build": "it needs the network",
     "pip install": "it needs the network",
     "docker": "it needs a container engine",
+    "mpirun": "tests/cli/test_mpi.py starts processes",
+    "sbatch": "it needs a cluster",
 }
 PLACEHOLDERS = {"DIRECTORY": "campaign", "FILE": "scene.yaml"}
 

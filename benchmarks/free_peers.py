@@ -19,7 +19,7 @@ os.environ["OMP_NUM_THREADS"] = "1"  # before any of them is imported
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
@@ -33,7 +33,7 @@ RESIDUAL, FIRST_TOLERANCE, TRIES = 1e-8, 1e-7, 8
 RADIUS, RMS, HURST, SEED = 10.0, 2e-3, 0.8, 2018  # of the ball and its roughness, in windows
 LOADS = (4.439e-4, 1.48e-3, 4.439e-3)  # over E* and the window's area
 FLAT = 0.02  # the same of a rough flat
-# nodes counted too many per side of the edge, by `contact/edges.py`, with the symbol of the kernel of each
+# nodes counted too many per side of the edge, by `contact/area_correction.py`, with the symbol of the kernel of each
 OURS, CELLS = float(HALF_SPACE.perimeter_bias(np.ones(1), np.ones(1))[0]), 0.090
 Solve = Callable[[Reals, float, float], Reals]  # heights, mean pressure and a tolerance to the pressure
 

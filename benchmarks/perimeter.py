@@ -7,7 +7,7 @@ paraboloid. The contacts are along y or turned by random angles, where edges of 
 import numpy as np
 from scipy.special import ellipe, ellipk
 
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid

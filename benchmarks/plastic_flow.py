@@ -89,13 +89,13 @@ def residual():
         *_, loaded, free = pressed(parabola(nodes, dimension), loads, Plasticity(Hardening(p0 / ratio), 0.25, 32, 1))
         flow, (_, along) = flow_measures.flow_of(free), flow_measures.stresses(free)
         middle = nodes // 2
-        along, flown = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
+        along, flowed = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
         deep = np.cumsum(flow.body.waves.thickness)
-        last = np.flatnonzero(flown)[-1]
+        last = np.flatnonzero(flowed)[-1]
         again = (flow.equivalent > flow_measures.flow_of(loaded).equivalent).any()
-        most, below = flown.argmax(), last + 1
+        most, below = flowed.argmax(), last + 1
         print(
-            f"{name:9} drawn off from p0 = {ratio} Y: stress along x on the axis, where most has flown (depth "
+            f"{name:9} drawn off from p0 = {ratio} Y: stress along x on the axis, where most has flowed (depth "
             f"{deep[most] / a:.2f} a), {along[most] / (p0 / ratio):+.3f} Y; below the plastic zone (depth "
             f"{deep[below] / a:.2f} a) {along[below] / (p0 / ratio):+.3f} Y; dent over rim "
             f"{flow.out.min() / flow.out.max():+.2f}; flows back: {bool(again)}"
@@ -160,8 +160,8 @@ both = tm.EPICSolver(contact, DFSANECXXSolver(tm.Residual(model, law)), 1e-6, 0.
 started = time.perf_counter(), time.process_time()
 error = both.acceleratedSolve(float(given["load"]))
 took = time.perf_counter() - started[0], time.process_time() - started[1]
-pressure, flown = (np.asarray(model[name]) for name in ("traction", "cumulated_plastic_strain"))
-np.savez(sys.argv[2], pressure=pressure[..., 2], flown=flown.reshape(nz, *heights.shape), took=took, error=error)
+pressure, flowed = (np.asarray(model[name]) for name in ("traction", "cumulated_plastic_strain"))
+np.savez(sys.argv[2], pressure=pressure[..., 2], flowed=flowed.reshape(nz, *heights.shape), took=took, error=error)
 """
 
 
@@ -182,8 +182,8 @@ def tamaas(interpreter):
         took = time.process_time() - started
         flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
         off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
-        peak, most = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flown"].max()
-        levels = theirs["flown"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
+        peak, most = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flowed"].max()
+        levels = theirs["flowed"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
         integral = np.trapezoid(levels, dx=depth / (nz - 1))
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         print(

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.contact_stiffness import contact_stiffness
+from gfmd_numba.analysis.extrapolation import fit_tfc
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.selection import ensemble_mean, select_limit
 from gfmd_numba.analysis.smooth_function import smooth_function
-from gfmd_numba.analysis.tfc import fit_tfc
 
 if TYPE_CHECKING:
     from gfmd_numba.analysis.channels import gap_percolation, leakage

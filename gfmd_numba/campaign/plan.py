@@ -120,7 +120,7 @@ def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:
     """Return a sentence for each reason why the fit will refuse the limit; none for a campaign without limits."""
     import xarray as xr
 
-    from gfmd_numba.analysis.tfc import refusals
+    from gfmd_numba.analysis.extrapolation import refusals
 
     if all(case.limit == "reference" for case in cases):
         return []

@@ -325,7 +325,7 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
             yield f"prescribed_{component.key('traction')}", "pressure", long_name, values
     if problem.plasticity is not None:
         out = np.asarray(contact.change.out)[0]
-        yield "residual_displacement", "height", "displacement of the body by what has flown, without a load", out
+        yield "residual_displacement", "height", "displacement of the body by what has flowed, without a load", out
 
 
 def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:

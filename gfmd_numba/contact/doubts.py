@@ -8,8 +8,8 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput
-from gfmd_numba.contact.edges import edge
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.scales import relaxation
@@ -104,7 +104,7 @@ def _coarse_flow(given: ContactInput, dataset: xr.Dataset) -> str:
         )
     if 0 < deep < FEWEST_SUBLAYERS:
         found.append(
-            f"what has flown is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
+            f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
     if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"

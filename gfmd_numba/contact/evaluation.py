@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
-from gfmd_numba.contact import edges
+from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
 from gfmd_numba.fourier import grid
@@ -27,10 +27,10 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
 
 
 @once
-def edge(contact: Contact) -> edges.Edge:
+def edge(contact: Contact) -> area_correction.Edge:
     """What the grid makes of the edges of the contact."""
     now = contact.heights[0]
-    return edges.edge(contact.stiffness, 1.0 / now.shape[-1], now.ndim)
+    return area_correction.edge(contact.stiffness, 1.0 / now.shape[-1], now.ndim)
 
 
 @once
@@ -144,7 +144,7 @@ def located_length(contact: Contact) -> tuple[Reals, Reals]:
     if contact.heights.ndim > 2:
         return np.full(len(contact.heights), np.nan), np.full(len(contact.heights), np.nan)
     ends = any(contact.ends)
-    return edges.contact_length(
+    return area_correction.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
 
@@ -188,11 +188,11 @@ def _pulled(contact: Contact) -> Flags:
 def _located_area(contact: Contact) -> tuple[Reals, Reals]:
     """Contact area of maps over L_x^2 with its edges located, and the share of their sides that are `[realisation]`."""
     now, sides = touching(contact), perimeter(contact)
-    if not edges.as_half_space(edge(contact)):
+    if not area_correction.as_half_space(edge(contact)):
         return np.zeros(len(now)), np.zeros(len(now))
     bias, ends = edge(contact).perimeter_bias(*sides), contact.ends or (False, False)
     pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
-    area, share = edges.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
+    area, share = area_correction.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
     return area / now[0].size, share
 
 

@@ -1,4 +1,4 @@
-"""What has flown inside a body: the state of the process, and what is measured of it.
+"""What has flowed inside a body: the state of the process, and what is measured of it.
 
 Strains are in g, stresses in g E*, thicknesses in L_x.
 """
@@ -18,7 +18,7 @@ NAME = "flow"
 
 @dataclass(frozen=True)
 class Flow:
-    """What has flown in a body: plastic strains `[component, sublayer, y, x]`, and the equivalent one of all steps.
+    """What has flowed in a body: plastic strains `[component, sublayer, y, x]`, and the equivalent one of all steps.
 
     The surface has moved by `out` `[realisation, (y,) x]` on its own. The yield condition and the flow rule hold to a
     `residual` times the yield stress. With half the increments, the mean pressure or residual displacement would change
@@ -34,7 +34,7 @@ class Flow:
 
     @classmethod
     def untouched(cls, body: Sublayers) -> "Flow":
-        """Nothing has flown."""
+        """Nothing has flowed."""
         ny, nx = body.shape
         equivalent = np.zeros((body.waves.thickness.size, ny, nx))
         out = np.zeros((1, nx) if ny == 1 else (1, ny, nx))
@@ -48,11 +48,11 @@ class PlasticFlow:
     name: ClassVar[str] = NAME
 
     def begin(self, shape: tuple[int, ...]) -> Flow | None:
-        """Nothing has flown, and how deep it will is not known."""
+        """Nothing has flowed, and how deep it will is not known."""
         return None
 
     def split(self, state: State, step: LoadStep) -> Change:
-        """The surface has moved by what has flown."""
+        """The surface has moved by what has flowed."""
         flow: Flow | None = state.memory[NAME]
         return Change(out=None if flow is None else flow.out)
 
@@ -63,7 +63,7 @@ class PlasticFlow:
 
 
 def flow_of(contact: Contact) -> Flow:
-    """What has flown by the end of the step of a contact."""
+    """What has flowed by the end of the step of a contact."""
     flow: Flow = contact.after.memory[NAME]
     return flow
 
@@ -85,7 +85,7 @@ def stresses(contact: Contact) -> Reals:
 
 
 def plastic_volume(contact: Contact) -> Reals:
-    """Volume that has flown over the nominal area `[realisation]`."""
+    """Volume that has flowed over the nominal area `[realisation]`."""
     flow = flow_of(contact)
     return np.array([float(flow.body.waves.thickness @ (flow.equivalent > 0.0).mean(axis=(1, 2)))])
 

@@ -117,7 +117,7 @@ OBSERVABLES = {
     "plastic_volume": Observable(
         "contact",
         "length",
-        "volume of the body that has flown over the nominal area",
+        "volume of the body that has flowed over the nominal area",
         function=f"{_FLOW}:plastic_volume",
         needs="flow",
         no_limit=_OF_A_LAYER,

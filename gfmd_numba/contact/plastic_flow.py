@@ -1,9 +1,11 @@
 """Plastic flow inside the body: J2 plasticity in sublayers below the surface, found together with the contact.
 
-What has flown moves the surface, and the pressure makes what flows. The map from plastic strains to those to which the
-yield surface returns the stress under them, with the contact in equilibrium, is a step of forward-backward splitting
-(Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two states apart. Anderson's
-mixing (J. ACM 12:547, 1965) makes it fast. Strains are in g, stresses in g E*, thicknesses in L_x.
+What has flowed moves the surface (`elasticity/eigenstrain.py`), and the pressure makes what flows: where the stress
+exceeds the yield stress, `kernels/return_mapping.py` takes it back to the yield surface. The map from plastic strains
+to those to which the yield surface returns the stress under them, with the contact in equilibrium, is a step of
+forward-backward splitting (Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two
+states apart. Anderson's mixing (J. ACM 12:547, 1965) makes it fast. Strains are in g, stresses in g E*, thicknesses in
+L_x.
 """
 
 import time
@@ -135,7 +137,7 @@ def _put(values: Reals, places: Flags, around: Reals | None = None) -> Reals:
 
 
 def _nothing_yet(problem: Problem, state: State, largest: float) -> Flow:
-    """A body in which nothing has flown, with sublayers as deep as a problem says, or as its largest load asks for."""
+    """A body in which nothing has flowed, with sublayers as deep as a problem says, or as its largest load asks for."""
     plasticity, shape = problem.plasticity, state.heights.shape[1:]
     assert plasticity is not None
     map_shape = (1, *shape)[-2:]

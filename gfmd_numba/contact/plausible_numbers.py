@@ -50,7 +50,10 @@ COMMON = {
     "modulus": _OF_BODIES._replace(low=1.0, below="softer than any gel"),
     **dict.fromkeys(("time", "duration"), _OF_TIMES),
     "pressure_rate": Common(1e-6, 1e15, "slower than rock creeps", "faster than an explosion", ("kPa/s", "MPa/s")),
-    "speed": Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),
+    **dict.fromkeys(
+        ("speed", "reference_velocity", "slip_rates"),
+        Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),
+    ),
     "rate": Common(1e-20, 1e-9, "less than any material wears", "more than chalk wears", ("mm^2/N", "mm^3/N/m")),
     "limit": Common(1e3, 1e11, "less than any solid bears", "more than diamond bears", ("MPa", "GPa")),
     "hardness": Common(1e6, 2e11, "softer than wax", "harder than diamond", ("GPa", "MPa")),
@@ -127,7 +130,8 @@ def _numbers(record: object, at: Location = ()) -> Iterator[Given]:
 def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:
     """Places of numbers without a unit that are not common in SI units, and what they are."""
     for place, value, quantity in given:
-        common, size = COMMON.get(str(place[-1])), abs(value)
+        name = next(part for part in reversed(place) if isinstance(part, str))  # also of a number in a list
+        common, size = COMMON.get(name), abs(value)
         if isinstance(value, WithUnit) or common is None or not scales.in_si(quantity) or size == 0.0:
             continue
         if not common.low <= size <= common.high:

@@ -5,8 +5,8 @@ from gfmd_numba.kernels.decays import *
 from gfmd_numba.kernels.eigenstrain import *
 from gfmd_numba.kernels.energy_descent import *
 from gfmd_numba.kernels.laws import *
-from gfmd_numba.kernels.plastic_flow import *
-from gfmd_numba.kernels.pressures import *
+from gfmd_numba.kernels.pressure_solvers import *
+from gfmd_numba.kernels.return_mapping import *
 from gfmd_numba.kernels.slabs import *
 from gfmd_numba.kernels.spectral import *
 from gfmd_numba.kernels.steps import *

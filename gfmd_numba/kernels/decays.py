@@ -16,7 +16,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.pressures import begin_behind_widest_gap, newton_error, without_mean
+from gfmd_numba.kernels.pressure_solvers import begin_behind_widest_gap, newton_error, without_mean
 
 
 @jit

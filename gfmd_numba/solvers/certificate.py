@@ -1,4 +1,7 @@
-"""The certificate of a contact: how far displacement and traction are from static equilibrium."""
+"""The certificate of a contact: how far displacement and traction are from static equilibrium.
+
+A contact is `ok` once `Certificate.residual` is at most `numerics.residual`, by default `table.RESIDUAL`.
+"""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,8 @@
-"""Time step and damping of the position Stormer-Verlet scheme, for modes of unit mass (thesis 6.2, 6.3)."""
+"""Time step and damping of the position Stormer-Verlet scheme, for modes of unit mass (thesis 6.2, 6.3).
+
+`solvers/dynamics.py` takes a fraction of the largest stable step, and of the damping at which the softest mode that is
+restored is critically damped.
+"""
 
 import math
 from typing import TypeVar

@@ -88,7 +88,7 @@ def loaded(dimension):
     )
 
 
-def flown():
+def flowed():
     body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "plasticity": {"yield_stress": 5e6, "sublayers": 8}}
     scene = SCENE | {"interface": {"hard_wall": {}}, "body": body}
     return gfmd_numba.solve({"scene": scene, "discretisation": GRID})
@@ -120,7 +120,7 @@ DRAWN = {
     "map": draws("surface", lambda: surface(2)),
     "loaded profile": draws("loaded body", lambda: loaded(1)),
     "loaded map": draws("loaded body", lambda: loaded(2)),
-    "body that flows": draws("body that flows", flown),
+    "body that flows": draws("body that flows", flowed),
     "leakage": draws("leakage", lambda: gfmd_numba.leakage(step(map_()))),
     "conductance of a map": draws("conductance", lambda: gfmd_numba.contact_conductance(step(map_()))),
 }

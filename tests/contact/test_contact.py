@@ -6,7 +6,7 @@ import slab_stiffness
 import textbook
 
 import gfmd_numba
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid

@@ -9,7 +9,7 @@ from scipy.special import ellipe, ellipk
 
 import gfmd_numba
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.edges import HALF_SPACE, contact_length, edge
+from gfmd_numba.contact.area_correction import HALF_SPACE, contact_length, edge
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody

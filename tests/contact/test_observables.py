@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.observables import recorded
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.solvers.equilibrium import Equilibrium

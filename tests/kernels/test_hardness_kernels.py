@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import brentq
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.pressures import approach, bounded_step
+from gfmd_numba.kernels.pressure_solvers import approach, bounded_step
 
 N, HARDNESS = 40, 0.7
 

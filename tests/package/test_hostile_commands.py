@@ -104,6 +104,7 @@ COMMANDS = {
     "solve": lambda things: {
         "file": things.file("scene.yaml", SCENE),
         "threads": "1",
+        "mpi": False,
         "output": things.new("s.nc"),
     },
     "statistics": lambda things: {
@@ -145,6 +146,8 @@ def lines(name, arguments):
     flags = {each.name for each in command_of(name).params if getattr(each, "is_flag", False)}
 
     def other(key):
+        if key == "mpi":  # which would start in the process of the tests, and stay
+            return st.just(False)
         if key in flags:
             return st.booleans()
         if key in OF_MANY:

@@ -6,7 +6,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from support.solved_maps import made, paraboloid, pressed, wave
 
 IMAGES = 3.9002649  # -sum of 1/r over the square lattice without the origin, its mean taken off

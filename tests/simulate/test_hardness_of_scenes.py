@@ -11,7 +11,7 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.work_precision import study_of
 from gfmd_numba.cli import main
 from gfmd_numba.contact import evaluation
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.state import Contact

@@ -6,7 +6,7 @@ import slab_stiffness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gfmd_numba.contact.edges import HALF_SPACE
+from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from support.contacts import press

@@ -115,19 +115,19 @@ MUTANTS = [
     ),
     # estimates and errors
     (
-        "tfc.py",
+        "extrapolation.py",
         "coefficients[:, 1 + row] * scale**power",
         "coefficients[:, 1 + row] * scale",
         "test_tfc.py::test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone",
     ),
     (
-        "tfc.py",
+        "extrapolation.py",
         'group.reference[name] ** -fit.exponents[:, row]\n        found["C"]',
         'group.reference[name] ** fit.exponents[:, row]\n        found["C"]',
         "test_tfc.py::test_planted_parameters_are_recovered_exactly",
     ),
     (
-        "tfc.py",
+        "extrapolation.py",
         'found["interaction"][:, PAIRS.index(pair)] = coefficients',
         'found["interaction"][:, 0] = coefficients',
         "test_interactions.py::test_one_cross_level_leaves_the_other_pairs_open",

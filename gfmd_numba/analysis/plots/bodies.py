@@ -1,4 +1,4 @@
-"""Figures of bodies: stress under a contact, what has flown there, and the surface of a body loaded without a punch."""
+"""Figures of bodies: stress under a contact, plastic flow there, and the surface of a body loaded without a punch."""
 
 from typing import Annotated, Any
 
@@ -124,7 +124,7 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
 
 @checked
 def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
-    """Draw what has flown below a contact over x and depth, of a map on the row where most has; of a path at its end.
+    """Draw what has flowed below a contact over x and depth, of a map on the row where most has; of a path at its end.
 
     Above it are the pressure and the residual displacement. Raises UnusableDataError for a dataset without these
     fields.

@@ -1,7 +1,8 @@
 """Extrapolation to the thermodynamic, fractal and continuum (TFC) limit, thesis (4.3).
 
 All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
-possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces.
+possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. What
+is known of the exponents beforehand stands in `theory/exponents.py`, of the other parameters in `laws.py`.
 """
 
 from collections import Counter

@@ -17,7 +17,7 @@ TALLEST = 1.0  # slab without a period under tangential tractions, over the leng
 SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
 LOWEST = 0.2  # incompressible slab without a period, over that
 SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
-_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
+_NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950)"
 )
@@ -114,7 +114,7 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
     yield Refusal("no period", "thermodynamic limit", f"{size} eps_t is another contact", "physics")
-    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet; with x or y also window"
+    no_ends = "none where the scene has periodic false; with x or y also window"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
@@ -246,16 +246,16 @@ REFUSALS = (
     Refusal(
         "dimension 2",
         "plane stress",
-        "'plane_strain' with dimension 2: E* is the same, and a contact over x and y is not plane",
+        "'plane_strain' with dimension 2, as a contact over x and y is not plane",
         "physics",
     ),
-    Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
-    Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
+    Refusal("dimension 1", "force", "a line_load with dimension 1", "physics"),
+    Refusal("dimension 2", "line_load", "a force with dimension 2", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
     Refusal("dimension 1", "radius_y", "nothing with dimension 1; radius_y needs dimension 2", "physics"),
     Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
-    Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
+    Refusal("dimension 1", "model of maps", "another model with dimension 1", "physics"),
     *_laws_with_each_other(),
     *(
         Refusal("hardness", law, f"a hard_wall without hardness, {_JUNCTIONS_GROW}", "physics")
@@ -293,14 +293,14 @@ REFUSALS = (
     Refusal(
         "punch",
         "prescribed displacement",
-        "only tractions with a punch (to make it stick: friction with coefficient .inf); in a scene without roughness, "
-        "interface and loading also displacements",
+        "only tractions with a punch, as the punch prescribes displacements (to make it stick: friction with "
+        "coefficient .inf); in a scene without roughness, interface and loading also displacements",
         "physics",
     ),
     Refusal(
         "accuracy",
         "tractions of a file",
-        "numbers for `gfmd accuracy`, as a file gives the tractions at its own nodes alone",
+        "numbers for `gfmd accuracy`, as a file fits one grid alone",
         "physics",
     ),
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
@@ -373,9 +373,9 @@ PHRASES = {
     "force": "a load `force`",
     "form alone": "a `form` without roughness",
     "form between elastic bodies": "a `form` between two elastic bodies",
-    "half-space": "a half-space under a periodic punch",
+    "half-space": "a periodic half-space",
     "higher topography_order": "a `topography_order` above 0",
-    "layers on a half-space": "`layers` on a half-space under a periodic punch",
+    "layers on a half-space": "`layers` on a periodic half-space",
     "layers that are rubbed": "tangential tractions on `layers` on a half-space",
     "limits": "`limits` of a campaign",
     "thermodynamic limit": "`eps_t` among the `limits` of a campaign",

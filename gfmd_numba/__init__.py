@@ -1,7 +1,4 @@
-"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts.
-
-Whatever a function cannot use raises InputError, which says where that stands, what was given and what is allowed.
-"""
+"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts."""
 
 from __future__ import annotations
 
@@ -66,6 +63,11 @@ def solve(
     xarray.Dataset
         Fields over x (and y) and scalars, in SI units. A run that fails is marked in `status`.
 
+    Raises
+    ------
+    InputError
+        The scene makes no sense.
+
     Examples
     --------
     >>> scene = {
@@ -105,6 +107,11 @@ def creep_curve(
     xarray.Dataset
         Observables over `time` in SI units, and `time_error`, the error by the divisions of steps.
 
+    Raises
+    ------
+    InputError
+        The scene or the times make no sense.
+
     Examples
     --------
     >>> rubber = {"poissons_ratio": 0.5, "relaxation": [{"modulus": 3.0, "time": "1 s"}]}
@@ -138,6 +145,11 @@ def friction_curve(
     xarray.Dataset
         Observables over `speed` in SI units; `hysteretic_friction` is the coefficient of friction by the losses in the
         body.
+
+    Raises
+    ------
+    InputError
+        The scene or the speeds make no sense.
 
     Examples
     --------
@@ -175,6 +187,11 @@ def load_curve(
     xarray.Dataset
         Observables over `prescribed_load` in SI units. The contact stiffness is taken over a short step before each
         load. A load at which a run failed is marked in `status`.
+
+    Raises
+    ------
+    InputError
+        The scene or the loads make no sense.
 
     Examples
     --------
@@ -244,6 +261,11 @@ def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Da
     xarray.Dataset
         Heights (m or L_x), and their statistics with those of theory.
 
+    Raises
+    ------
+    InputError
+        The description makes no sense, or a measured file cannot be used.
+
     Examples
     --------
     >>> rough = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05, "roll_off": 1 / 2, "cut_on": 1 / 16, "points": 64}
@@ -287,6 +309,11 @@ def run(
     xarray.Dataset
         Results over (case, realisation). The attribute `ended` says how the rounds ended; a warning says if the error
         was not reached.
+
+    Raises
+    ------
+    InputError
+        The campaign or the arguments make no sense.
 
     Examples
     --------
@@ -334,6 +361,11 @@ def rounds(
         The results after each round, before the next one begins. Leave the loop to stop with the results you have:
         the same call, or `run`, goes on from there.
 
+    Raises
+    ------
+    InputError
+        As in `run`.
+
     Examples
     --------
     >>> for results in gfmd_numba.rounds({**campaign, "name": "rounds"}, until={"kappa": 0.3}):
@@ -361,6 +393,11 @@ def open_campaign(path: str | Path) -> xr.Dataset:
     -------
     xarray.Dataset
         Results over (case, realisation).
+
+    Raises
+    ------
+    InputError
+        There are no results of a campaign.
 
     Examples
     --------
@@ -406,6 +443,11 @@ def fit_tfc(
         The limit `..._tfc` with its error, corrections and error budget over groups, as `gfmd_numba.analysis.fit_tfc`
         has it.
 
+    Raises
+    ------
+    InputError
+        The options make no sense.
+
     Examples
     --------
     >>> fit = gfmd_numba.fit_tfc("small")
@@ -436,6 +478,11 @@ def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     xarray.Dataset
         Densities of pressure and gap, segments of a profile or clusters of a map, and Persson's theory.
 
+    Raises
+    ------
+    InputError
+        This is no solved contact.
+
     Examples
     --------
     >>> int(gfmd_numba.contact_statistics(contact)["clusters"].sum()) == contact["n_segments"].item()
@@ -460,6 +507,11 @@ def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
         Over `direction` x and y: `gap_connects` and `contact_connects` (0 or 1), and `critical_gap`, the largest
         particle that passes, in the unit of the gap. Further `largest_gap_fraction`, `largest_contact_fraction` (shares
         of all nodes) and `n_gaps`.
+
+    Raises
+    ------
+    InputError
+        This is no solved map.
 
     Examples
     --------
@@ -486,6 +538,11 @@ def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
         `flow_factor`, its cube over that of the mean gap; `flow_residual`, the relative difference of two ways to
         count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean.
 
+    Raises
+    ------
+    InputError
+        This is no solved map.
+
     Examples
     --------
     >>> gfmd_numba.leakage(contact)["flow_factor"].values.round(2)
@@ -510,6 +567,11 @@ def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
         `conductance` in 1/m (1/L_x without a length): times 2 s_1 s_2 / (s_1 + s_2) of two half-spaces of
         conductivities s_1 and s_2, it is the current per nominal area over the difference of potential or temperature.
         `current_density` over (y, x) is the current through each node over the mean.
+
+    Raises
+    ------
+    InputError
+        This is no solved contact.
 
     Examples
     --------

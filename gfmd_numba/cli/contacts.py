@@ -40,7 +40,7 @@ from gfmd_numba.cli.tables import (
     readable,
     unit,
 )
-from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
+from gfmd_numba.cli.terminal import say, say_done, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
 
@@ -92,6 +92,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         tell(of_steps(dataset))
     else:
         tell(of_contact(dataset))
+    say_done(dataset)
     say_doubts(dataset)
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
@@ -145,6 +146,7 @@ def surface(file: Path, output: Path) -> None:
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
     tell(of_numbers(dataset))
+    say_done(dataset)
     say_doubts(dataset)
 
 
@@ -262,6 +264,7 @@ def curve(
     say_written("table", table)
     _draw(dataset, picture)
     tell(of_curve(dataset))
+    say_done(dataset)
     say_doubts(dataset)
     _end(dataset, realisations)
 
@@ -421,6 +424,7 @@ def _measure(
         click.echo(json.dumps(found))  # null stands for numbers that are not finite
     else:
         tell(of_measures(dataset))
+    say_done(dataset)
     say_doubts(dataset)
 
 

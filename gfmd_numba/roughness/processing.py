@@ -37,8 +37,9 @@ def detrended(heights: Reals, detrend: Detrend) -> tuple[Reals, tuple[str, ...]]
     if detrend == "none":
         return heights, ()
     trend = polynomial(heights, _ORDER[detrend])
-    share = 100.0 * trend.var() / (heights.var() or 1.0)
-    return heights - trend, (f"subtracted the fitted {detrend}, {share:.2g} % of the mean square height",)
+    share = trend.var() / (heights.var() or 1.0)
+    told = f", {share:.2g} of the mean square height" if detrend != "mean" else ""
+    return heights - trend, (f"subtracted the {detrend}{told}",)
 
 
 def made_periodic(

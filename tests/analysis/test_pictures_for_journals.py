@@ -225,7 +225,7 @@ def test_a_loop_has_arrows_and_a_jump_is_named():
     assert [each.get_text() for each in axis.texts if each.get_text()] == ["jump"]
 
 
-@pytest.mark.filterwarnings("ignore:the grid has too few nodes")
+@pytest.mark.filterwarnings("ignore:.*the grid has too few nodes")
 def test_a_table_and_a_picture_of_a_curve_have_the_same_units():
     curve = gfmd_numba.load_curve(
         {"scene": SCENE | {"interface": {"hard_wall": {}}}, "discretisation": GRID}, [1e-3, 1.0]

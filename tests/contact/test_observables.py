@@ -82,7 +82,7 @@ def test_a_failed_run_has_no_results_but_keeps_its_diagnostics(status):
 
 def test_observables_share_what_they_have_in_common(monkeypatch):
     calls = []
-    for module, name in ((evaluation.statistics, "power"), (evaluation.edges, "contact_length")):
+    for module, name in ((evaluation.statistics, "power"), (evaluation.area_correction, "contact_length")):
         original = getattr(module, name)
         monkeypatch.setattr(
             module, name, lambda *given, name=name, original=original: calls.append(name) or original(*given)

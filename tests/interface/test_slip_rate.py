@@ -128,7 +128,7 @@ def test_what_makes_no_sense_is_refused(friction, changes, path, told):
 def test_fields_below_a_contact_need_no_function_again():
     found = gfmd_numba.solve({"scene": scene({"coefficient": 1.0, "function": function})})
     assert "function" in found.attrs["scene"]
-    assert np.isfinite(gfmd_numba.body_fields(found, [-1e-5])["stress2"]).all()
+    assert np.isfinite(gfmd_numba.body_fields(found, [-1e-5])["stress_2"]).all()
 
 
 def test_the_dynamics_does_not_know_slip_rates():

@@ -122,7 +122,7 @@ def test_measured_profile_is_processed_and_says_how(tmp_path):
     )
     done = gfmd("surface", tmp_path / "s.yaml", "-o", tmp_path / "s.nc")
     assert done.exit_code == 0
-    assert "done     subtracted the fitted tilt" in done.output
+    assert "done     subtracted the tilt" in done.output
     assert "done     mirrored at its ends" in done.output
     assert "done     resampled from 100 to 400 points" in done.output
     with xr.open_dataset(tmp_path / "s.nc") as dataset:

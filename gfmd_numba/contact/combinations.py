@@ -17,10 +17,9 @@ TALLEST = 1.0  # slab without a period under tangential tractions, over the leng
 SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut, as in elasticity/free_body.py
 LOWEST = 0.2  # incompressible slab without a period, over that
 SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
-_NO_REFERENCE = "as a half-space has no reference for displacement where the punch repeats"
+_NO_REFERENCE = "as a half-space has no reference for displacement"
 _JUNCTIONS_GROW = (
-    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950): bounding "
-    "the pressure alone would let it bear both"
+    "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950)"
 )
 _INTRODUCTION = """\
 # What can be combined
@@ -29,7 +28,8 @@ This page is for those who combine effects in a scene, or whose scene `gfmd` has
 prints it.
 
 Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
-all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place.
+all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place. A
+window is a contact with `periodic: false`, `x` or `y`.
 """
 _REASONS = {
     "physics": """\
@@ -107,14 +107,14 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal(
         "dimension 1",
         "period along one axis",
-        "true or false with dimension 1; x and y, for a punch that ends along the other axis alone, need dimension 2",
+        "true or false with dimension 1; x and y need dimension 2",
         "physics",
     )
     least = f"at least {LEAST_POISSONS_RATIO:g} under tangential tractions where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
     yield Refusal("no period", "thermodynamic limit", f"{size} eps_t is another contact", "physics")
-    no_ends = "none where the scene has periodic false, as the ends of a patch need not meet; with x or y also window"
+    no_ends = "none where the scene has periodic false; with x or y also window"
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
@@ -123,7 +123,7 @@ def _of_threads() -> Iterator[Refusal]:
     alone = "1 but for maps under a punch without a hardness, as others are solved by one thread"
     for feature in ("dimension 1", "prescribed", "hardness"):
         yield Refusal(feature, "threads", alone, "without effect")
-    workers = "1 in a campaign, whose workers solve contacts side by side: `--workers` says how many"
+    workers = "1 in a campaign: `--workers` says how many contacts are solved side by side"
     yield Refusal("campaign", "threads", workers, "without effect")
 
 
@@ -246,16 +246,16 @@ REFUSALS = (
     Refusal(
         "dimension 2",
         "plane stress",
-        "'plane_strain' with dimension 2: E* is the same, and a contact over x and y is not plane",
+        "'plane_strain' with dimension 2, as a contact over x and y is not plane",
         "physics",
     ),
-    Refusal("dimension 1", "force", "a line_load with dimension 1; a force needs dimension 2", "physics"),
-    Refusal("dimension 2", "line_load", "a force with dimension 2; a line_load needs dimension 1", "physics"),
+    Refusal("dimension 1", "force", "a line_load with dimension 1", "physics"),
+    Refusal("dimension 2", "line_load", "a force with dimension 2", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
     Refusal("dimension 1", "radius_y", "nothing with dimension 1; radius_y needs dimension 2", "physics"),
     Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
-    Refusal("dimension 1", "model of maps", "another model with dimension 1; this one has two directions", "physics"),
+    Refusal("dimension 1", "model of maps", "another model with dimension 1", "physics"),
     *_laws_with_each_other(),
     *(
         Refusal("hardness", law, f"a hard_wall without hardness, {_JUNCTIONS_GROW}", "physics")
@@ -265,7 +265,7 @@ REFUSALS = (
     Refusal(
         "hardness",
         "lennard_jones",
-        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart before they touch that wall",
+        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart",
         "physics",
     ),
     Refusal(
@@ -300,8 +300,7 @@ REFUSALS = (
     Refusal(
         "accuracy",
         "tractions of a file",
-        "numbers for `gfmd accuracy`, as a file gives the tractions at its own nodes and nobody knows them between "
-        "these, where a finer grid has nodes",
+        "numbers for `gfmd accuracy`, as a file fits one grid alone",
         "physics",
     ),
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
@@ -320,22 +319,21 @@ REFUSALS = (
     Refusal(
         "hardness on inclined surfaces",
         "higher topography_order",
-        "0, or nothing, with a hardness under a rough punch or between two elastic bodies: which of the two surfaces "
-        "yields decides the slope along which a plastic spot presses, and a hardness does not say which",
+        "0, or nothing, with a hardness under a rough punch or between two elastic bodies, as it does not say which of "
+        "the two surfaces yields",
         "physics",
     ),
     Refusal(
         "form alone",
         "reduced_pressure",
         "a pressure, line_load, force or displacement with a form alone: a reduced_pressure counts in the rms gradient "
-        "of a roughness, and a form has none that means the same in another period",
+        "of a roughness",
         "physics",
     ),
     Refusal(
         "form between elastic bodies",
         "higher topography_order",
-        "0, or nothing, with a form between two elastic bodies: a form is a gap and not a topography, as it does not "
-        "say which of the two has it",
+        "0, or nothing, with a form between two elastic bodies, as it does not say which of the two has it",
         "physics",
     ),
 )
@@ -352,43 +350,43 @@ PHRASES = {
     "form": "a `form`",
     "named solver": "a `solver` by name",
     "path": "a `path`",
-    "processes": "several processes (`gfmd solve --mpi`)",
+    "processes": "`gfmd solve --mpi`",
     "surface made as a whole": "a random surface that is not self-affine (`psd`) with an `rms_gradient` of `each`",
-    "at once": "a load or a step that happens at once, without a `duration`",
+    "at once": "a load or a step without a `duration`",
     "function": "a friction that is a `function`",
-    "slip rate": "a friction that depends on the slip rate",
-    "timeless": "bodies without `relaxation`, and no friction that depends on the slip rate",
+    "slip rate": "rate-dependent friction",
+    "timeless": "bodies without `relaxation`, and no rate-dependent friction",
     "elastic bodies": "bodies without `relaxation`",
     "no sliding": "a path without `sliding`",
     "roughness over an end": "`sliding` of a rough punch over a viscoelastic body along an axis without a period",
     "sliding over creep": "`sliding` over a viscoelastic body",
     "speed": "a sliding `speed`",
-    "relaxation": "a viscoelastic body (`relaxation`)",
+    "relaxation": "`relaxation` of a body",
     "threads": "more than one of the `threads`",
     "undivided steps": "bodies without `relaxation`, and no wear under friction",
-    "unlike bodies": "two bodies that give way differently to a wave, or that rub",
+    "unlike bodies": "two bodies that give way differently, or that rub",
     "time_tolerance": "`time_tolerance`",
-    "wear": "wear of the punch (`wear`)",
-    "dimension 1": "a profile (`dimension: 1`)",
-    "dimension 2": "a map (`dimension: 2`)",
+    "wear": "`wear` of the punch",
+    "dimension 1": "a profile",
+    "dimension 2": "a map",
     "displacement": "a prescribed displacement of the punch",
     "force": "a load `force`",
     "form alone": "a `form` without roughness",
     "form between elastic bodies": "a `form` between two elastic bodies",
-    "half-space": "a half-space under a periodic punch",
+    "half-space": "a periodic half-space",
     "higher topography_order": "a `topography_order` above 0",
-    "layers on a half-space": "`layers` on a half-space under a periodic punch",
-    "layers that are rubbed": "friction, a cohesive law or prescribed tractions on `layers` on a half-space",
-    "limits": "the thermodynamic, fractal or continuum limit of a campaign",
-    "thermodynamic limit": "the thermodynamic limit of a campaign (`eps_t` among its `limits`)",
+    "layers on a half-space": "`layers` on a periodic half-space",
+    "layers that are rubbed": "tangential tractions on `layers` on a half-space",
+    "limits": "`limits` of a campaign",
+    "thermodynamic limit": "`eps_t` among the `limits` of a campaign",
     "line_load": "a load `line_load`",
     "measured surface": "a measured surface",
     "model of maps": "a model of two directions (like `length_anisotropy`)",
     "negative displacement": "a negative displacement of the punch",
-    "no period": "a window (`periodic: false`, `x` or `y`)",
-    "period along one axis": "a period along one axis alone (`periodic: x` or `y`)",
+    "no period": "a window",
+    "period along one axis": "`periodic: x` or `y`",
     "plane stress": "plane stress",
-    "plasticity": "a body that flows inside (`plasticity`)",
+    "plasticity": "`plasticity` of a body",
     "slab": "a slab, or layers",
     "pattern": "a `pattern` of the work of adhesion",
     "prescribed": "a body loaded without a punch",
@@ -396,18 +394,18 @@ PHRASES = {
     "punch": "a punch",
     "radius_y": "a second radius (`radius_y`)",
     "reduced_pressure": "a `reduced_pressure`",
-    "rough bodies": "a rough deformable body, or two of them",
+    "rough bodies": "rough deformable bodies",
     "rigid mean": "a prescribed displacement of incompressible bodies",
     "sliding": "sliding",
     "sliding_y": "sliding along y (`sliding_y`)",
     "smooth bodies": "a rigid punch on a smooth body",
-    "stiff sideways": "a small or negative `poissons_ratio` under friction, a cohesive law or prescribed tractions",
+    "stiff sideways": "a small or negative `poissons_ratio` under tangential tractions, prescribed or of a law",
     "sticking": "an infinite coefficient of friction",
     "topography_order": "`topography_order`",
     "treated ends": "`periodic: mirror` or `window` of a measured surface",
     "tractions of a file": "tractions from a file",
     "hard wall": "a hard wall",
-    "hardness": "a hard wall of finite `hardness`",
+    "hardness": "a finite `hardness`",
     "normal law": "a law of the gap alone",
     "incompressible slab": f"an incompressible slab lower than {LOWEST:g} times the window, or under such tractions",
     "tall slab": "such tractions on a slab, or layers, higher than the window is wide",

@@ -113,6 +113,24 @@ def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):
     assert aims == [(pytest.approx(0.04), 0.03)]
 
 
+def test_levels_become_finer_at_once_where_laws_leave_most_of_the_target_open(monkeypatch):
+    found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
+    fitted, known = fit_tfc(found, fixed=ALPHA), Known(found, EXACT)
+    monkeypatch.setattr(next_round, "_refined", lambda state, group, most: "finer levels")
+    monkeypatch.setattr(next_round, "_with_another", lambda *given: pytest.fail("no surfaces mend this"))
+    doubts = [_Doubt(size, "eps_f", size, 0.1) for size in (0.01, 0.04)]
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
+    state = Rounds(goal=Goal(targets={"kappa": 0.05}), campaign_sha256="", rounds=(first,))
+    standing = next_round._Standing(known, fitted, 0.05, judge(known, fitted), doubts, None)
+    assert next_round._decided(state, standing, 1.0, may_refine=True) == "finer levels"
+
+
+def test_cases_of_a_round_are_numbered_unless_it_has_levels_of_its_own():
+    assert Round(realisations=(3, 4), is_last=False).cases == [0, 1]
+    level = (0.25, 0.1, 0.5)
+    assert Round(realisations=(3,), is_last=False, levels=((level,),)).cases == [(0, level)]
+
+
 @pytest.mark.parametrize(("of_levels", "cheaper"), [(13.0, True), (11.0, False)])
 def test_surfaces_come_first_if_levels_add_more_than_half_of_their_price(of_levels, cheaper):
     one = {"realisations": (1,), "is_last": True}

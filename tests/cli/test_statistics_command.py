@@ -67,7 +67,7 @@ def test_what_crosses_a_contact_is_written_drawn_and_printed(folder, tmp_path, c
 
 
 @pytest.mark.long
-@pytest.mark.filterwarnings("ignore:The flow factor")
+@pytest.mark.filterwarnings("ignore:The flow factor", "ignore:No channel is open")
 @pytest.mark.parametrize("command", TRANSPORT)
 def test_without_an_output_nothing_is_written_and_programs_read_json(folder, tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)

@@ -192,6 +192,23 @@ AXES = (
         key="pressure_coefficient",
     ),
     Axis(
+        "friction_velocity_strengthening",
+        "interface.friction",
+        "a_v",
+        "$a_v$",
+        "rise of the coefficient of friction with the logarithm of the slip rate",
+        key="velocity_strengthening",
+    ),
+    Axis(
+        "friction_reference_velocity",
+        "interface.friction",
+        "v_0",
+        "$v_0$",
+        "slip rate far below which the coefficient of friction is that at rest",
+        "speed",
+        key="reference_velocity",
+    ),
+    Axis(
         "hardness",
         "interface.hard_wall",
         "p_H",

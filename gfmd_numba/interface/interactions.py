@@ -57,7 +57,7 @@ class Interactions:
         }
         rubs, stress = asked.friction, energy / length
         friction, limit, rise = (
-            (None, None, 0.0) if rubs is None else (rubs.coefficient, rubs.limit, rubs.pressure_coefficient)
+            (None, None, 0.0) if rubs is None else (rubs.coefficient, rubs.limit, rubs.pressure_coefficient or 0.0)
         )
         return cls(
             asked.hard_wall is not None,
@@ -145,5 +145,5 @@ def _slip_rate(rubs: Friction, stress: float, speed: float, units: tuple[float, 
         (0.0, *(rate / speed for rate in rubs.slip_rates)) if rubs.slip_rates else (),
         (rubs.coefficient, *rubs.coefficients) if rubs.slip_rates else (),
         limit if rubs.function is None else UserFunction(rubs.function, *units),
-        rubs.pressure_coefficient,
+        rubs.pressure_coefficient or 0.0,
     )

@@ -197,8 +197,8 @@ class Friction(LawRecord):
     limit: Pressure | None = Field(
         None, description="Largest tangential traction in Pa (E* without moduli), the shear strength; None: no limit"
     )
-    pressure_coefficient: float = Field(
-        0.0,
+    pressure_coefficient: float | None = Field(
+        None,
         ge=0,
         description="What the limit rises by over the pressure, as shear strengths of films do (dimensionless)",
     )

@@ -7,7 +7,7 @@ import pytest
 from pydantic import TypeAdapter
 
 import gfmd_numba
-from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, in_fields, with_values
+from gfmd_numba.campaign.axes import AXES, OF_THE_SCENE, in_fields, present, with_values
 from gfmd_numba.campaign.coordinates import coordinates, has_measured_slope_law
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
@@ -183,6 +183,21 @@ def test_a_rising_shear_strength_is_varied_below_the_coefficient():
     assert [case.problem.interface.shear_rise for case in cases] == [0.05, 0.2]
     with pytest.raises(InputError, match=r"grid.friction_pressure_coefficient\[0\]: you gave 0.3; gfmd allows .* less"):
         plan(file | {"scene": scene, "grid": {"friction_pressure_coefficient": [0.3]}})
+
+
+def test_what_friction_depends_on_by_the_slip_rate_is_varied():
+    friction = {"coefficient": 0.3, "velocity_strengthening": 0.01, "reference_velocity": 1e-3}
+    scene = {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "roughness": {"method": "psd", "hurst": 0.5}}
+    scene["roughness"]["rms_gradient"] = 0.1
+    scene |= {"interface": {"hard_wall": {}, "friction": friction}}
+    scene |= {"loading": {"reduced_pressure": 0.1, "duration": 1.0}}
+    file = {"name": "rates", "seed": 1, "realisations": 1, "reference": {"eps_c": 0.25, "eps_f": 0.25, "eps_t": 0.5}}
+    grid = {"friction_velocity_strengthening": [0.02, 0.05], "friction_reference_velocity": [1e-3, 2e-3]}
+    laws = [case.problem.interface.slip_rate for case in plan(file | {"scene": scene, "grid": grid}).cases]
+    assert [law.strengthening for law in laws] == [0.02, 0.02, 0.05, 0.05]
+    assert [law.reference / laws[0].reference for law in laws] == pytest.approx([1.0, 2.0, 1.0, 2.0])
+    shown = [axis.name for axis in present(plan(file | {"scene": scene}).campaign.scene, None)]
+    assert "friction_pressure_coefficient" not in shown  # of a friction without a limit
 
 
 def test_what_touches_nowhere_has_no_contact_area_as_a_target():

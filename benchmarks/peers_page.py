@@ -28,8 +28,9 @@ nodes.
   counts; importing and compiling do not.
 - **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
   of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
-- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose iterations grow with
-  the nodes in contact and the load. gfmd-numba uses an active-set Newton method, which needs few transforms.
+- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, ASPHER from coarse grids to
+  fine ones. Their iterations grow with the nodes in contact and the load. gfmd-numba uses an active-set Newton method,
+  which needs few transforms.
 - **Versions.** {versions}, Python {python}.
 
 ## Equal accuracy
@@ -42,6 +43,7 @@ that is left is {worst}. {agreement}
 ## What the others can do and gfmd-numba cannot
 
 - **Tamaas**: many machines (MPI) when built from source.
+- **ASPHER**: single precision, and few bytes a node.
 - **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
   which analyses measured surfaces.
 
@@ -90,7 +92,13 @@ def times(rows, peers):
     def cells(case, results):
         milliseconds = 1e3 * np.median(results["here"].seconds)
         shown = f"{milliseconds:.2f}" if milliseconds < 9.995 else f"{milliseconds:.0f}"
-        return [label(case), str(case.hurst), str(case.load), shown, *(spread(results[name].ratios) for name in peers)]
+        return [
+            label(case),
+            str(case.hurst),
+            str(case.load),
+            shown,
+            *(spread(results[name].ratios) if name in results else "" for name in peers),
+        ]
 
     return table(["contact", "H", "p\\*", "ms", *peers], [cells(*row) for row in rows])
 
@@ -101,7 +109,11 @@ def summary(rows, peers):
     for name in peers:
         ranges = []
         for dimension, kind in ((1, "profiles"), (2, "maps")):
-            medians = [np.median(results[name].ratios) for case, results in rows if len(case.shape) == dimension]
+            medians = [
+                np.median(results[name].ratios)
+                for case, results in rows
+                if len(case.shape) == dimension and name in results
+            ]
             if medians:
                 ranges.append(f"{rounded(min(medians))} to {rounded(max(medians))} times as long on {kind}")
         sentences.append(f"{name} takes {' and '.join(ranges)}, depending on the grid and the load.")

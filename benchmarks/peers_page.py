@@ -59,9 +59,7 @@ knows more of its three limits: their laws, their interactions, and the distance
 
 
 def label(case):
-    if len(case.shape) == 1:
-        return f"profile {case.shape[0]}"
-    return f"map {case.shape[0]}²"
+    return f"profile {case.shape[0]}" if len(case.shape) == 1 else f"map {case.shape[0]}²"
 
 
 def rounded(number):
@@ -89,18 +87,20 @@ def table(head, rows):
 
 
 def times(rows, peers):
-    def cells(case, results):
+    """A table of profiles and one of maps, each with the codes that can do it."""
+
+    def cells(case, results, names):
         milliseconds = 1e3 * np.median(results["here"].seconds)
         shown = f"{milliseconds:.2f}" if milliseconds < 9.995 else f"{milliseconds:.0f}"
-        return [
-            label(case),
-            str(case.hurst),
-            str(case.load),
-            shown,
-            *(spread(results[name].ratios) if name in results else "" for name in peers),
-        ]
+        ratios = (spread(results[name].ratios).replace(" to ", "–") for name in names)
+        return [label(case), str(case.hurst), str(case.load), shown, *ratios]
 
-    return table(["contact", "H", "p\\*", "ms", *peers], [cells(*row) for row in rows])
+    tables = []
+    for dimension in (1, 2):
+        of_kind = [row for row in rows if len(row[0].shape) == dimension]
+        names = [name for name in peers if of_kind and name in of_kind[0][1]]
+        tables.append(table(["contact", "H", "p\\*", "ms", *names], [cells(*row, names) for row in of_kind]))
+    return "\n\n".join(tables)
 
 
 def summary(rows, peers):

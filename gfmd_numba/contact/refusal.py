@@ -201,10 +201,7 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location
         *((("path", i), step) for i, step in enumerate(path)),
     ]
     for place, load in loads:
-        given = (name for name in ("duration", "pressure_rate") if getattr(load, name) is not None)
-        yield from (("duration", (*place, name)) for name in given)
-        if load.duration is None and load.pressure_rate is None:
-            yield "at once", place
+        yield ("at once", place) if load.duration is None else ("duration", (*place, "duration"))
     if scene.loading.speed is not None:
         yield "speed", ("scene", "loading", "speed")
     if scene.interface.wear is not None:

@@ -102,7 +102,7 @@ def longest_time(scene: Scene) -> float:
 
 def reduced_duration(scene: Scene) -> float:
     """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
-    return 0.0 if scene.loading.takes is None else rounded(scene.loading.takes / longest_time(scene))
+    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
 
 
 def reduced_speed(scene: Scene) -> float:
@@ -112,7 +112,7 @@ def reduced_speed(scene: Scene) -> float:
 
 def times_of(steps: Iterable[Scene]) -> list[float]:
     """Times in s at the end of steps, whose scenes have the durations of their loadings."""
-    return list(accumulate(float(scene.loading.takes or 0.0) for scene in steps))
+    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
 def relaxation(scene: Scene) -> PronySeries | None:
@@ -223,10 +223,7 @@ def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Slidin
         changes = step.model_dump(exclude_none=True)
         asked = changes.pop("sliding", sliding[0]), changes.pop("sliding_y", sliding[-1])
         sliding = asked[: scene.dimension]
-        rate = changes.pop("pressure_rate", None)
-        if rate is not None:
-            changes["duration"] = abs(changes["pressure"] - (scene.loading.pressure or 0.0)) / rate
-        loading = scene.loading.model_copy(update={"duration": None, "pressure_rate": None} | changes)
+        loading = scene.loading.model_copy(update={"duration": None} | changes)
         scene = scene.model_copy(update={"loading": loading})
         yield scene, sliding
 

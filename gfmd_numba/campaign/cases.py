@@ -40,7 +40,7 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.document import Location, existing_file
-from gfmd_numba.scene.scene_file import located_boundary, located_files, located_interface
+from gfmd_numba.scene.scene_file import located
 
 PUNCH = ("roughness",)
 FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")
@@ -81,9 +81,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     if not any(isinstance(surface, Measured) for surface in campaign.scene.surfaces.values()):
         return {}
     if not isinstance(campaign.scene.roughness, Measured):
-        scene, surfaces = with_measured(
-            campaign.scene.model_copy(update=located_files(document, campaign.scene)), document
-        )
+        scene, surfaces = with_measured(located(document, campaign.scene, ("scene",)), document)
         check_scene(document, campaign, scene)
         return {None: _measured(scene, surfaces, document, "")}
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
@@ -98,7 +96,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = _read(record, scene.model_copy(update=located_files(placed, scene)), placed, read)
+        scene, surfaces = _read(record, located(placed, scene, ("scene",)), placed, read)
         first = first or (record, surfaces[PUNCH])
         unit, of_first = surfaces[PUNCH].unit, first[1].unit
         if unit != of_first:
@@ -253,9 +251,9 @@ def expand(
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
     bodies_of = _RoughBodies(campaign, document)
-    boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
+    boundary = campaign.scene.boundary and located(document, campaign.scene.boundary, ("scene", "boundary"))
     arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
-    interface = located_interface(document, campaign.scene.interface)
+    interface = located(document, campaign.scene.interface, ("scene", "interface"))
     pattern_on = lru_cache(maxsize=None)(partial(pattern_of, document, interface))
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []

@@ -40,7 +40,7 @@ from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
-from gfmd_numba.scene.scene_file import located_boundary, located_interface
+from gfmd_numba.scene.scene_file import located as located_files
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import ABSENT
@@ -381,8 +381,8 @@ def _check_files(document: Document, campaign: Campaign) -> None:
     for i, name in enumerate(varied or ()):
         existing_file(document, ("grid", "file", i), name, ())
     if campaign.scene.boundary is not None:
-        located_boundary(document, campaign.scene.boundary)
-    located_interface(document, campaign.scene.interface)
+        located_files(document, campaign.scene.boundary, ("scene", "boundary"))
+    located_files(document, campaign.scene.interface, ("scene", "interface"))
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:

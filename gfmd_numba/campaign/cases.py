@@ -31,7 +31,6 @@ from gfmd_numba.contact.rough_surfaces import (
     random_surface,
 )
 from gfmd_numba.contact.scales import passing, reduced_step, steps_of
-from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.roughness.generators import RandomSurface
@@ -278,7 +277,7 @@ def expand(
                 arrays = arrays_of(boundary, scene.dimension, surface.shape)
                 tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
                 tractions = known.setdefault(tractions.digest, tractions)
-            problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign, document, tractions, rough)
             problem = patterned(problem, pattern_on(scene.dimension, surface.shape))
             case = Case(
                 point=point,
@@ -334,34 +333,25 @@ def _reduced(
     surface: ProblemSurface,
     rms_gradient: float,
     campaign: Campaign,
+    document: Document,
     tractions: Tractions | None,
     rough: RoughBodies | None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
+    """Return the problem of a scene; raises InputError for a load that cannot be reduced, at its place."""
+    control = scene.loading.control
+    varied = values_of(campaign.grid, control)
+    place: Location = ("scene", "loading", control)
+    if varied is not None:
+        place = ("grid", control, varied.index(getattr(scene.loading, control)))
     try:
         problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
+        path = []
+        for i, step in enumerate(islice(steps_of(scene, campaign.path), 1, None)):
+            place = ("path", i, control)
+            path.append(reduced_step(*step, rms_gradient))
     except ValueError as error:
-        raise _irreducible("scene.loading", scene, error) from None
-    if not campaign.path:
-        return problem, effects
-    path = tuple(_path(scene, rms_gradient, campaign))
-    return replace(problem, path=path, passing=passing(scene, path, rms_gradient)), effects
-
-
-def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
-    """Yield the steps of the path after the first loading; raises InputError for a load that cannot be reduced."""
-    steps = islice(steps_of(scene, campaign.path), 1, None)
-    for i, (changed, sliding) in enumerate(steps):
-        try:
-            step = reduced_step(changed, sliding, rms_gradient)
-        except ValueError as error:
-            raise _irreducible(f"path[{i}]", changed, error) from None
-        yield step
-
-
-def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:
-    """Return the error of a load that cannot be reduced."""
-    control = scene.loading.control
-    return InputError.of(f"{place}.{control}", getattr(scene.loading, control), error)
+        raise document.refused(place, str(error)) from None
+    return replace(problem, path=tuple(path), passing=passing(scene, path, rms_gradient)), effects
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

@@ -197,9 +197,6 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        if not self.scene.awaits_period:
-            check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
-            check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
         if "path" in self.model_fields_set and not self.path:
@@ -233,8 +230,6 @@ class Campaign(BaseModel):
             counts, levels = getattr(self.realisations, name), getattr(self.limits, name) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", name), f"{len(levels)} numbers, as limits.{name} has so many levels")
-        if not self.scene.awaits_period:
-            check_waves(self.scene.surfaces, self.scene.length)
         return self
 
 

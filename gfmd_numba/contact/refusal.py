@@ -39,10 +39,6 @@ def check_combination(
     if numerics.solver not in (known := ("auto", *SOLVERS)):
         raise document.unknown(("numerics", "solver"), known)
     _raise(document, refusals(scene, numerics, path, grid))
-    if isinstance(scene, Scene) and (_has_hardness(scene, grid or {}) or scene.body.plasticity is not None):
-        from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without
-
-        check_bearable(document, scene, path, grid or {})
 
 
 def check_where(

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import gfmd_numba
+from gfmd_numba.campaign.cluster import OF_WORKERS
 
 REPEATS = 2
 CAMPAIGN = """
@@ -105,14 +106,11 @@ def many(folder):
 
 WORKER = """
 import resource, sys
-from gfmd_numba.campaign.execution import keep_freed_memory
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact.evaluation import measure
 from gfmd_numba.contact.solution import solve
 blocks = list(plan(sys.argv[1]).blocks)
 measure(solve(blocks[0].problem, range(1)))
-if sys.argv[2] == "keep":
-    keep_freed_memory()
 for block in blocks[:: max(1, len(blocks) // 40)]:
     measure(solve(block.problem, range(block.first, block.stop)))
 used = resource.getrusage(resource.RUSAGE_SELF)
@@ -122,12 +120,13 @@ print(used.ru_utime, used.ru_stime, used.ru_minflt)
 
 def memory(_):
     path = Path(__file__).parents[1] / "campaigns" / "thesis-chapter4.yaml"
-    as_a_nanny = os.environ | {"MALLOC_TRIM_THRESHOLD_": "65536"}
+    environments = {"new": {"MALLOC_TRIM_THRESHOLD_": "65536"}, "keep": OF_WORKERS}  # dask's own, and ours
     found = {"new": [], "keep": []}
     for _ in range(3):  # in turn, as the machine is not equally fast all the time
         for how, figures in found.items():
-            command = [sys.executable, "-c", WORKER, str(path), how]
-            said = subprocess.run(command, env=as_a_nanny, check=True, capture_output=True, text=True).stdout
+            command = [sys.executable, "-c", WORKER, str(path)]
+            environment = os.environ | environments[how]
+            said = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
             figures.append([float(each) for each in said.split()])
     for how, figures in found.items():
         user, system, faults = zip(*figures, strict=True)

@@ -28,9 +28,7 @@ __all__ = [
     "body_fields",
     "contact_conductance",
     "contact_statistics",
-    "creep_curve",
     "fit_tfc",
-    "friction_curve",
     "gap_percolation",
     "leakage",
     "load_curve",
@@ -87,87 +85,15 @@ def solve(
     return simulate.solve(*_scene(scene, heights))
 
 
-def creep_curve(
-    scene: str | Path | Mapping[str, Any] | SceneFile,
-    times: Sequence[float | str],
-    realisations: int = 1,
-    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
-) -> xr.Dataset:
-    """Press a viscoelastic body by the load of its scene and look at it at several times.
-
-    Parameters
-    ----------
-    scene, realisations, heights
-        As in `load_curve`.
-    times
-        Rising times since the load began to act, in s or text with units, like `1 min`.
-
-    Returns
-    -------
-    xarray.Dataset
-        Observables over `time` in SI units, and `time_error`, the error by the divisions of steps.
-
-    Raises
-    ------
-    InputError
-        The scene or the times make no sense.
-
-    Examples
-    --------
-    >>> rubber = {"poissons_ratio": 0.5, "relaxation": [{"modulus": 3.0, "time": "1 s"}]}
-    >>> seal = {"scene": {**scene, "dimension": 1, "body": rubber}, "discretisation": levels}
-    >>> gfmd_numba.creep_curve(seal, ["0.1 s", "10 s"])["contact_area_fraction"].values.round(3)
-    array([0.041, 0.164])
-    """
-    from gfmd_numba.simulate.curve import curve_of
-
-    return _warned(curve_of(*_scene(scene, heights), "times", times, realisations))
-
-
-def friction_curve(
-    scene: str | Path | Mapping[str, Any] | SceneFile,
-    speeds: Sequence[float | str],
-    realisations: int = 1,
-    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
-) -> xr.Dataset:
-    """Slide the punch of a scene over its viscoelastic body at several speeds.
-
-    Parameters
-    ----------
-    scene, realisations, heights
-        As in `load_curve`.
-    speeds
-        Speeds in m/s (L_x/s without a length) or text with units, like `1 mm/s`, which all rise or all fall. At each
-        speed the punch has slid for ever.
-
-    Returns
-    -------
-    xarray.Dataset
-        Observables over `speed` in SI units; `hysteretic_friction` is the coefficient of friction by the losses in the
-        body.
-
-    Raises
-    ------
-    InputError
-        The scene or the speeds make no sense.
-
-    Examples
-    --------
-    >>> gfmd_numba.friction_curve(seal, [0.01, 1.0])["hysteretic_friction"].values.round(4)
-    array([0.0164, 0.001 ])
-    """
-    from gfmd_numba.simulate.curve import curve_of
-
-    return _warned(curve_of(*_scene(scene, heights), "speeds", speeds, realisations))
-
-
 def load_curve(
     scene: str | Path | Mapping[str, Any] | SceneFile,
-    loads: Sequence[float | str],
+    loads: Sequence[float | str] | None = None,
     realisations: int = 1,
     heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
+    times: Sequence[float | str] | None = None,
+    speeds: Sequence[float | str] | None = None,
 ) -> xr.Dataset:
-    """Solve a scene at one load after another.
+    """Solve a scene at one load after another, or a viscoelastic body at one time or sliding speed after another.
 
     Parameters
     ----------
@@ -181,12 +107,19 @@ def load_curve(
         With several random surfaces, observables are means with standard errors `..._standard_error`.
     heights
         As in `solve`.
+    times
+        In place of loads, rising times since the load of the scene began to act, in s or text with units, like `1 min`.
+    speeds
+        In place of loads, sliding speeds in m/s (L_x/s without a length) or text with units, like `1 mm/s`, which all
+        rise or all fall. At each speed the punch has slid for ever.
 
     Returns
     -------
     xarray.Dataset
-        Observables over `prescribed_load` in SI units. The contact stiffness is taken over a short step before each
-        load. A load at which a run failed is marked in `status`.
+        Observables over `prescribed_load`, `time` or `speed` in SI units. The contact stiffness is taken over a short
+        step before each load; over times, `time_error` is the error by the divisions of steps; over speeds,
+        `hysteretic_friction` is the coefficient of friction by the losses in the body. A load at which a run failed is
+        marked in `status`.
 
     Raises
     ------
@@ -198,10 +131,16 @@ def load_curve(
     >>> curve = gfmd_numba.load_curve({"scene": scene, "discretisation": levels}, [0.05, 0.1])
     >>> curve["contact_area_fraction"].values.round(3)
     array([0.108, 0.202])
+    >>> rubber = {"poissons_ratio": 0.5, "relaxation": [{"modulus": 3.0, "time": "1 s"}]}
+    >>> seal = {"scene": {**scene, "dimension": 1, "body": rubber}, "discretisation": levels}
+    >>> gfmd_numba.load_curve(seal, times=["0.1 s", "10 s"])["contact_area_fraction"].values.round(3)
+    array([0.041, 0.164])
+    >>> gfmd_numba.load_curve(seal, speeds=[0.01, 1.0])["hysteretic_friction"].values.round(4)
+    array([0.0164, 0.001 ])
     """
     from gfmd_numba.simulate.curve import curve_of
 
-    return _warned(curve_of(*_scene(scene, heights), "loads", loads, realisations))
+    return _warned(curve_of(*_scene(scene, heights), {"loads": loads, "times": times, "speeds": speeds}, realisations))
 
 
 def body_fields(

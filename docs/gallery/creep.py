@@ -26,7 +26,7 @@ scene = {
 elapsed = np.geomspace(1e-4, 60.0, 14)
 branches = [{"modulus": f"{3.0 * m} MPa", "time": f"{tau} s"} for m, tau in zip(moduli, times, strict=True)]
 scene["scene"]["body"]["relaxation"] = branches
-creeping = gfmd_numba.creep_curve(scene, elapsed, realisations=2)
+creeping = gfmd_numba.load_curve(scene, times=elapsed, realisations=2)
 print(f"the divisions of time leave an error of {float(creeping['time_error'].max()):.1e}")
 
 # the compliance: each dashpot yields to what its spring bears, under a constant stress that all springs share

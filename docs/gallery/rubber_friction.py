@@ -31,7 +31,7 @@ scene = {
     "seed": 4,
 }
 speeds = np.geomspace(1e-6, 1.0, 19)
-found = gfmd_numba.friction_curve(scene, speeds, realisations=surfaces)
+found = gfmd_numba.load_curve(scene, speeds=speeds, realisations=surfaces)
 
 scene["scene"]["loading"]["speed"] = 1e-3
 contacts = [gfmd_numba.solve(scene | {"realisation": i}) for i in range(surfaces)]

@@ -31,7 +31,6 @@ from gfmd_numba.contact.rough_surfaces import (
     random_surface,
 )
 from gfmd_numba.contact.scales import passing, reduced_step, steps_of
-from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.roughness.generators import RandomSurface
@@ -40,7 +39,7 @@ from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.document import Location, existing_file
-from gfmd_numba.scene.scene_file import located_boundary, located_files, located_interface
+from gfmd_numba.scene.scene_file import located
 
 PUNCH = ("roughness",)
 FILE, POINTS = (*PUNCH, "file"), (*PUNCH, "points")
@@ -81,9 +80,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     if not any(isinstance(surface, Measured) for surface in campaign.scene.surfaces.values()):
         return {}
     if not isinstance(campaign.scene.roughness, Measured):
-        scene, surfaces = with_measured(
-            campaign.scene.model_copy(update=located_files(document, campaign.scene)), document
-        )
+        scene, surfaces = with_measured(located(document, campaign.scene, ("scene",)), document)
         check_scene(document, campaign, scene)
         return {None: _measured(scene, surfaces, document, "")}
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
@@ -98,7 +95,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = _read(record, scene.model_copy(update=located_files(placed, scene)), placed, read)
+        scene, surfaces = _read(record, located(placed, scene, ("scene",)), placed, read)
         first = first or (record, surfaces[PUNCH])
         unit, of_first = surfaces[PUNCH].unit, first[1].unit
         if unit != of_first:
@@ -253,9 +250,9 @@ def expand(
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
     bodies_of = _RoughBodies(campaign, document)
-    boundary = None if campaign.scene.boundary is None else located_boundary(document, campaign.scene.boundary)
+    boundary = campaign.scene.boundary and located(document, campaign.scene.boundary, ("scene", "boundary"))
     arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
-    interface = located_interface(document, campaign.scene.interface)
+    interface = located(document, campaign.scene.interface, ("scene", "interface"))
     pattern_on = lru_cache(maxsize=None)(partial(pattern_of, document, interface))
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
@@ -280,7 +277,7 @@ def expand(
                 arrays = arrays_of(boundary, scene.dimension, surface.shape)
                 tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
                 tractions = known.setdefault(tractions.digest, tractions)
-            problem, effects = _reduced(scene, surface, rms_gradient, campaign, tractions, rough)
+            problem, effects = _reduced(scene, surface, rms_gradient, campaign, document, tractions, rough)
             problem = patterned(problem, pattern_on(scene.dimension, surface.shape))
             case = Case(
                 point=point,
@@ -336,34 +333,25 @@ def _reduced(
     surface: ProblemSurface,
     rms_gradient: float,
     campaign: Campaign,
+    document: Document,
     tractions: Tractions | None,
     rough: RoughBodies | None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
+    """Return the problem of a scene; raises InputError for a load that cannot be reduced, at its place."""
+    control = scene.loading.control
+    varied = values_of(campaign.grid, control)
+    place: Location = ("scene", "loading", control)
+    if varied is not None:
+        place = ("grid", control, varied.index(getattr(scene.loading, control)))
     try:
         problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
+        path = []
+        for i, step in enumerate(islice(steps_of(scene, campaign.path), 1, None)):
+            place = ("path", i, control)
+            path.append(reduced_step(*step, rms_gradient))
     except ValueError as error:
-        raise _irreducible("scene.loading", scene, error) from None
-    if not campaign.path:
-        return problem, effects
-    path = tuple(_path(scene, rms_gradient, campaign))
-    return replace(problem, path=path, passing=passing(scene, path, rms_gradient)), effects
-
-
-def _path(scene: Scene, rms_gradient: float, campaign: Campaign) -> Iterator[LoadStep]:
-    """Yield the steps of the path after the first loading; raises InputError for a load that cannot be reduced."""
-    steps = islice(steps_of(scene, campaign.path), 1, None)
-    for i, (changed, sliding) in enumerate(steps):
-        try:
-            step = reduced_step(changed, sliding, rms_gradient)
-        except ValueError as error:
-            raise _irreducible(f"path[{i}]", changed, error) from None
-        yield step
-
-
-def _irreducible(place: str, scene: Scene, error: ValueError) -> InputError:
-    """Return the error of a load that cannot be reduced."""
-    control = scene.loading.control
-    return InputError.of(f"{place}.{control}", getattr(scene.loading, control), error)
+        raise document.refused(place, str(error)) from None
+    return replace(problem, path=tuple(path), passing=passing(scene, path, rms_gradient)), effects
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

@@ -32,7 +32,11 @@ _MOST_CORES, _MOST_JOBS = 4096, 100_000
 _OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
 _LONGEST_START = "1h"  # of a worker in place of another that died, on a machine with much else to do
 _HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1")
+OF_WORKERS = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1") | {
+    # bytes of freed memory that the C library keeps: dask's 64 KiB would make nearly every array of new pages
+    "MALLOC_TRIM_THRESHOLD_": str(2**30),
+    "MALLOC_MMAP_THRESHOLD_": str(2**25),  # the most that glibc allows
+}
 OF_A_RUN = {
     "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
     # the web servers of scheduler and workers cannot be switched off, but they need not say anything
@@ -131,7 +135,7 @@ def local(count: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
-    os.environ.update(ONE_THREAD)  # inherited: two workers never compete for a core
+    os.environ.update(OF_WORKERS)  # inherited: two workers never compete for a core
     with (
         # one that takes longer to start again would be given up for good: by default after 15 s
         dask.config.set(OF_A_RUN | {"distributed.deploy.lost-worker-timeout": _LONGEST_START}),

@@ -3,7 +3,6 @@
 A task is done by one process: its blocks are solved one after another, and stored or handed back.
 """
 
-import ctypes
 import faulthandler
 import signal
 import threading
@@ -38,9 +37,6 @@ from gfmd_numba.storage import atomic_file
 from gfmd_numba.storage.atomic_file import make_folder
 from gfmd_numba.text.input_error import brief
 
-# glibc's parameters of mallopt, and their values in bytes
-_TRIM_THRESHOLD, _KEPT = -1, 2**30  # free memory that a process keeps
-_MMAP_THRESHOLD, _LARGEST = -3, 2**25  # an array above it comes from the system and goes back; the most glibc allows
 _AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
 SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
 Task = tuple[Block, ...]  # what a worker does at a time
@@ -78,7 +74,6 @@ def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | 
     """
     if wrong := difference(_installed(), expected):
         raise InputError(f"cluster: you gave a worker with {wrong}")
-    keep_freed_memory()
     finished: Measured = {}
     failures: Failures = {}
     for block in task:
@@ -173,23 +168,6 @@ def expired(trace: Path) -> bool:
         return False
     finally:
         trace.unlink(missing_ok=True)
-
-
-@cache
-def keep_freed_memory() -> None:
-    """Keep up to 1 GiB of freed memory for the next arrays of this process, where the C library is glibc.
-
-    A dask nanny starts its workers with a threshold of 64 KiB, under which nearly every array is made of new pages:
-    a quarter of a worker's processor time is then the system's.
-    """
-    try:
-        library = ctypes.CDLL(None)
-        library.gnu_get_libc_version  # noqa: B018 - AttributeError in any other library
-        set_parameter = library.mallopt
-    except (AttributeError, OSError, TypeError):  # the last on Windows
-        return
-    set_parameter(_TRIM_THRESHOLD, _KEPT)
-    set_parameter(_MMAP_THRESHOLD, _LARGEST)
 
 
 if TYPE_CHECKING:

@@ -40,7 +40,7 @@ from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
-from gfmd_numba.scene.scene_file import located_boundary, located_interface
+from gfmd_numba.scene.scene_file import located as located_files
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import ABSENT
@@ -197,9 +197,6 @@ class Campaign(BaseModel):
 
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        if not self.scene.awaits_period:
-            check_scales(self.grid, self.scene.length, self.scene.has_moduli, ("grid",))
-            check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
         if "path" in self.model_fields_set and not self.path:
@@ -233,8 +230,6 @@ class Campaign(BaseModel):
             counts, levels = getattr(self.realisations, name), getattr(self.limits, name) or ()
             if isinstance(counts, tuple) and len(counts) != len(levels):
                 raise broken_rule(("realisations", name), f"{len(levels)} numbers, as limits.{name} has so many levels")
-        if not self.scene.awaits_period:
-            check_waves(self.scene.surfaces, self.scene.length)
         return self
 
 
@@ -381,8 +376,8 @@ def _check_files(document: Document, campaign: Campaign) -> None:
     for i, name in enumerate(varied or ()):
         existing_file(document, ("grid", "file", i), name, ())
     if campaign.scene.boundary is not None:
-        located_boundary(document, campaign.scene.boundary)
-    located_interface(document, campaign.scene.interface)
+        located_files(document, campaign.scene.boundary, ("scene", "boundary"))
+    located_files(document, campaign.scene.interface, ("scene", "interface"))
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:

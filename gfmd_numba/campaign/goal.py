@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Collection, Iterable, Mapping
 from math import inf
-from numbers import Real
 from typing import Annotated, Any, Literal, cast
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -18,6 +17,7 @@ from gfmd_numba.text.input_error import InputError, brief
 
 A_VARIABLE = f"one of {', '.join(observables.LIMITED)}"
 A_TARGET = f"any of {', '.join(observables.LIMITED)} and relative errors of them, like {{kappa: 3%, kappa_r: 0.02}}"
+_SHARES = f"{A_VARIABLE}, or several, each with a relative error above 0 and below 1, like kappa=3% or 0.03"
 A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 
@@ -67,23 +67,19 @@ class Goal(BaseModel):
 
 def goal_of(until: object, budget: object = None) -> Goal:
     """Return the goal of a mapping like `{"kappa": 0.01}` and a time in s or like `20min`; raises InputError."""
-    targets = until if isinstance(until, Mapping) else {}
-    if unknown := [name for name in targets if name not in observables.LIMITED]:
-        hint = nearest(unknown[0], observables.LIMITED)
+    unknown = [name for name in until if name not in observables.LIMITED] if isinstance(until, Mapping) else []
+    if unknown:
         why = observables.why_no_limit(unknown[0]) if isinstance(unknown[0], str) else ""
-        clauses = "".join(f"; {clause}" for clause in (why, hint) if clause)
-        raise InputError.of("until", brief(unknown[0]), f"{A_VARIABLE}{clauses}")
-    shares = {name: float(share) for name, share in targets.items() if isinstance(share, Real)}
-    if not targets or shares.keys() != targets.keys() or not all(0.0 < share < 1.0 for share in shares.values()):
-        raise InputError.of(
-            "until",
-            brief(until),
-            f'{A_VARIABLE}, or several, each with a relative error above 0 and below 1, like {{"kappa": 0.01}}',
-        )
+        clauses = (A_VARIABLE, why, nearest(unknown[0], observables.LIMITED))
+        raise InputError.of("until", brief(unknown[0]), "; ".join(filter(None, clauses)))
+    try:
+        targets = _target(until)
+    except (PydanticCustomError, ValueError):
+        raise InputError.of("until", brief(until), _SHARES) from None
     seconds = None if budget is None else seconds_of(budget)
     if budget is not None and seconds is None:
         raise InputError.of("budget", brief(budget), A_TIME)
-    return Goal(targets=shares, budget=seconds)
+    return Goal(targets=targets, budget=seconds)
 
 
 def seconds_of(given: object) -> float | None:

@@ -24,7 +24,7 @@ from distributed.core import Status
 from distributed.deploy.adaptive import Adaptive
 from distributed.diagnostics.plugin import SchedulerPlugin
 
-from gfmd_numba.campaign.cluster import OF_A_RUN, ONE_THREAD, Cluster
+from gfmd_numba.campaign.cluster import OF_A_RUN, OF_WORKERS, Cluster
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from gfmd_numba.text.input_error import brief
@@ -187,7 +187,7 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
         "queue": cluster.partition,
         "account": cluster.account,
         "job_extra_directives": list(cluster.directives),
-        "job_script_prologue": [*(f"export {key}={value}" for key, value in ONE_THREAD.items()), *cluster.setup],
+        "job_script_prologue": [*(f"export {key}={value}" for key, value in OF_WORKERS.items()), *cluster.setup],
         "python": cluster.python or quote(sys.executable),
         "interface": cluster.interface,
         "job_name": name,

@@ -62,7 +62,7 @@ _OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Pyth
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
 @until_option
 @budget_option
-def run(file: Path, output: Path | None, until: dict[str, float], budget: float | None, **options: Any) -> None:
+def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
 
     If a run was interrupted, the same command resumes it and repeats no finished work.
@@ -182,7 +182,7 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     return True
 
 
-def _check_options(until: object, budget: float | None, choice: Choice) -> None:
+def _check_options(until: object, budget: str | None, choice: Choice) -> None:
     """Raise a usage error for options that do not go together."""
     if not until and budget is not None:
         raise click.UsageError(
@@ -210,7 +210,7 @@ def _run_rounds(file: Path, output: Path | None, workers: Workers, choice: Choic
     return _show_outcome(outcome) and outcome.reached
 
 
-def goal_in(file: Path, until: dict[str, float], budget: float | None) -> Goal:
+def goal_in(file: Path, until: dict[str, Any], budget: str | None) -> Goal:
     """Return the goal of a campaign in a file: without a name, an error of what the campaign fits."""
     from gfmd_numba.campaign.file import fitted_variable
     from gfmd_numba.campaign.goal import goal_of

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
 
     from gfmd_numba.arrays.processes import Communicator
     from gfmd_numba.scene import BoundaryFile, Document, SceneFile
-    from gfmd_numba.simulate.curve import Over
 
     File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
@@ -232,15 +231,10 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate.curve import curve_dataset, read_curve, solve_curve
+        from gfmd_numba.simulate.curve import curve_dataset, one_of, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
-    options: dict[Over, list[object] | None] = {"loads": loads, "times": times, "speeds": speeds}
-    asked_for = {name: each for name, each in options.items() if each}
-    if len(asked_for) != 1:
-        given = " and ".join(f"--{name}" for name in asked_for) or "none"
-        raise click.UsageError(f"you gave {given} of --loads, --times and --speeds; gfmd allows one of them")
-    ((what, values),) = asked_for.items()
+    what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = load_scene(file)
     described, document = _with_threads(described, document, threads)

@@ -23,7 +23,7 @@ from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.file import Campaign
-    from gfmd_numba.scene import Document
+    from gfmd_numba.scene import Document, LoadedBody, Scene
 
 
 @main.command()
@@ -32,7 +32,7 @@ def check(file: Path) -> None:
     """Check a campaign, scene, surface or cluster FILE.
 
     The command prints what the file describes, with the size, modulus and load that it gives. If something is wrong,
-    the message names the line, the column, what was given and what is allowed. Nothing is computed.
+    the message names the line, the column, what was given and what is allowed. No contact is computed.
     """
     from gfmd_numba.scene.document import read_document
 
@@ -81,15 +81,14 @@ def _describes_jobs(keys: Set[object]) -> bool:
 
 
 def _check_campaign(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.axes import doubt_of_numbers
+    from gfmd_numba.campaign.axes import doubt_of_numbers, values_of
     from gfmd_numba.campaign.file import is_without_levels, load_campaign
-    from gfmd_numba.scene import Measured
 
     campaign = load_campaign(document)[0]
     doubts = doubt_of_numbers(campaign.scene, campaign.grid, campaign.path).splitlines()
     scene, few = campaign.scene, _has_few_levels(campaign)
-    is_measured = isinstance(scene.roughness, Measured)
-    if few or scene.interface.reaches_across or is_measured or scene.follows_topography or scene.boundary is not None:
+    hardened = values_of(campaign.grid, "hardness") is not None
+    if few or hardened or _needs_surfaces(scene) or scene.follows_topography or scene.boundary is not None:
         from gfmd_numba.campaign.plan import plan
 
         planned = plan(document)
@@ -141,25 +140,36 @@ def _check_surface(document: Document) -> tuple[str, str]:
 def _check_scene(document: Document) -> tuple[str, str]:
     from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.contact.refusal import check_combination
-    from gfmd_numba.scene import BoundaryFile, Measured, load_scene
+    from gfmd_numba.scene import BoundaryFile, load_scene
 
     file, document = load_scene(document)
     doubts: list[str] = []
-    if any(isinstance(surface, Measured) for surface in file.scene.surfaces.values()):
-        from gfmd_numba.contact.contact_input import with_measured_surfaces
+    if _needs_surfaces(file.scene):
+        from gfmd_numba.contact import law_resolution
+        from gfmd_numba.contact.contact_input import ContactInput, read_contact, read_loaded_body
 
-        file, measured = with_measured_surfaces(file, document)  # whose files may tell the dimension and the period
-        doubts += (sentence for surface in measured.values() for sentence in surface.doubts)
+        given = read_loaded_body(file, document) if isinstance(file, BoundaryFile) else read_contact(file, document)
+        file, doubts = given.file, [sentence for surface in given.measured for sentence in surface.doubts]
+        if isinstance(given, ContactInput):
+            doubts += filter(None, [law_resolution.doubt(given.reduced[0], given.file.discretisation)])
     path = () if isinstance(file, BoundaryFile) else file.path
     check_combination(document, file.scene, file.numerics, path)
     doubts = [*implausible(file.scene, path), *doubts]
     if isinstance(file, BoundaryFile):
         return "a loaded body", "\n".join(doubts)
-    if file.scene.interface.reaches_across:
-        from gfmd_numba.simulate import doubt
-
-        doubts.append(doubt(file, document))
     return ", ".join(filter(None, ("a scene", dimensions(file.scene)))), "\n".join(doubts)
+
+
+def _needs_surfaces(scene: Scene | LoadedBody) -> bool:
+    """Return whether a check takes more than records: measured surfaces, and what pressures are to be held against."""
+    from gfmd_numba.scene import Measured, Scene
+
+    if any(isinstance(surface, Measured) for surface in scene.surfaces.values()):
+        return True
+    acting = scene.interface if isinstance(scene, Scene) else None
+    return acting is not None and (
+        acting.reaches_across or acting.hardness is not None or scene.body.plasticity is not None
+    )
 
 
 @main.command()

@@ -57,7 +57,7 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
 )
 @target_option
 @budget_option
-def plan(file: Path, workers: int, pilot: float, target: dict[str, float], budget: float | None) -> None:
+def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget: str | None) -> None:
     """Predict size and cost of the campaign in FILE.
 
     Without --target, the command plans for the realisations in FILE, or for the first round of a run that chooses them.
@@ -142,7 +142,7 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
 
 
-def _check_options(target: object, budget: float | None) -> None:
+def _check_options(target: object, budget: str | None) -> None:
     """Raise a usage error for options that do not go together."""
     if not target and budget is not None:
         raise click.UsageError(

@@ -168,7 +168,7 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("timeless", "duration", f"{nothing} takes time", "without effect")
     nothing = "nothing without a relaxation of the body, as nothing else takes time"
     yield Refusal("elastic bodies", "speed", nothing, "without effect")
-    told = "a duration or a pressure_rate here, too, where friction depends on the slip rate"
+    told = "a duration here, too, where friction depends on the slip rate"
     yield Refusal("slip rate", "at once", told, "physics")
     told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
     yield Refusal("slip rate", "accuracy", told, "not built yet")
@@ -346,7 +346,7 @@ PHRASES = {
     "campaign": "a campaign",
     "contact without drag": "no friction, no cohesive law and no wear",
     "contact without reach": "no law of the gap and no cohesive law",
-    "duration": "the `duration` or `pressure_rate` of a load or a step",
+    "duration": "the `duration` of a load or a step",
     "form": "a `form`",
     "named solver": "a `solver` by name",
     "path": "a `path`",

@@ -49,7 +49,6 @@ COMMON = {
     "youngs_modulus": _OF_BODIES,
     "modulus": _OF_BODIES._replace(low=1.0, below="softer than any gel"),
     **dict.fromkeys(("time", "duration"), _OF_TIMES),
-    "pressure_rate": Common(1e-6, 1e15, "slower than rock creeps", "faster than an explosion", ("kPa/s", "MPa/s")),
     **dict.fromkeys(
         ("speed", "reference_velocity", "slip_rates"),
         Common(1e-10, 300.0, "slower than continents drift", "faster than any tyre", ("mm/s", "km/h")),

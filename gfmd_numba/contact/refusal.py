@@ -39,10 +39,6 @@ def check_combination(
     if numerics.solver not in (known := ("auto", *SOLVERS)):
         raise document.unknown(("numerics", "solver"), known)
     _raise(document, refusals(scene, numerics, path, grid))
-    if isinstance(scene, Scene) and (_has_hardness(scene, grid or {}) or scene.body.plasticity is not None):
-        from gfmd_numba.contact.scales import check_bearable  # numbers, which the tables do without
-
-        check_bearable(document, scene, path, grid or {})
 
 
 def check_where(
@@ -201,10 +197,7 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location
         *((("path", i), step) for i, step in enumerate(path)),
     ]
     for place, load in loads:
-        given = (name for name in ("duration", "pressure_rate") if getattr(load, name) is not None)
-        yield from (("duration", (*place, name)) for name in given)
-        if load.duration is None and load.pressure_rate is None:
-            yield "at once", place
+        yield ("at once", place) if load.duration is None else ("duration", (*place, "duration"))
     if scene.loading.speed is not None:
         yield "speed", ("scene", "loading", "speed")
     if scene.interface.wear is not None:

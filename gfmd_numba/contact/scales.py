@@ -4,7 +4,7 @@ A hardness bears less mean pressure than that at which every node would be plast
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import accumulate
@@ -16,10 +16,9 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries, in_series
 from gfmd_numba.kernels import Hardening
-from gfmd_numba.scene import Body, Document, Interface, LoadedBody, Random, Scene
+from gfmd_numba.scene import Body, Interface, LoadedBody, Scene
 from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
-from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_unit_of, quantities, rounded
@@ -102,7 +101,7 @@ def longest_time(scene: Scene) -> float:
 
 def reduced_duration(scene: Scene) -> float:
     """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
-    return 0.0 if scene.loading.takes is None else rounded(scene.loading.takes / longest_time(scene))
+    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
 
 
 def reduced_speed(scene: Scene) -> float:
@@ -112,7 +111,7 @@ def reduced_speed(scene: Scene) -> float:
 
 def times_of(steps: Iterable[Scene]) -> list[float]:
     """Times in s at the end of steps, whose scenes have the durations of their loadings."""
-    return list(accumulate(float(scene.loading.takes or 0.0) for scene in steps))
+    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
 def relaxation(scene: Scene) -> PronySeries | None:
@@ -223,27 +222,15 @@ def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Slidin
         changes = step.model_dump(exclude_none=True)
         asked = changes.pop("sliding", sliding[0]), changes.pop("sliding_y", sliding[-1])
         sliding = asked[: scene.dimension]
-        rate = changes.pop("pressure_rate", None)
-        if rate is not None:
-            changes["duration"] = abs(changes["pressure"] - (scene.loading.pressure or 0.0)) / rate
-        loading = scene.loading.model_copy(update={"duration": None, "pressure_rate": None} | changes)
+        loading = scene.loading.model_copy(update={"duration": None} | changes)
         scene = scene.model_copy(update={"loading": loading})
         yield scene, sliding
 
 
-def plastic_pressure(interface: Interface, grid: Mapping[str, Sequence[float]] | None = None) -> float | None:
-    """Pressure of a plastic spot in Pa (E* without moduli): the hardness less what a law pulls at no gap.
-
-    The least one of a grid; None without a hardness.
-    """
-    grid, law = grid or {}, interface.law_of_the_gap
-    hardnesses = grid.get("hardness", () if interface.hardness is None else (interface.hardness,))
-    if not hardnesses:
-        return None
-    if law is None:
-        return min(hardnesses)
-    works, ranges = grid.get("work_of_adhesion", (law.work_of_adhesion,)), grid.get("interaction_range", (law.range,))
-    return min(hardnesses) - law.pull * max(max(works) / length for length in (min(ranges), max(ranges)))
+def plastic_pressure(interface: Interface) -> float | None:
+    """Pressure of a plastic spot in Pa (E* without moduli): the hardness less what a law pulls at no gap, if any."""
+    law, hardness = interface.law_of_the_gap, interface.hardness
+    return hardness if hardness is None or law is None else hardness - law.pull * law.work_of_adhesion / law.range
 
 
 def at_most(interface: Interface) -> str:
@@ -251,56 +238,3 @@ def at_most(interface: Interface) -> str:
     law = interface.law_of_the_gap
     less = "" if law is None or not law.pull else f", less what the {law.title} pulls at no gap"
     return f"the mean pressure is the hardness itself{less}"
-
-
-def check_bearable(document: Document, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]) -> None:
-    """Raise InputError for a pressure of a scene, its path or its grid that the least hardness or body cannot bear.
-
-    Surfaces of an rms height have no gradient before they are made: reduction refuses their reduced pressures.
-    """
-    plastic, reason = plastic_pressure(scene.interface, grid), at_most(scene.interface)
-    if plastic is None:
-        plastic, reason = _first_whole_yield(scene, grid), _YIELDS
-    if not math.isfinite(plastic):
-        return
-    for location, pressure in _prescribed("pressure", scene, path, grid):
-        if pressure >= plastic:
-            raise document.refused(location, f"below {in_unit_of(pressure, plastic, 'Pa')}, at which {reason}")
-    own = scene.roughness.rms_gradient if isinstance(scene.roughness, Random) else None
-    gradients = grid.get("rms_gradient", () if own is None else (own,))
-    if not gradients:
-        return
-    stiffest = max(scales_of(each).modulus for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
-    most = plastic * scales_of(scene).stiffness / (max(gradients) * stiffest)
-    for location, pressure in _prescribed("reduced_pressure", scene, path, grid):
-        if pressure >= most:
-            raise document.error(location, pressure, f"below {most:.6g}, at which {reason}")
-
-
-def _first_whole_yield(scene: Scene, grid: Mapping[str, Sequence[float]]) -> float:
-    """Least pressure under which a body of a scene or its grid yields far below its surface, or infinity."""
-    if scene.body.plasticity is None:
-        return math.inf
-    share = min(grid.get("yield_stress", (1.0,))) / (
-        scene.body.plasticity.yield_stress if "yield_stress" in grid else 1.0
-    )
-    return share * min(whole_body_yields(each.body) for each in _with_ratios(scene, grid.get("poissons_ratio", ())))
-
-
-def _with_ratios(scene: Scene, ratios: Sequence[float]) -> list[Scene]:
-    """The scene with each Poisson's ratio of a grid."""
-    bodies = (scene.body.model_copy(update={"poissons_ratio": ratio}) for ratio in ratios)
-    return [scene.model_copy(update={"body": body}) for body in bodies] or [scene]
-
-
-def _prescribed(
-    name: str, scene: Scene, path: Sequence[Step], grid: Mapping[str, Sequence[float]]
-) -> Iterator[tuple[Location, float]]:
-    """The pressures of this name, and where they stand in the file."""
-    for i, value in enumerate(grid.get(name, ())):
-        yield ("grid", name, i), value
-    if name not in grid and getattr(scene.loading, name) is not None:
-        yield ("scene", "loading", name), getattr(scene.loading, name)
-    for i, step in enumerate(path):
-        if getattr(step, name) is not None:
-            yield ("path", i, name), getattr(step, name)

@@ -5,6 +5,7 @@ Lengths are in periods, wave indices count them. Each kind of generator has a fi
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pkgutil import resolve_name
 from typing import Any, Protocol, Self
@@ -46,19 +47,6 @@ class Generator(Protocol):
 
     def without_shortest(self, halvings: int) -> Self | None:
         """The same with its largest wave index halved so often, or None where no waves would be left."""
-
-
-class Maker(Protocol):
-    """What the record of a random surface names: the function that makes its generator.
-
-    Lengths of the record are in the unit of `period`. `nx` is the number of grid points, which is the record's own or
-    that of the discretisation.
-    """
-
-    def __call__(
-        self, record: Any, discretisation: Discretisation | None, period: float, dimension: int, nx: int, /
-    ) -> Generator:
-        """Generator of a record; raises ValueError for a record that describes no surface."""
 
 
 @dataclass(frozen=True)
@@ -151,7 +139,7 @@ def random_surface(
     assert nx is not None  # the records' promise
     if record.points is not None:
         nx *= periods
-    make: Maker = resolve_name(record.implementation)
+    make: Callable[..., Generator] = resolve_name(record.implementation)
     surface = RandomSurface(
         make(record, discretisation, period, dimension, nx),
         nx // periods,

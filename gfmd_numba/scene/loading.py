@@ -16,7 +16,6 @@ from gfmd_numba.scene.quantities import (
     Force,
     LineLoad,
     Pressure,
-    PressureRate,
     ReducedPressure,
     SignedLength,
     Speed,
@@ -43,24 +42,11 @@ class Controls(BaseModel):
     duration: Duration | None = Field(
         None, description="Time in s over which the load changes evenly, from no load at first; None: at once"
     )
-    pressure_rate: PressureRate | None = Field(
-        None, description="In place of a duration, how fast a pressure changes, in Pa/s"
-    )
     speed: Speed | None = Field(
         None,
         description="Speed of the punch along x in m/s (L_x/s without a length), at which it has slid over a "
         "viscoelastic body for ever; None: it does not slide",
     )
-
-    @model_validator(mode="after")
-    def _one_way_to_take_time(self) -> Self:
-        if self.pressure_rate is None:
-            return self
-        if self.duration is not None:
-            raise broken_rule(("pressure_rate",), "one of duration and pressure_rate")
-        if self.pressure is None:
-            raise broken_rule(("pressure_rate",), "nothing without a pressure that changes at this rate")
-        return self
 
 
 class Loading(Controls):
@@ -70,13 +56,6 @@ class Loading(Controls):
     def control(self) -> str:
         """Name of what is prescribed."""
         return next(name for name in CONTROLS if getattr(self, name) is not None)
-
-    @property
-    def takes(self) -> float | None:
-        """Time in s over which the load changes from no load, None where it is there at once."""
-        if self.pressure_rate is None or self.pressure is None:
-            return self.duration
-        return self.pressure / self.pressure_rate
 
     @model_validator(mode="after")
     def _one_control(self) -> Self:

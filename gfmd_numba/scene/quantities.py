@@ -23,7 +23,6 @@ from gfmd_numba.scene.units import (
     FORCE_PER_LENGTH,
     LENGTH,
     PRESSURE,
-    PRESSURE_RATE,
     SPEED,
     TIME,
     WEAR_RATE,
@@ -43,7 +42,6 @@ SignedWorkOfAdhesion = Annotated[Signed, ENERGY_PER_AREA]
 LineLoad = Annotated[Size, FORCE_PER_LENGTH]
 Force = Annotated[Size, FORCE]
 Duration = Annotated[Size, TIME]
-PressureRate = Annotated[Size, PRESSURE_RATE]
 Speed = Annotated[Size, SPEED]
 WearRate = Annotated[Size, WEAR_RATE]
 REDUCED_PRESSURE = (

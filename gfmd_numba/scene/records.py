@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
@@ -309,14 +309,6 @@ def _tolerance(given: Any) -> Any:
 Tolerance = Annotated[float | Literal["exact"], BeforeValidator(_tolerance), WithJsonSchema({"allowed": _TOLERANCE})]
 
 
-class _Rough(Protocol):
-    """A scene whose deformable bodies may be rough."""
-
-    @property
-    def knows_lowest_order_only(self) -> bool:
-        """Whether order 0 in the slope is the one to take unless a higher one is asked for."""
-
-
 class Numerics(BaseModel):
     """How the problem is solved; every number is dimensionless."""
 
@@ -351,7 +343,7 @@ class Numerics(BaseModel):
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
-    def slope_order(self, scene: _Rough) -> int:
+    def slope_order(self, scene: "Scene | LoadedBody") -> int:
         """Order in the slope to which the topographies of a scene are followed."""
         if self.topography_order is None:
             return 0 if scene.knows_lowest_order_only else 2

@@ -1,11 +1,12 @@
 """Scene files, nested or flat: a contact, or a loaded body without a punch."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from gfmd_numba.scene.body_record import Body
+from pydantic import BaseModel
+
 from gfmd_numba.scene.checks import (
     arrays_of_a_loaded_body,
     arrays_of_memory,
@@ -16,12 +17,11 @@ from gfmd_numba.scene.checks import (
     check_surfaces,
 )
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
-from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
-from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import FILES
-from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.surfaces import Surface
+from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, Scene, SceneFile
 from gfmd_numba.text.input_error import InputError
+
+Record = TypeVar("Record", bound=BaseModel)
 
 _OF_A_PUNCH = {"roughness", "form", "interface", "loading"}
 _TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
@@ -65,12 +65,20 @@ def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Doc
 
 def input_files(file: SceneFile | BoundaryFile) -> list[Path]:
     """Files that a loaded scene reads."""
-    named = [value for _, value in file.scene.boundary or () if isinstance(value, str)]
-    measured = [surface for surface in file.scene.surfaces.values() if isinstance(surface, Measured)]
-    if isinstance(file.scene, Scene) and (law := file.scene.interface.law_of_the_gap) is not None:
-        named += [law.pattern] if law.pattern is not None else []
-    named += [surface.file for surface in measured if surface.file is not None]
-    return [Path(name) for name in named]
+    return [Path(name) for name in _named_files(file.scene)]
+
+
+def _named_files(record: BaseModel) -> Iterator[str]:
+    for name, value in record:
+        if isinstance(value, BaseModel):
+            yield from _named_files(value)
+        elif isinstance(value, str) and _kinds_of_file(record, name) is not None:
+            yield value
+
+
+def _kinds_of_file(record: BaseModel, name: str) -> tuple[str, ...] | None:
+    """What the file may end in that a text of a record names, () for anything; None for a text that names none."""
+    return FILES if isinstance(record, Boundary) else {"file": (), "pattern": FILES}.get(name)
 
 
 def _has_no_punch(document: Document) -> bool:
@@ -81,8 +89,7 @@ def _has_no_punch(document: Document) -> bool:
 def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | BoundaryFile:
     """The same, whose files exist and have absolute paths."""
     _check_grid(file, document)
-    scene = file.scene.model_copy(update=located_files(document, file.scene))
-    return file.model_copy(update={"scene": scene})
+    return file.model_copy(update={"scene": located(document, file.scene, ("scene",))})
 
 
 def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
@@ -104,51 +111,15 @@ def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
     check_surfaces(document, scene, arrays)
 
 
-def located_files(document: Document, scene: Scene | LoadedBody) -> dict[str, object]:
-    """Parts of a scene by name, whose files have absolute paths; raises InputError for one that does not exist."""
-    located: dict[str, object] = {}
-    if isinstance(scene, Scene):
-        located["interface"] = located_interface(document, scene.interface)
-        located["roughness"] = located_surface(document, ("scene", "roughness"), scene.roughness)
-    for name in ("body", "counter_body"):
-        body: Body | None = getattr(scene, name, None)
-        if body is not None:
-            surface = located_surface(document, ("scene", name, "roughness"), body.roughness)
-            located[name] = body.model_copy(update={"roughness": surface})
-    if scene.boundary is not None:
-        located["boundary"] = located_boundary(document, scene.boundary)
-    return located
-
-
-def located_surface(document: Document, location: Location, surface: Surface | None) -> Surface | None:
-    """The same, whose file has an absolute path; raises InputError for one that does not exist."""
-    if not isinstance(surface, Measured) or surface.file is None:
-        return surface
-    file = existing_file(document, (*location, "file"), surface.file, ())
-    return surface.model_copy(update={"file": file})
-
-
-def located_interface(document: Document, interface: Interface) -> Interface:
-    """Interface whose files have absolute paths; raises InputError for one that does not exist."""
-    patterns = {
-        name: law.model_copy(
-            update={"pattern": existing_file(document, ("scene", "interface", name, "pattern"), law.pattern, FILES)}
-        )
-        for name, law in interface.laws.items()
-        if isinstance(law, LawOfTheGap) and law.pattern is not None
-    }
-    return interface.model_copy(update=patterns) if patterns else interface
-
-
-def located_boundary(document: Document, boundary: Boundary) -> Boundary:
-    """Boundary whose files have absolute paths; raises InputError for one that does not exist."""
-    return boundary.model_copy(
-        update={
-            name: existing_file(document, ("scene", "boundary", name), value, FILES)
-            for name, value in boundary
-            if isinstance(value, str)
-        }
-    )
+def located(document: Document, record: Record, at: Location) -> Record:
+    """Record at a place of the document whose files have absolute paths; raises InputError for one that is missing."""
+    update: dict[str, object] = {}
+    for name, value in record:
+        if isinstance(value, BaseModel):
+            update[name] = located(document, value, (*at, name))
+        elif isinstance(value, str) and (kinds := _kinds_of_file(record, name)) is not None:
+            update[name] = existing_file(document, (*at, name), value, kinds)
+    return record.model_copy(update=update)
 
 
 def _nested(document: Document) -> Document:

@@ -8,7 +8,7 @@ from gfmd_numba.scene.checks import ARRAYS_OF_A_SURFACE, check_nodes
 from gfmd_numba.scene.document import Document, Source, document_of, validate
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_rule, check_scales, check_seed
-from gfmd_numba.scene.scene_file import located_surface
+from gfmd_numba.scene.scene_file import located
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import in_unit_of
 
@@ -72,4 +72,4 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
     if file.surface.points is not None:
         nodes = float(file.surface.points) ** (file.dimension or 1)
         check_nodes(document, ("surface", "points"), nodes, ARRAYS_OF_A_SURFACE)
-    return file.model_copy(update={"surface": located_surface(document, ("surface",), file.surface)}), document
+    return file.model_copy(update={"surface": located(document, file.surface, ("surface",))}), document

@@ -18,7 +18,9 @@ PositiveHurst = Annotated[float, Field(ge=0.01, le=1, description="Hurst exponen
 class Random(BaseModel):
     """Random surface with either an rms height or an rms gradient.
 
-    `implementation` names the function that makes its generator, as `gfmd_numba.roughness.generators.Maker` says.
+    `implementation` names the function that makes its generator, a `gfmd_numba.roughness.generators.Generator`, of the
+    record, the discretisation or None, the period in the unit of the record's lengths, the dimension and the number nx
+    of grid points; it raises ValueError for a record that describes no surface.
     """
 
     model_config = RECORD

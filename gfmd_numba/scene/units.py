@@ -184,11 +184,10 @@ ENERGY_PER_AREA = Quantity("energy per area", ("J/m^2", "mJ/m^2"), length=1, mod
 FORCE_PER_LENGTH = Quantity("force per length", ("N/m", "kN/m", "N/mm"), length=1, modulus=1)
 FORCE = Quantity("force", ("N", "mN", "kN"), length=2, modulus=1)
 TIME = Quantity("time", ("s", "min", "h"))
-PRESSURE_RATE = Quantity("pressure rate", ("Pa/s", "kPa/s", "MPa/s"), modulus=1)
 SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1)
 WEAR_RATE = Quantity("wear rate", ("m^2/N", "mm^2/N", "mm^3/N/m"), modulus=-1)
 MEMORY = Quantity("memory", ("B", "MB", "GB"))
-QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, PRESSURE_RATE, SPEED, WEAR_RATE, MEMORY)
+QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, SPEED, WEAR_RATE, MEMORY)
 
 
 Keys = tuple[str | int, ...]  # that lead to a place in a record

@@ -6,7 +6,6 @@ import xarray as xr
 
 from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
 from gfmd_numba.contact.contact_input import read_contact, read_loaded_body
 from gfmd_numba.contact.load_path import solve_path
@@ -57,14 +56,3 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     problem, effects = given.reduced
     with shared_by(file.numerics.threads):
         return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
-
-
-def doubt(file: SceneFile, document: Document) -> str:
-    """What is to be said of the interaction law of a scene before it is solved; nothing without doubt.
-
-    Raises InputError as `solve_contact` does for surfaces that cannot be used.
-    """
-    if not file.scene.interface.reaches_across:
-        return ""
-    problem, _ = read_contact(file, document).reduced
-    return law_resolution.doubt(problem, file.discretisation)

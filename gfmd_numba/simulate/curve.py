@@ -129,7 +129,7 @@ def read_curve(
         check_scales(points, file.scene.length, file.scene.has_moduli, (over,))
     _check_order(asked, points, over)
     if over == "times":
-        _check_times(asked, points, file.scene.loading.takes or 0.0)
+        _check_times(asked, points, file.scene.loading.duration or 0.0)
     if n_realisations > 1 and not any(isinstance(each, Random) for each in file.scene.surfaces.values()):
         raise asked.error(("realisations",), n_realisations, "1, as no surface of this scene is random")
     given = read_contact(_with_path(file, _SPEED, points) if over == "speeds" else file, document)
@@ -242,7 +242,7 @@ def _realisation(curve: LoadCurve, i: int) -> ContactInput:
     if curve.prescribed == _SPEED:
         return given
     if curve.prescribed == _TIME:
-        times = file.scene.loading.takes or 0.0, *curve.loads
+        times = file.scene.loading.duration or 0.0, *curve.loads
         dwells = tuple(Step(duration=end - start) for start, end in pairwise(times))
         return replace(given, file=given.file.model_copy(update={"path": dwells}))
     return replace(given, file=_with_path(given.file, curve.prescribed, _approached(curve)))
@@ -311,14 +311,23 @@ def _at(loads: set[float], every: set[float], unit: str) -> str:
 
 
 def curve_of(
-    file: SceneFile | BoundaryFile, document: Document, over: Over, values: object, realisations: object
+    file: SceneFile | BoundaryFile, document: Document, given: Mapping[Over, object], realisations: object
 ) -> xr.Dataset:
     """Observables over `prescribed_load`, `time` or `speed` in SI units; raises InputError as `read_curve` does.
 
-    The `status` says which runs failed.
+    One of loads, times and speeds is `given`. The `status` says which runs failed.
     """
-    curve = read_curve(file, document, over, values, realisations)
+    curve = read_curve(file, document, *one_of(given), realisations)
     return curve_dataset(curve, list(solve_curve(curve)))
+
+
+def one_of(given: Mapping[Over, object]) -> tuple[Over, object]:
+    """What a curve is over, loads, times or speeds, and its values; raises InputError unless one of them is given."""
+    asked_for = [(name, values) for name, values in given.items() if values is not None]
+    if len(asked_for) != 1:
+        named = " and ".join(name for name, _ in asked_for) or "none"
+        raise InputError.of("loads, times, speeds", named, "one of them")
+    return asked_for[0]
 
 
 def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:

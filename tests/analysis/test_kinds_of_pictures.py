@@ -63,6 +63,7 @@ def _fit(hursts=(0.3, 0.8)):
     return gfmd_numba.fit_tfc(dataset, fixed=synthetic_campaigns.ALPHA)
 
 
+CREEPS = FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}
 WRITTEN = {
     "contact": _contact,
     "body that flows": lambda: gfmd_numba.solve(
@@ -70,12 +71,8 @@ WRITTEN = {
     ),
     "fields inside a body": lambda: gfmd_numba.body_fields(_contact()),
     "load curve": lambda: gfmd_numba.load_curve(FILE, [0.1, 0.2]),
-    "creep curve": lambda: gfmd_numba.creep_curve(
-        FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}, [0.1, 1.0]
-    ),
-    "friction curve": lambda: gfmd_numba.friction_curve(
-        FILE | {"scene": SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 2.0, "time": 1.0}]}}}, [0.1, 1.0]
-    ),
+    "creep curve": lambda: gfmd_numba.load_curve(CREEPS, times=[0.1, 1.0]),
+    "friction curve": lambda: gfmd_numba.load_curve(CREEPS, speeds=[0.1, 1.0]),
     "statistics of a contact": lambda: gfmd_numba.contact_statistics(_contact()),
     "leakage": lambda: leakage(_map()),
     "conductance": lambda: gfmd_numba.contact_conductance(_map()),

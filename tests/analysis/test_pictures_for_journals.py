@@ -106,7 +106,7 @@ DRAWN = {
     "contact of a profile": draws("contact", contact),
     "contact of a map": draws("contact", map_),
     "loading path": lambda width: plot_path(contact(), width=width),
-    "creep curve": draws("creep curve", lambda: gfmd_numba.creep_curve(CREEPING, [0.1, 1.0])),
+    "creep curve": draws("creep curve", lambda: gfmd_numba.load_curve(CREEPING, times=[0.1, 1.0])),
     "campaign": lambda width: plot_campaign(campaign(), fit(), width=width),
     "fit": draws("fit", fit),
     "rounds": lambda width: plot_rounds(rounds(), width=width),

@@ -170,9 +170,9 @@ def test_an_interrupt_is_told_as_what_it_is(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("options", "why"),
     [
-        (("--target=0",), "gfmd allows a relative error like kappa=2% or 0.02"),
-        (("--target=200%",), "gfmd allows a relative error like kappa=2% or 0.02"),
-        (("--target=kappa=2x",), "gfmd allows a relative error like kappa=2% or 0.02"),
+        (("--target=0",), "each with a relative error above 0 and below 1, like kappa=3% or 0.03"),
+        (("--target=200%",), "each with a relative error above 0 and below 1, like kappa=3% or 0.03"),
+        (("--target=kappa=2x",), "each with a relative error above 0 and below 1, like kappa=3% or 0.03"),
         (("--target=area=1%",), "--target: you gave 'area'; gfmd allows one of kappa, kappa_counted, kappa_r"),
         (("--target=2%", "--budget=soon"), "gfmd allows a time like 20min, 2h or 90 s"),
         (("--target=2%", "--budget=1e-9"), "--budget: you gave 1e-09 s of processor time, where the pilot of 20"),

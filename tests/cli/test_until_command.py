@@ -106,8 +106,8 @@ def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monk
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (("--until=0",), "gfmd allows a relative error like kappa=2% or 0.02"),
-        (("--until=kappa=x",), "gfmd allows a relative error like kappa=2% or 0.02"),
+        (("--until=0",), "each with a relative error above 0 and below 1, like kappa=3% or 0.03"),
+        (("--until=kappa=x",), "each with a relative error above 0 and below 1, like kappa=3% or 0.03"),
         (("--until=area=1%",), "gfmd allows one of kappa, kappa_counted, kappa_r, contact_area_fraction, contact_area"),
         (("--until=kappa=1%", "--until=2%"), "gfmd allows several targets of different variables, each with its name"),
         (("--until=kappa=1%", "--until=kappa=2%"), "gfmd allows several targets of different variables"),

@@ -15,18 +15,13 @@ from support.things import EXPONENTS, FEW, MANY, SCENE, SECONDS, SURFACE, TINY, 
 CREEP = SCENE | {"body": SCENE["body"] | {"relaxation": [{"modulus": 70e9, "time": 1.0}]}}
 FUNCTIONS = {
     "gfmd_numba.solve": lambda things: {"scene": SCENE, "heights": None},
-    "gfmd_numba.load_curve": lambda things: {"scene": SCENE, "loads": [0.1, 0.2], "realisations": 1, "heights": None},
-    "gfmd_numba.creep_curve": lambda things: {
+    "gfmd_numba.load_curve": lambda things: {
         "scene": CREEP,
+        "loads": None,
+        "realisations": 1,
+        "heights": None,
         "times": [0.1, 1.0],
-        "realisations": 1,
-        "heights": None,
-    },
-    "gfmd_numba.friction_curve": lambda things: {
-        "scene": CREEP,
-        "speeds": [1e-6, 1e-3],
-        "realisations": 1,
-        "heights": None,
+        "speeds": None,
     },
     "gfmd_numba.body_fields": lambda things: {
         "contact": things.contact(),

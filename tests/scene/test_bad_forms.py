@@ -17,7 +17,7 @@ FORMS = {
     "key of another level": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    length: 1e-6"),
         "bad.yaml:10:5: scene.loading.length: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
-        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'pressure_rate', 'speed'; 'length' belongs to "
+        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'speed'; 'length' belongs to "
         "scene",
     ),
     "key of another method": (

@@ -30,7 +30,7 @@ def test_flat_file_is_told_its_own_paths(tmp_path):
     assert complaint(tmp_path, load_scene, FLAT) == (
         "bad.yaml:2:33: roughness.hurst: you gave 1.4; gfmd allows a number from 0 to 1\n"
         "bad.yaml:4:11: loading.reduced_presure: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
-        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'pressure_rate', 'speed'; did you mean "
+        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'speed'; did you mean "
         "'reduced_pressure'?"
     )
     assert (

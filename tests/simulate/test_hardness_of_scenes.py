@@ -207,7 +207,7 @@ def test_a_campaign_s_pressures_are_held_against_its_least_hardness(tmp_path):
     assert ": grid.reduced_pressure[1]: you gave" in said.output
     by_height = text.replace("rms_gradient: 0.1", "rms_height: 1e-5").replace("PRESSURE", "0.9")
     (tmp_path / "scene.yaml").write_text(by_height)
-    with pytest.raises(InputError, match=r"scene\.loading\.reduced_pressure: you gave 0\.9; gfmd allows below"):
+    with pytest.raises(InputError, match=r"grid\.reduced_pressure\[1\]: you gave 0\.9; gfmd allows below"):
         gfmd_numba.run(tmp_path / "scene.yaml", tmp_path / "out")
 
 

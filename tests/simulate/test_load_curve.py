@@ -186,7 +186,7 @@ def test_the_area_of_a_map_is_an_area():
         ([], 1, r"loads: you gave \[\]; gfmd allows a list of one or more numbers"),
         ("0.1", 1, "loads: you gave '0.1'; gfmd allows a list of one or more numbers"),
         (0.1, 1, "loads: you gave 0.1; gfmd allows a list of one or more numbers"),
-        (None, 1, "loads: you gave an empty value; gfmd allows a list of one or more numbers"),
+        (None, 1, "loads, times, speeds: you gave none; gfmd allows one of them"),
         ([0.1], 0, "realisations: you gave 0; gfmd allows a whole number from 1"),
         ([0.1], 1.5, "realisations: you gave 1.5; gfmd allows a whole number from 1"),
     ],

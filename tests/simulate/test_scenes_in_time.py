@@ -133,14 +133,6 @@ REFUSED = {
         ),
         "path[0].sliding: you gave '1 mm'; gfmd allows no sliding over a viscoelastic body, or a hard_wall alone",
     ),
-    "a rate and a duration": (
-        changed(CREEP, path=[{"pressure": "10 kPa", "pressure_rate": "1 kPa/s", "duration": "1 s"}]),
-        "path[0].pressure_rate: you gave '1 kPa/s'; gfmd allows one of duration and pressure_rate",
-    ),
-    "a rate of what does not change": (
-        changed(CREEP, path=[{"pressure_rate": "1 kPa/s"}]),
-        "path[0].pressure_rate: you gave '1 kPa/s'; gfmd allows nothing without a pressure",
-    ),
     "a speed later on": (
         changed(CREEP, path=[{"speed": "1 mm/s"}]),
         "path[0].speed: you gave '1 mm/s'; gfmd allows a speed where the loading has one",
@@ -241,18 +233,6 @@ def test_one_load_may_take_time_without_a_path():
         np.testing.assert_allclose(found[name], first[name], atol=2e-3 * float(abs(found[name]).max()))
 
 
-def test_a_pressure_that_changes_at_a_rate_takes_the_time_that_it_takes():
-    lasting = changed(CREEP, "scene", "loading", duration="2 s")
-    lasting["path"] = [{"duration": "5 s", "pressure": "10 kPa"}, {"duration": "10 s", "pressure": "30 kPa"}]
-    at_rates = changed(CREEP, "scene", "loading", pressure_rate="10 kPa/s")
-    rates = "2 kPa/s", "2 kPa/s"
-    pressures = "10 kPa", "30 kPa"
-    at_rates["path"] = [{"pressure_rate": r, "pressure": p} for r, p in zip(rates, pressures, strict=True)]
-    one, other = gfmd_numba.solve(lasting), gfmd_numba.solve(at_rates)
-    np.testing.assert_allclose(other["time"], [2.0, 7.0, 17.0])
-    np.testing.assert_array_equal(one["pressure"], other["pressure"])
-
-
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
     monkeypatch.setattr(time_steps, "HALVINGS", 1)
     with pytest.warns(UserWarning, match="the divisions of steps leave an error of"):
@@ -270,7 +250,7 @@ TIMES = [0.5, "4 s", "1 min"]
 
 def test_a_creep_curve_is_the_path_of_its_times_and_a_mean_over_surfaces():
     alone = {key: value for key, value in CREEP.items() if key != "path"}
-    curve = gfmd_numba.creep_curve(alone, TIMES, realisations=2)
+    curve = gfmd_numba.load_curve(alone, times=TIMES, realisations=2)
     np.testing.assert_allclose(curve["time"], [0.5, 4.0, 60.0])
     assert curve["time"].units == "s"
     assert curve.attrs["title"] == "creep curve"
@@ -308,7 +288,7 @@ def test_times_that_make_no_sense_are_refused(file, times, said):
     if "wear" in file["scene"]["interface"]:
         file = changed(file, "scene", "interface", wear=None)
     with pytest.raises(InputError) as refused:
-        gfmd_numba.creep_curve(file, times)
+        gfmd_numba.load_curve(file, times=times)
     assert said in str(refused.value)
 
 

@@ -74,7 +74,8 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
     for row in REFUSALS:
         if row.present in found and row.refused in found:
-            yield from ((location, row) for location in found[row.refused])
+            told = replace(row, allowed=row.told(found))
+            yield from ((location, told) for location in found[row.refused])
 
 
 def _features(

@@ -66,7 +66,8 @@ def refusals(
 def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> None:
     first: dict[Location, Refusal] = {}
     for location, refusal in refused:
-        first.setdefault(location, refusal)
+        if first.setdefault(location, refusal).because == "without effect" != refusal.because:
+            first[location] = refusal  # what it lacks would not help
     if first:
         raise InputError(*(document.line(at, brief(document.value(at)), row.allowed) for at, row in first.items()))
 

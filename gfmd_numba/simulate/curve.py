@@ -178,7 +178,7 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
         return file
     loading = Loading.model_validate({control: load})
     try:
-        check_loading(loading, file.scene.length, file.scene.has_moduli)
+        check_loading(loading, file.scene.length, file.scene.has_moduli, bool(file.scene.surfaces))
     except PydanticCustomError as error:
         context = error.context or {}
         raise InputError.of("loads", f"{control}s with a unit", context["allowed"]) from None

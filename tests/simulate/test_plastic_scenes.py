@@ -117,6 +117,7 @@ REFUSED = {
     "hardness": (changed("scene", interface={"hard_wall": {"hardness": "1 GPa"}}), "a hard_wall without hardness"),
     "slab": (changed("scene", "body", aspect_ratio=1.0), "a half-space of one material"),
     "window": (changed("scene", periodic=False), "true with plasticity"),
+    "wear": (changed("scene", "interface", wear={"rate": 1e-12}), "no wear with plasticity"),  # not: nothing slides
     "load": (changed("scene", loading={"pressure": "701 MPa"}), "at which the body yields at all depths"),
 }
 

@@ -148,3 +148,27 @@ def test_a_unit_that_somebody_wrote_is_escaped(folder, tmp_path):
         assert done.exit_code == 0, done.output
         assert "\x1b" not in done.output
         assert r"\x1b[2J" in done.output or command[0] == "conductance"
+
+
+@pytest.mark.filterwarnings("ignore:The flow factor", "ignore:No channel is open")
+def test_a_path_has_its_loads_in_the_printed_and_in_the_written_table(folder, tmp_path):
+    done = gfmd("conductance", folder / "path.nc", "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0, done.output
+    found = gfmd_numba.contact_conductance(folder / "path.nc")
+    loads = xr.load_dataset(folder / "path.nc")["reduced_pressure"].values
+    rows = [line.split() for line in done.stdout.splitlines() if line.split()[:1] in (["0"], ["1"])]
+    assert [float(row[1]) for row in rows] == pytest.approx(loads)
+    assert "p*" in done.stdout
+    table = np.genfromtxt(tmp_path / "out.csv", delimiter=",", names=True, deletechars="")
+    np.testing.assert_array_equal(table["reduced_pressure_(1)"], loads)
+    name = next(name for name in table.dtype.names if name.startswith("conductance"))
+    np.testing.assert_array_equal(table[name], found["conductance"])
+
+
+def test_a_curve_is_told_how_its_loads_become_contacts(folder, tmp_path):
+    gfmd("curve", folder / "profile.yaml", "--loads", "0.01,0.1", "-o", tmp_path / "curve.nc")
+    for command in ("conductance", "leakage", "statistics", "fields"):
+        done = gfmd(command, tmp_path / "curve.nc", "-o", tmp_path / "out.nc")
+        assert done.exit_code == 2
+        assert "a curve, which has no fields" in unfolded(done.stderr)
+        assert "`gfmd solve` leaves of a scene that has these loads in its `path`" in unfolded(done.stderr)

@@ -28,8 +28,9 @@ nodes.
   counts; importing and compiling do not.
 - **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
   of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
-- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, whose iterations grow with
-  the nodes in contact and the load. gfmd-numba uses an active-set Newton method, which needs few transforms.
+- **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, ASPHER from coarse grids to
+  fine ones. Their iterations grow with the nodes in contact and the load. gfmd-numba uses an active-set Newton method,
+  which needs few transforms.
 - **Versions.** {versions}, Python {python}.
 
 ## Equal accuracy
@@ -42,6 +43,7 @@ that is left is {worst}. {agreement}
 ## What the others can do and gfmd-numba cannot
 
 - **Tamaas**: many machines (MPI) when built from source.
+- **ASPHER**: single precision, and few bytes a node.
 - **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
   which analyses measured surfaces.
 
@@ -57,9 +59,7 @@ knows more of its three limits: their laws, their interactions, and the distance
 
 
 def label(case):
-    if len(case.shape) == 1:
-        return f"profile {case.shape[0]}"
-    return f"map {case.shape[0]}²"
+    return f"profile {case.shape[0]}" if len(case.shape) == 1 else f"map {case.shape[0]}²"
 
 
 def rounded(number):
@@ -87,12 +87,20 @@ def table(head, rows):
 
 
 def times(rows, peers):
-    def cells(case, results):
+    """A table of profiles and one of maps, each with the codes that can do it."""
+
+    def cells(case, results, names):
         milliseconds = 1e3 * np.median(results["here"].seconds)
         shown = f"{milliseconds:.2f}" if milliseconds < 9.995 else f"{milliseconds:.0f}"
-        return [label(case), str(case.hurst), str(case.load), shown, *(spread(results[name].ratios) for name in peers)]
+        ratios = (spread(results[name].ratios).replace(" to ", "–") for name in names)
+        return [label(case), str(case.hurst), str(case.load), shown, *ratios]
 
-    return table(["contact", "H", "p\\*", "ms", *peers], [cells(*row) for row in rows])
+    tables = []
+    for dimension in (1, 2):
+        of_kind = [row for row in rows if len(row[0].shape) == dimension]
+        names = [name for name in peers if of_kind and name in of_kind[0][1]]
+        tables.append(table(["contact", "H", "p\\*", "ms", *names], [cells(*row, names) for row in of_kind]))
+    return "\n\n".join(tables)
 
 
 def summary(rows, peers):
@@ -101,7 +109,11 @@ def summary(rows, peers):
     for name in peers:
         ranges = []
         for dimension, kind in ((1, "profiles"), (2, "maps")):
-            medians = [np.median(results[name].ratios) for case, results in rows if len(case.shape) == dimension]
+            medians = [
+                np.median(results[name].ratios)
+                for case, results in rows
+                if len(case.shape) == dimension and name in results
+            ]
             if medians:
                 ranges.append(f"{rounded(min(medians))} to {rounded(max(medians))} times as long on {kind}")
         sentences.append(f"{name} takes {' and '.join(ranges)}, depending on the grid and the load.")

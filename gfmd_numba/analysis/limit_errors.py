@@ -6,11 +6,12 @@ exponents that nobody asserts, disagree with a fit, its laws do not hold.
 A law that fits the levels need not hold beyond them, so the error of a limit counts a part of the distance that the
 law bridges. A power is off in proportion to this distance: exponents drift, because a correction is a sum of several
 powers. The law of the unseen slope has no exponent that could drift. It errs by less where the distance is short, and
-never by more than a small part of the limit.
+never by more than a small part of the limit, where the finest level has enough waves.
 """
 
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -250,6 +251,9 @@ def _without(groups: Sequence[Group], limit: str, level: float) -> list[Group] |
 _OF_THE_DISTANCE = 0.3
 _OF_THE_LIMIT = 0.02
 _OF_MEASURED = 0.2  # of this where k_c and m were measured on contacts of the same kind
+# Coarsest of the finest eps_f of these measurements, by the dimension of the surfaces. From 1/eps_f = 16 and 32 of
+# lines and 16 of maps (H = 0.3 to 0.9) the unseen slope is off by a tenth to a third of the distance, as powers are
+_COARSEST = {1: 1 / 128, 2: 1 / 32}
 # Standard error over the limit, for a layer as high as the longest wave of the power law: a thin layer is stiffer for
 # long waves than the half-space that it becomes where eps_t goes to 0, by no law of eps_t. Measured on the same lines
 # as the difference of slabs from half-spaces (a = 0.02 to 0.3, 1/eps_t = 2 to 8, 1/eps_f = 1024)
@@ -283,6 +287,11 @@ def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
     return found * most / (most + found)
 
 
+def _has_enough_waves(finest: Reals | float, dimension: int) -> Any:
+    """Whether eps_f is one for which the error of the law of the unseen slope was measured."""
+    return np.asarray(finest) <= _COARSEST[dimension] * (1.0 + 1e-9)
+
+
 def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
@@ -292,7 +301,8 @@ def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Co
     limit = choice.fits[index].coefficients[:, 0]
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            is_whole = choice.laws[name].whole
+            finest = min(float(means.levels[name].min()), means.reference[name])
+            is_whole = choice.laws[name].whole and bool(_has_enough_waves(finest, group.dimension))
             share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
             found[:, column] = share * doubt(found[:, column], limit, is_whole)
     column = LIMITS.index("eps_t")
@@ -320,14 +330,17 @@ def of_thin_layers(group: Group, means: Means) -> list[str]:
     ]
 
 
-def expected_doubts(fitted: xr.Dataset, limit: str, finer: float) -> Reals:
+def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int) -> Reals:
     """Return the standard errors (group) of a fit by one distance where the finest level is a factor finer."""
     at, value = fitted.sel(limit=limit), in_the_limit(fitted)[0].values
-    is_whole, distance = (at["law"] == UNSEEN_SLOPE).values, at["extrapolated"].values
-    now, then = (
-        np.where(is_whole, doubt(each, value, True), doubt(each, value, False))
-        for each in (distance, distance * finer ** -at["alpha"].values)
-    )
+    distance, finest = at["extrapolated"].values, at["finest_eps"].values
+
+    def at_factor(factor: float) -> Reals:
+        is_whole = (at["law"] == UNSEEN_SLOPE).values & _has_enough_waves(finest / factor, dimension)
+        bridged = distance * factor ** -at["alpha"].values
+        return np.where(is_whole, doubt(bridged, value, True), doubt(bridged, value, False))
+
+    now, then = at_factor(1.0), at_factor(finer)
     less: Reals = np.divide(then, now, where=now > 0, out=np.zeros(len(now)))
     return np.asarray(less * np.nan_to_num(at["extrapolation_error"].values))
 

@@ -6,6 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from math import prod
 
+from threadpoolctl import threadpool_limits
+
 _FEWEST = 2**19  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
 
@@ -57,11 +59,15 @@ def cores() -> int:
 
 @contextmanager
 def shared_by(threads: int) -> Iterator[None]:
-    """Let so many threads, or as many as there are cores, share the work of this process meanwhile."""
+    """Let so many threads, or as many as there are cores, share the work of this process meanwhile.
+
+    Linear algebra gets one thread: its matrices are small, and on a busy machine threads would wait for one another.
+    """
     made = Team(min(threads, cores()))
     _present.append(made)
     try:
-        yield
+        with threadpool_limits(limits=1):
+            yield
     finally:
         _present.remove(made)
         made.close()

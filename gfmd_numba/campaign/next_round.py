@@ -320,7 +320,10 @@ def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
     known, fitted = of_target.known, of_target.fitted
     now, target = state.now, state.goal.targets[known.fit.variable]
-    found, doubts = judge(known, fitted), _doubts(fitted, max(1, len(now.levels)))
+    found, doubts = (
+        judge(known, fitted),
+        _doubts(of_target, max(1, len(now.levels))),
+    )
     described = all(doubt.size < inf for doubt in doubts)
     expected = _was_to_reach(now, known.fit) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
@@ -412,15 +415,16 @@ class _Doubt:
     error: float
 
 
-def _doubts(fitted: xr.Dataset, n_groups: int) -> list[_Doubt]:
+def _doubts(of_target: Fitted, n_groups: int) -> list[_Doubt]:
     """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step."""
+    fitted, dimension = of_target.fitted, int(of_target.known.results["dimension"].values[0])
     limit, error = in_the_limit(fitted)
     value = abs(limit)
     whole = (error / value).fillna(inf).values
     rivals = (fitted["error_budget"].sel(source="rivals") / value).fillna(0.0)
     by_limit = (fitted["extrapolation_error"] / value).fillna(0.0)
     halved = by_limit.copy()
-    halved.loc[{"limit": "eps_f"}] = np.nan_to_num(expected_doubts(fitted, "eps_f", 2.0) / value.values)
+    halved.loc[{"limit": "eps_f"}] = np.nan_to_num(expected_doubts(fitted, "eps_f", 2.0, dimension) / value.values)
     for each in (by_limit, halved):
         each.loc[{"limit": "eps_f"}] = np.hypot(each.sel(limit="eps_f"), rivals)
     is_described = (fitted["fit_status"] == "ok") & (fitted["misfit"] <= _MISFIT)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
@@ -146,6 +147,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     return float((sticks & touching).sum() / touching.sum())
 
 
+@shared_by(1)
 def measured(problem: Problem, realisations: range) -> Measures:
     """All that is recorded of realisations of a problem: `[realisation]`, but along a path the contact's have steps.
 

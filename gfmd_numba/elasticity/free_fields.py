@@ -17,7 +17,6 @@ from math import ceil
 
 import numpy as np
 from scipy.special import erfc
-from threadpoolctl import threadpool_limits
 
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import fields
@@ -64,8 +63,7 @@ class Free:
 
             return self._sum(of, {along: nodes}, names)
 
-        with threadpool_limits(limits=1):  # the matrices are small: threads would only wait for one another
-            return np.stack([on_line(fields.depth_of(each, self.body)) for each in z], axis=1)
+        return np.stack([on_line(fields.depth_of(each, self.body)) for each in z], axis=1)
 
     def plane(self, z: float, names: tuple[str, ...]) -> Reals:
         """Named fields `[field, y, x]` on the plane z, on the nodes of the window; ValueError for z outside it."""
@@ -88,8 +86,7 @@ class Free:
             waves = tuple(round(p) * n for p, n in zip(periods, shape, strict=True)) if part is first else part.shape
             return fields.spectrum_of_plane(part, depth, self.body, names, waves)
 
-        with threadpool_limits(limits=1):
-            return self._sum(of, {axis: np.arange(n) / n for axis, n in enumerate(shape)}, names)
+        return self._sum(of, {axis: np.arange(n) / n for axis, n in enumerate(shape)}, names)
 
     def _sum(self, of: Callable[[Surface], Complexes], places: dict[int, Reals], names: tuple[str, ...]) -> Reals:
         """Named fields `[field, ...]` at places (L_x) along axes 0 (y) and 1 (x), of the parts' coefficients.
@@ -123,8 +120,7 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
             most = [2 * ceil(_HIGHEST / (shorter - 1.0) * each / (2.0 * np.pi)) for each in periods]
             waves = tuple(min(some, n) for some, n in zip(most, waves, strict=True))
         q = grid.magnitudes(waves, periods)
-        with threadpool_limits(limits=1):
-            loaded = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
+        loaded = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
         share = (_share(q, shorter) if parts else 1.0) - _share(q, period)
         parts.append(fields.surface_under_waves(share * loaded, waves, body, periods))
         shorter, period = period, 2.0 * period

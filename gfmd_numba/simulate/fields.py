@@ -12,6 +12,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, Units, cf_attributes
 from gfmd_numba.contact.scales import effective_modulus, scales_of
 from gfmd_numba.elasticity import fields, free_fields, topography
@@ -114,6 +115,7 @@ class _Wanted:
     planes: bool
 
 
+@shared_by(1)
 def body_fields(
     contact: xr.Dataset,
     z: npt.ArrayLike | None = None,

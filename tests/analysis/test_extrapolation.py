@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis import fit_tfc, limit_errors
 from gfmd_numba.analysis.limit_errors import _without, expected_doubts, rivals
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.doubts import without_doubts
 from support.synthetic_campaigns import ALPHA, CROSS, TFC, campaign, noisy
+from support.unseen_slope import of_unseen_slope
 
 COARSE, FINE = ([1 / (first * 4**level) for level in range(5)] for first in (4, 64))
 OF_TWO_POWERS = (0.3, 2.0)  # range of exponents that the user gives
@@ -47,6 +48,30 @@ def test_the_doubt_grows_with_the_distance():
             assert np.isnan(fit["extrapolated"].sel(limit="eps_c").item())
             doubts.append(at["extrapolation_error"].item() / finest**0.5)
     np.testing.assert_allclose(np.array(doubts) / doubts[0], [1.0, 3.0, 1.0, 3.0], rtol=1e-6)
+
+
+def test_from_coarse_levels_the_unseen_slope_is_doubted_as_a_power_is(monkeypatch):
+    """Until the finest level is one for which its error was measured."""
+    whole = of_unseen_slope(campaign(levels={"eps_f": FINE[:4]}, coefficients={}, realisations=30), 0.8)
+    dataset = noisy(whole, np.random.default_rng(0), spread=0.01, own=0.001)
+    finest = min(FINE[:4])
+
+    def bridged(coarsest):
+        monkeypatch.setattr(limit_errors, "_COARSEST", {1: coarsest, 2: finest})
+        fit = fit_tfc(dataset).sel(limit="eps_f")
+        assert fit["law"].item() == "unseen slope"
+        return fit, fit["extrapolation_error"].item() / fit["extrapolated"].item()
+
+    known, of_known = bridged(finest)
+    coarse, of_coarse = bridged(0.9 * finest)
+    assert of_coarse == pytest.approx(0.3, rel=0.02)
+    assert of_known < 0.1
+    assert coarse["kappa_tfc"].item() == known["kappa_tfc"].item()
+    rest = expected_doubts(fit_tfc(dataset), "eps_f", 2.0, 1).item()  # finer levels are known
+    assert rest < 0.5 * coarse["extrapolation_error"].item()
+    assert expected_doubts(fit_tfc(dataset), "eps_f", 1.0, 1).item() == pytest.approx(
+        coarse["extrapolation_error"].item()
+    )
 
 
 def test_a_thin_layer_adds_to_the_doubt_in_eps_t():
@@ -169,7 +194,7 @@ def test_a_finer_level_leaves_the_doubt_of_a_shorter_distance():
     for limit, finer in (("eps_f", 4.0), ("eps_c", 2.0)):
         now = fit["extrapolation_error"].sel(limit=limit).values
         assert (now > 0.0).all()
-        np.testing.assert_allclose(expected_doubts(fit, limit, finer), now * finer ** -ALPHA[limit])
+        np.testing.assert_allclose(expected_doubts(fit, limit, finer, 1), now * finer ** -ALPHA[limit])
 
 
 def test_no_level_is_left_out_without_which_a_group_has_a_limit_less():

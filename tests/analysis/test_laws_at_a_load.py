@@ -2,8 +2,10 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import gfmd_numba
+from gfmd_numba.analysis.selection import has_measured_slope_law
 
 CAMPAIGN = {
     "name": "loads",
@@ -44,3 +46,11 @@ def test_a_step_of_a_path_has_the_law_of_its_own_load(results):
         alone = gfmd_numba.fit_tfc(results[name])
         np.testing.assert_allclose(steps["kappa_tfc"][step], alone["kappa_tfc"][0], rtol=1e-5)
         np.testing.assert_allclose(steps["kappa_tfc_error"][step], alone["kappa_tfc_error"][0], rtol=1e-3)
+
+
+@pytest.mark.parametrize(("told", "is_measured"), [([True, True], True), ([True, False], False), (None, False)])
+def test_the_law_was_measured_for_contacts_if_all_cases_say_so(told, is_measured):
+    cases = xr.Dataset(coords={"reduced_pressure": ("case", [0.01, 0.01])})
+    if told is not None:
+        cases = cases.assign_coords(has_measured_slope_law=("case", told))
+    assert has_measured_slope_law(cases) == is_measured

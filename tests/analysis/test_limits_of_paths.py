@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 import yaml
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, fit_tfc, plot_fit
+from gfmd_numba.analysis.allocation import Pilot
 from gfmd_numba.analysis.plots.path import plot_path
 from support.command_line import gfmd
+from support.synthetic_campaigns import ALPHA as EXACT
+from support.synthetic_campaigns import campaign, noisy
 
 ALPHA = {"eps_c": 2.0, "eps_f": 0.7}
 LOADED = {
@@ -60,6 +64,16 @@ def test_a_step_has_the_limit_of_contacts_under_its_load(loaded, tmp_path):
         for name in ("kappa_tfc", "kappa_tfc_error", "reference"):
             assert here[name].values == pytest.approx(alone[name].values, rel=1e-6), name
         assert here["correction"].values == pytest.approx(alone["correction"].values, abs=1e-6, nan_ok=True)
+
+
+def test_a_pilot_predicts_the_error_of_each_step():
+    draw = np.random.default_rng(0)
+    steps = [noisy(campaign(realisations=30), draw, spread=spread, own=spread / 5.0) for spread in (0.01, 0.2)]
+    path = steps[0].assign(kappa=xr.concat([each["kappa"] for each in steps], "step"))
+    counts = np.full(path.sizes["case"], 30)
+    expected = [Pilot.of(each, "kappa", EXACT).predictions(counts)[0].error for each in steps]
+    assert [each.error for each in Pilot.of(path, "kappa", EXACT).predictions(counts)] == expected
+    assert expected[1] > 1.01 * expected[0]
 
 
 def test_a_step_that_is_taken_out_has_the_same_limit(loaded):

@@ -5,7 +5,7 @@ import pytest
 from scipy.stats import chi2
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.analysis.allocation import _Ensemble, _relative_errors
+from gfmd_numba.analysis.allocation import Pilot, _Ensemble, _relative_errors
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom
 from support.expected_interactions import drawn
 from support.pilots import predictions
@@ -96,6 +96,12 @@ def test_more_results_make_a_prediction_surer():
     assert few.factor == pytest.approx(np.sqrt(30 / chi2.ppf(0.1, 30)))
     assert 1.0 < many.factor < few.factor
     assert 1.0 < many.caution < few.caution
+
+
+def test_shares_of_ten_cases_are_chosen_by_a_variance_that_may_be_larger():
+    """By as much as 40 results leave open with 98 % confidence, as the errors of fits have noise, too."""
+    (ensemble,) = Pilot.of(results([40] * 10, 0), "kappa", ALPHA).ensembles
+    assert ensemble.doubt == pytest.approx(39 / chi2.ppf(0.02, 30))
 
 
 def test_too_few_results_predict_nothing():

@@ -96,7 +96,7 @@ def test_a_dataset_that_is_no_campaign_is_named(lacking):
 @pytest.mark.parametrize(
     ("options", "match"),
     [
-        ({"variable": "kapa"}, "no variable 'kapa'"),
+        ({"variable": "kapa"}, "no variable 'kapa' in the dataset; it has .*kappa"),
         ({"exponents": "both"}, "exponents: you gave 'both'; gfmd allows 'shared' or 'free'"),
         ({"fixed": {"eps_x": 1.0}}, "fixed: you gave {'eps_x': 1.0}; gfmd allows a mapping of 'eps_c'"),
         ({"fixed": {"eps_c": -1.0}}, "exponents above 0 and up to 100"),

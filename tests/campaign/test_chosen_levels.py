@@ -140,6 +140,14 @@ def test_no_finer_level_has_a_period_below_its_longest_wave(period, others):
         limits_around(levels[0], levels[1:])
 
 
+@pytest.mark.parametrize(("other", "expected"), [(1 / 2, 1 / 2), (1 / 8, 1 / 8)])
+def test_a_finer_eps_f_is_seen_at_a_shorter_period_if_there_is_one_and_else_at_a_longer_one(other, expected):
+    """The shorter one costs less."""
+    levels = [(1 / 2, 1 / 64, 1 / 4), (1 / 2, 1 / 16, 1 / 4), (1 / 2, 1 / 64, other)]
+    new = set(finer_levels(levels, "eps_f", 4.0)) - set(levels)
+    assert {level for level in new if level[1] == 1 / 256} == {(1 / 2, 1 / 256, 1 / 4), (1 / 2, 1 / 256, expected)}
+
+
 @pytest.mark.parametrize("dimension", [1, 2])
 @pytest.mark.parametrize("limit", ["eps_c", "eps_f", "eps_t"])
 def test_finer_levels_keep_the_old_ones(limit, dimension):

@@ -93,12 +93,13 @@ def test_laws_are_judged_at_the_worst_step_of_a_path():
     found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
     fitted = fit_tfc(found, fixed=ALPHA)
     fitted["extrapolation_error"].loc[{"limit": "eps_f"}] = [0.1, 0.05]
-    steps = [_doubts(fitted.isel(group=[group]), 1)[0] for group in range(2)]
-    (path,) = _doubts(fitted, 1)
+    known = Known(found, EXACT)
+    steps = [_doubts(Fitted(known, fitted.isel(group=[group])), 1)[0] for group in range(2)]
+    (path,) = _doubts(Fitted(known, fitted), 1)
     assert steps[0].size != pytest.approx(steps[1].size, rel=1e-2)
     worst = max(steps, key=lambda step: step.size)
     assert path == replace(worst, error=max(step.error for step in steps))
-    assert _doubts(fitted, 2) == steps
+    assert _doubts(Fitted(known, fitted), 2) == steps
 
 
 def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):

@@ -74,24 +74,16 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
     assert not list(out.glob("jobs/tls.*")), "a key outlived its run"
 
 
-def test_a_run_ends_whatever_still_holds_its_jobs(tmp_path, slurm, monkeypatch):
-    """A cluster that closes asks each job that is not yet forgotten whether it has ended."""
-    held, start = [], job_queue.SLURMJob.start
+def test_a_run_whose_jobs_wait_says_so_and_why_and_ends_whatever_still_holds_them(tmp_path, slurm, monkeypatch):
+    """The queue is full until that has been told; a cluster that closes asks each job that is not yet forgotten."""
+    (slurm / "full").touch()
+    said, held, start = [], [], job_queue.SLURMJob.start
 
     async def remembered(job):
         held.append(job)
         await start(job)
 
     monkeypatch.setattr(job_queue.SLURMJob, "start", remembered)
-    _, failures = run_campaign(campaign(tmp_path), tmp_path / "out", workers_of(CLUSTER))
-    assert failures == {}
-    assert held
-
-
-def test_a_run_whose_jobs_wait_says_so_and_why(tmp_path, slurm, monkeypatch):
-    """The queue is full until that has been told."""
-    (slurm / "full").touch()
-    said = []
 
     def show(state):
         said.append(state)
@@ -101,6 +93,7 @@ def test_a_run_whose_jobs_wait_says_so_and_why(tmp_path, slurm, monkeypatch):
     (tmp_path / "cluster.yaml").write_text(yaml.safe_dump(CLUSTER))
     done = gfmd("run", campaign(tmp_path), "-o", tmp_path / "out", "--cluster", tmp_path / "cluster.yaml")
     assert done.exit_code == 0, done.output
+    assert held
     assert said[:2] == [QueueState(1, "Resources", 0), QueueState(0, "", 1)]
     lines = [line for line in done.stderr.splitlines() if line.startswith("jobs ")]
     assert lines[:2] == ["jobs     1 waiting (Resources), 0 running", "jobs     0 waiting, 1 running"]

@@ -29,7 +29,7 @@ from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, in_a_window, modulus, relaxation
 
 EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
-TIMES = (0.01, 0.1, 1.0, 10.0, 100.0)
+TIMES = (0.1, 1.0, 100.0)
 
 
 def scene(dimension=1, periodic=True, load=0.05, series=None, **more):
@@ -60,8 +60,7 @@ def dwells(times, **more):
     return [{"duration": end - start, **more} for start, end in zip((0.0, *times), times, strict=False)]
 
 
-@pytest.mark.parametrize("periodic", [True, False])
-@pytest.mark.parametrize("series", [STANDARD, THREE], ids=["standard", "three"])
+@pytest.mark.parametrize(("series", "periodic"), [(STANDARD, False), (THREE, True)], ids=["standard", "three"])
 def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_compliance(periodic, series):
     """Lee and Radok: of a contact that only grows all but the pressure is that of E* = 1 / J(t)."""
     creeping = solved(scene(periodic=periodic, series=series), dwells(TIMES))
@@ -243,16 +242,16 @@ def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e
 
 
 def test_steps_in_time_are_of_second_order():
-    """A dwell, and a load that falls: the error of divisions of time against 256 of them falls as their square."""
+    """A dwell, and a load that falls: the error of divisions of time against 128 of them falls as their square."""
     for load in (0.05, 0.01):
         problem = rough_problem()
         state = solve(problem, begin(problem, range(1))).after
         step = problem.under(LoadStep(load, (0.0,), 2.0))
-        exact = time_steps._divided(step, state, 256)[0]
-        errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16, 32)]
+        exact = time_steps._divided(step, state, 128)[0]
+        errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16)]
         orders = -np.diff(np.log2(errors))
         assert (orders > 1.5).all()
-        assert np.log2(errors[0] / errors[-1]) / 3 == pytest.approx(2.0, abs=0.25)
+        assert np.log2(errors[0] / errors[-1]) / 2 == pytest.approx(2.0, abs=0.25)
 
 
 def random_history(seed, tolerance):
@@ -287,7 +286,7 @@ def worst_of(seed, tolerance, monkeypatch):
     return max(errors), found[-1].time_error
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_automatic_steps_hold_their_tolerance(seed, monkeypatch):
     error, reported = worst_of(seed, 1e-2, monkeypatch)
     assert error <= reported <= 1e-2

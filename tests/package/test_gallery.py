@@ -19,7 +19,7 @@ def test_there_are_sixteen_examples_each_with_a_picture_and_a_docstring():
 
 
 def limit_is_that_of_finer_levels(example):
-    """At H = 0.8 a campaign of many more surfaces, with the same levels, finds 1.957 +- 0.023."""
+    """At H = 0.8 a campaign of many more surfaces, with finer levels, finds 1.957 +- 0.023."""
     kappa, error = (example["fit"][name].sel(group=1).item() for name in ("kappa_tfc", "kappa_tfc_error"))
     assert abs(kappa - 1.957) < 2.0 * np.hypot(error, 0.023)
 

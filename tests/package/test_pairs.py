@@ -167,11 +167,11 @@ def covering(choices):
 def test_every_choice_is_refused_by_the_table_or_allowed_and_every_allowed_pair_solved(tmp_path):
     """One test, as most of its time goes into sorting out what is allowed.
 
-    The table is asked about every choice. Every thirteenth is loaded from a file, too: at least one of those with the
+    The table is asked about every choice. Every nineteenth is loaded from a file, too: at least one of those with the
     same law, loading and body, and other solvers from one of these to the next.
     """
     because = {choice: reasons(choice) for choice in choices()}
-    for choice in [*because][::13]:
+    for choice in [*because][::19]:
         said = refusal(choice)
         assert (said is not None) == bool(because[choice]), choice
         for line in said.splitlines() if said else ():

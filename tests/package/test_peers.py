@@ -16,7 +16,7 @@ TINY = (peers.Case((64,), 0.8, 0.05, 2), peers.Case((32, 32), 0.3, 0.2, 2))
 
 @pytest.fixture
 def no_peers(monkeypatch):
-    for name in ("tamaas", "ContactMechanics"):
+    for name in ("tamaas", "ContactMechanics", "aspher"):
         monkeypatch.setitem(sys.modules, name, None)
 
 
@@ -31,11 +31,11 @@ def test_the_page_is_written_where_no_peer_is_installed(no_peers, tmp_path, caps
 
 
 def test_the_table_of_the_page_is_at_most_80_columns_wide(monkeypatch, tmp_path):
-    monkeypatch.setattr(peers, "PEERS", {"Tamaas": lambda: peers.here, "ContactMechanics": lambda: peers.here})
+    monkeypatch.setattr(peers, "PEERS", dict.fromkeys(("Tamaas", "ContactMechanics", "ASPHER"), lambda: peers.here))
     monkeypatch.setattr(peers.peers_page, "versions", ", ".join)
     peers.main(["--page", str(tmp_path / "peers.md")], TINY)
     rows = [line for line in (tmp_path / "peers.md").read_text(encoding="utf-8").splitlines() if line.startswith("|")]
-    assert len(rows) == len(TINY) + 2
+    assert len(rows) == len(TINY) + 4  # two tables
     assert max(map(len, rows)) <= 80
 
 

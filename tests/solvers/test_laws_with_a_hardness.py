@@ -192,7 +192,7 @@ FILE = {
     "seed": 3,
 }
 EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
-COARSE = EPS | {"eps_c": 1 / 4}
+COARSE = EPS | {"eps_c": 1 / 4, "eps_f": 1 / 4}
 
 
 @pytest.mark.parametrize("dimension", [1, 2])

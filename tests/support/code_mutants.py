@@ -12,32 +12,8 @@ MUTANTS = [
     ),
     (
         "laws.py",
-        "np.exp(steepness * (index - half))",
-        "np.exp(steepness * (half - index))",
-        "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
-    ),
-    (
-        "laws.py",
-        "1.0 / np.sqrt(1.0 - unseen[same]) - 1.0",
-        "1.0 / (1.0 - unseen[same]) - 1.0",
-        "test_laws.py::test_the_share_that_is_not_seen_is_that_of_the_spectrum",
-    ),
-    (
-        "laws.py",
         "hursts[0] <= STEEPEST",
         "hursts[0] < STEEPEST",
-        "test_laws.py::test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed",
-    ),
-    (
-        "laws.py",
-        "        or low == high\n",
-        "",
-        "test_laws.py::test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed",
-    ),
-    (
-        "laws.py",
-        " or len(set(hursts)) != 1",
-        "",
         "test_laws.py::test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed",
     ),
     (
@@ -53,12 +29,6 @@ MUTANTS = [
         "test_exponent_ranges.py::test_a_range_as_wide_as_what_is_searched_is_a_range",
     ),
     # the quadrature
-    (
-        "posterior.py",
-        "_FINE = {1: 25, 2: 21, 3: 15}",
-        "_FINE = {1: 7, 2: 7, 3: 7}",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
-    ),
     (
         "posterior.py",
         "_UNLIKELY = 25.0",
@@ -79,18 +49,6 @@ MUTANTS = [
     ),
     (
         "posterior.py",
-        "min(corrections[limit] for limit in both)",
-        "max(corrections[limit] for limit in both)",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "posterior.py",
-        '_WANING = ("eps_t", "eps_f")',
-        '_WANING = ("eps_f", "eps_t")',
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "posterior.py",
         "_SCATTER = 0.5",
         "_SCATTER = 1.0",
         "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
@@ -100,12 +58,6 @@ MUTANTS = [
         "wanes = {waning, by} <=",
         "wanes = {waning} <=",
         "test_posterior.py::test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights",
-    ),
-    (
-        "posterior.py",
-        "+ there - here",
-        "+ there",
-        "test_posterior.py::test_a_curve_passes_through_the_fit_of_each_case",
     ),
     (
         "posterior.py",
@@ -147,27 +99,9 @@ MUTANTS = [
     ),
     (
         "gauss_markov.py",
-        "(1.0 + contrasts / fewest)",
-        "(1.0 + contrasts)",
-        "test_interactions.py::test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation",
-    ),
-    (
-        "gauss_markov.py",
         "weight = n / (n + 2 * n_cases)",
         "weight = n / (n + n_cases)",
         "test_hard_fits.py::test_the_covariance_is_shrunk_towards_a_common_offset_with_independent_residuals",
-    ),
-    (
-        "gauss_markov.py",
-        "max(0.05 * residual.mean()",
-        "max(0.5 * residual.mean()",
-        "test_hard_fits.py::test_the_covariance_is_shrunk_towards_a_common_offset_with_independent_residuals",
-    ),
-    (
-        "gauss_markov.py",
-        "slope = joint[case, above] / variance[above, case]",
-        "slope = joint[case, above] / variance[case, above]",
-        "test_ragged_designs.py::test_the_order_of_a_ragged_design_does_not_matter",
     ),
     (
         "gauss_markov.py",
@@ -215,20 +149,8 @@ MUTANTS = [
     ),
     (
         "gauss_markov.py",
-        "freedom, 0.95)",
-        "freedom, 0.8)",
-        "test_goodness_of_fit.py::test_chi2_is_judged_by_the_scatter_of_the_means",
-    ),
-    (
-        "gauss_markov.py",
         "form = weights @ scatter",
         "form = weights @ weights",
-        "test_goodness_of_fit.py::test_chi2_is_judged_by_the_scatter_of_the_means",
-    ),
-    (
-        "gauss_markov.py",
-        "(1.0, contrasts - searched) / contrasts",
-        "(1.0, contrasts) / contrasts",
         "test_goodness_of_fit.py::test_chi2_is_judged_by_the_scatter_of_the_means",
     ),
     (
@@ -237,24 +159,12 @@ MUTANTS = [
         "max(ratios, default",
         "test_goodness_of_fit.py::test_one_right_law_among_wrong_ones_is_enough",
     ),
-    (
-        "gauss_markov.py",
-        "n / (n - 1) if n > 1 else 1.0",
-        "1.0",
-        "test_interactions.py::test_the_error_of_one_limit_is_that_of_its_estimate_in_each_realisation",
-    ),
     # designs
     (
         "allocation.py",
         "FEWEST = 20",
         "FEWEST = 2",
         "test_cross_designs.py::test_a_cross_level_is_one_whatever_eps_the_grid_varies",
-    ),
-    (
-        "allocation.py",
-        "return limit == CROSS or (limit in LIMITS",
-        "return (limit in LIMITS",
-        "test_cross_designs.py::test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not",
     ),
     (
         "allocation.py",

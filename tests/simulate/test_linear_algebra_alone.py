@@ -1,0 +1,40 @@
+"""Linear algebra has one thread meanwhile: on a busy machine threads of small matrices wait for one another."""
+
+import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
+
+import gfmd_numba
+from gfmd_numba.contact import solution
+from gfmd_numba.elasticity import fields
+from support.campaigns import campaign
+from support.scenes import SCENE
+
+
+def threads():
+    return {pool["num_threads"] for pool in threadpool_info()}
+
+
+@pytest.mark.parametrize("door", ["solve", "load_curve", "run", "body_fields"])
+def test_it_has_one_thread_wherever_contacts_are_solved(monkeypatch, tmp_path, door):
+    seen = []
+
+    def watch(module, name):
+        original = getattr(module, name)
+        monkeypatch.setattr(module, name, lambda *given: seen.append(threads()) or original(*given))
+
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE)
+    contact = gfmd_numba.solve(scene)
+    watch(solution, "begin")
+    watch(fields, "depth_of")
+    with threadpool_limits(limits=2):
+        before = threads()
+        {
+            "solve": lambda: gfmd_numba.solve(scene),
+            "load_curve": lambda: gfmd_numba.load_curve(scene, [0.01, 0.1]),
+            "run": lambda: gfmd_numba.run(campaign(tmp_path), tmp_path / "out", workers=0),
+            "body_fields": lambda: gfmd_numba.body_fields(contact),
+        }[door]()
+        assert threads() == before
+    assert seen
+    assert all(found == {1} for found in seen)

@@ -341,7 +341,7 @@ def test_an_elastic_body_has_no_memory_and_pays_nothing(monkeypatch):
     def made(*given):
         raise AssertionError("what a memory alone needs was made")
 
-    for name in ("begin", "split", "advance"):
+    for name in ("begin", "change", "advance"):
         monkeypatch.setattr(Relaxation, name, made)
     monkeypatch.setattr(time_steps, "follow", made)
     elastic = solved(scene(), [{"reduced_pressure": 0.1}])

@@ -17,7 +17,7 @@ from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.progress import Progress
+    from rich.progress import Progress, ProgressColumn
 
     from gfmd_numba.campaign.job_queue import QueueState
 
@@ -141,33 +141,35 @@ def _length(block: list[Column]) -> int:
 
 
 @contextmanager
-def waiting(what: str, total: int | None = None) -> Iterator[Callable[[], None]]:
+def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], None]]:
     """Say what a command does once it has taken a second: a spinner or a bar on a terminal, a line otherwise.
 
-    With a `total`, call the function that it yields after each one that is done. Without a terminal, a line is printed
-    for every tenth.
+    With a `total`, call the function that it yields with how much more of it is done. Without a terminal, a line is
+    printed for every tenth.
     """
     shown: list[Progress] = []
-    begun, done, told = time.monotonic(), 0, 0
+    begun, done, told = time.monotonic(), 0.0, 0.0
 
     def show() -> None:
         nonlocal told
         told = done
         if sys.stderr.isatty():
-            bars = _bars(total, transient=True)
-            bars.add_task(what, total=total, completed=done)
+            from rich.progress import TaskProgressColumn
+
+            bars = _bars(None if total is None else [TaskProgressColumn()], transient=True)
+            bars.update(bars.add_task(what, total=total), completed=done)
             bars.start()
             shown.append(bars)
         else:
-            _echo(f"busy     {what}" + ("" if total is None else f", {done} of {total} done"))
+            _echo(f"busy     {what}" + ("" if total is None else f", {done / total:.0%} done"))
 
-    def advance() -> None:
+    def advance(more: float) -> None:
         nonlocal done
-        done += 1
+        done += more
         for bars in shown:
             bars.update(bars.task_ids[0], completed=done)
         late = time.monotonic() - begun >= _PATIENCE and not sys.stderr.isatty()
-        if total is not None and late and done >= told + max(1, total // 10):
+        if total is not None and late and done >= told + total / 10:
             show()
 
     timer = Timer(_PATIENCE, show)
@@ -187,7 +189,9 @@ def progress_bar(
     caption: Callable[[], str] = lambda: "blocks",
 ) -> Iterator[Callable[[int, int], Callable[[int], None]]]:
     """Show a progress bar with a caption on a terminal, or a line for every tenth of the blocks otherwise."""
-    with _bars(0, disable=not sys.stderr.isatty()) as bars:
+    from rich.progress import MofNCompleteColumn
+
+    with _bars([MofNCompleteColumn()], disable=not sys.stderr.isatty()) as bars:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
             what, shown = caption(), done
@@ -215,21 +219,13 @@ def show_queue(state: QueueState) -> None:
     _echo(f"jobs     {state.waiting} waiting{why}, {state.running} running")
 
 
-def _bars(total: int | None, **options: Any) -> Progress:
-    """Return a progress bar on standard error, or a spinner if there is no total."""
+def _bars(counts: list[ProgressColumn] | None, **options: Any) -> Progress:
+    """Return a progress bar on standard error with columns that count, or a spinner if nothing is counted."""
     from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        SpinnerColumn,
-        TextColumn,
-        TimeRemainingColumn,
-    )
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
 
     what = TextColumn("{task.description}")
-    counted = (what, BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-    columns = (SpinnerColumn(), what) if total is None else counted
+    columns = (SpinnerColumn(), what) if counts is None else (what, BarColumn(), *counts, TimeRemainingColumn())
     return Progress(*columns, console=Console(stderr=True), redirect_stdout=False, **options)
 
 

@@ -3,7 +3,7 @@
 Importing it compiles nothing.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import combinations
 from textwrap import fill
@@ -18,6 +18,9 @@ SAMPLED = 1.0  # height up to which the kernel of a body is sampled and not cut,
 LOWEST = 0.2  # incompressible slab without a period, over that
 SOFTEST = 0.1  # material without a period, over the stiffest above it: softer ones give way far beyond the window
 _NO_REFERENCE = "as a half-space has no reference for displacement"
+_SLAB = ("a finite aspect_ratio", "slab")  # ways, as in Refusal
+_RELAXATION = ("a relaxation of the body", "relaxation")
+_DRAG = ("friction", "friction"), ("a cohesive law", "cohesive", "cohesive law"), ("wear", "wear")
 _JUNCTIONS_GROW = (
     "as a plastic spot that is also sheared yields at a lower pressure and grows (McFarlane and Tabor, 1950)"
 )
@@ -66,13 +69,29 @@ class Refusal:
     """Two features that do not go together: one that is `refused` where the other is `present`.
 
     `allowed` is what may take the place of the refused one. They are refused `because` of the `solver` where the one of
-    the file cannot do both, or none can.
+    the file cannot do both, or none can. Of `ways` to add a feature that makes the pair go, each has its words and its
+    names in this table; they stand where the text has `{ways}`.
     """
 
     present: str
     refused: str
     allowed: str
     because: Literal["physics", "solver", "not built yet", "without effect"]
+    ways: tuple[tuple[str, ...], ...] = ()
+
+    def told(self, found: Collection[str] = ()) -> str:
+        """Return what is allowed in a scene of the features found, without the ways that these refuse themselves."""
+        if not self.ways:
+            return self.allowed
+        refused = {row.refused for row in REFUSALS if row.present in found}
+        refused |= {row.present for row in REFUSALS if row.refused in found}
+        *ways, last = ["", *(words for words, *names in self.ways if not refused.intersection(names))]
+        if not last:
+            return self.allowed.format(ways="")
+        if not self.allowed.startswith("nothing"):
+            return self.allowed.format(ways=f"{', '.join([*ways[1:], last])}, or ")
+        either = ", ".join(ways[1:])
+        return self.allowed.format(ways=f" without {either} or {last}" if either else f" without {last}")
 
 
 _BEYOND_HARD_WALL = tuple(law for law in LAWS if law != "hard_wall")
@@ -164,10 +183,9 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no period", "roughness over an end", told, "physics")
     for feature in ("duration", "sliding over creep", "time_tolerance"):
         yield Refusal("speed", feature, steady, "without effect")
-    nothing = "nothing without a relaxation of the body, or friction that depends on the slip rate, as nothing else"
-    yield Refusal("timeless", "duration", f"{nothing} takes time", "without effect")
-    nothing = "nothing without a relaxation of the body, as nothing else takes time"
-    yield Refusal("elastic bodies", "speed", nothing, "without effect")
+    nothing, rates = "nothing{ways}, as nothing here takes time", "friction that depends on the slip rate"
+    yield Refusal("timeless", "duration", nothing, "without effect", (_RELAXATION, (rates, "slip rate")))
+    yield Refusal("elastic bodies", "speed", nothing, "without effect", (_RELAXATION,))
     told = "a duration here, too, where friction depends on the slip rate"
     yield Refusal("slip rate", "at once", told, "physics")
     told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
@@ -176,8 +194,8 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("campaign", "function", told, "physics")
     told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
     yield Refusal("slip rate", "sticking", told, "physics")
-    nothing = "nothing without a relaxation of the body, or friction with wear, as nothing else divides steps so"
-    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect")
+    nothing, rubs = "nothing{ways}, as nothing here divides steps", ("friction with wear", "friction", "wear")
+    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect", (_RELAXATION, rubs))
     told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
     yield Refusal("sticking", "wear", told, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
@@ -271,15 +289,16 @@ REFUSALS = (
     Refusal(
         "displacement",
         "half-space",
-        "a finite aspect_ratio, periodic false, or loading.reduced_pressure in place of loading.displacement, "
-        f"{_NO_REFERENCE}",
+        f"{{ways}}a pressure or another load in place of loading.displacement, {_NO_REFERENCE}",
         "physics",
+        (_SLAB, ("periodic false", "no period")),
     ),
     Refusal(
         "displacement",
         "layers on a half-space",
-        f"rigid, periodic false, or loading.reduced_pressure in place of loading.displacement, {_NO_REFERENCE}",
+        f"{{ways}}a pressure or another load in place of loading.displacement, {_NO_REFERENCE}",
         "physics",
+        (("rigid", "slab"), ("periodic false", "no period")),
     ),
     Refusal(
         "contact without reach",
@@ -287,9 +306,11 @@ REFUSALS = (
         "a finite number of at least 0, as nothing acts across an open gap",
         "physics",
     ),
-    Refusal("contact without drag", "sliding", "nothing without friction, a cohesive law or wear", "physics"),
-    Refusal("half-space", "sliding", f"nothing without a finite aspect_ratio, {_NO_REFERENCE}", "physics"),
-    Refusal("layers on a half-space", "sliding", f"nothing without base rigid, {_NO_REFERENCE}", "physics"),
+    Refusal("contact without drag", "sliding", "nothing{ways}", "physics", _DRAG),
+    Refusal("half-space", "sliding", f"nothing{{ways}}, {_NO_REFERENCE}", "physics", (_SLAB,)),
+    Refusal(
+        "layers on a half-space", "sliding", f"nothing{{ways}}, {_NO_REFERENCE}", "physics", (("base rigid", "slab"),)
+    ),
     Refusal(
         "punch",
         "prescribed displacement",
@@ -326,9 +347,9 @@ REFUSALS = (
     Refusal(
         "form alone",
         "reduced_pressure",
-        "a pressure, line_load, force or displacement with a form alone: a reduced_pressure counts in the rms gradient "
-        "of a roughness",
+        "{ways}a pressure with a form alone: a reduced_pressure counts in the rms gradient of a roughness",
         "physics",
+        tuple((f"a {load}", load) for load in ("line_load", "force", "displacement")),
     ),
     Refusal(
         "form between elastic bodies",
@@ -431,7 +452,7 @@ def _section(reason: str) -> str:
     pairs: dict[str, list[tuple[str, str]]] = {}
     for row in REFUSALS:
         if row.because == reason:
-            allowed = f" Allowed: {row.allowed}.".replace("*", r"\*") if has_substitute(row) else ""
+            allowed = f" Allowed: {row.told()}.".replace("*", r"\*") if has_substitute(row) else ""
             pairs.setdefault(allowed, []).append((row.present, row.refused))
     entries = (_item(f"{entry}.{allowed}") for allowed, features in pairs.items() for entry in _entries(features))
     return "\n".join((_REASONS[reason], *entries, ""))

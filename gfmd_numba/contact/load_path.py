@@ -20,30 +20,36 @@ from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorde
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.contact.state import Contact, State
+from gfmd_numba.contact.state import Contact, State, Tell
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.solvers.status import Status
 
 
-def solve_path(problem: Problem, realisation: int) -> Iterator[Contact]:
-    """Equilibrium of a realisation at each load of a path, begun in the state that the last step has left."""
+def solve_path(problem: Problem, realisation: int, tell: Tell = lambda more: None) -> Iterator[Contact]:
+    """Equilibrium of a realisation at each load of a path, begun in the state that the last step has left.
+
+    `tell` is called with the steps done since the last call; one may be a part of a step.
+    """
     solve: Callable[[Problem, State], Contact] = solution.solve
     if problem.rough is not None:
         state, solve = two_step.begin(problem, realisation), two_step.solve
     else:
         state = solution.begin(problem, range(realisation, realisation + 1))
-        solve = _follower(problem)
+        solve = _follower(problem, tell)
     for at_load in problem.at_each_load:
         solved = solve(at_load, state)
+        if problem.plasticity is None:
+            tell(1.0)
         yield solved
         state = solved.after
 
 
-def _follower(problem: Problem) -> Callable[[Problem, State], Contact]:
+def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contact]:
     """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
     if problem.plasticity is not None:
-        return partial(plastic_flow.follow, largest=max(step.load for step in (problem.step, *problem.path)))
+        largest = max(step.load for step in (problem.step, *problem.path))
+        return partial(plastic_flow.follow, largest=largest, tell=tell)
     divided = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
     if problem.wears_by_slip:
         divided = (problem.duration > 0.0) + len(problem.path)

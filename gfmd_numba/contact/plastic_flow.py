@@ -4,11 +4,12 @@ What has flowed moves the surface (`elasticity/eigenstrain.py`), and the pressur
 exceeds the yield stress, `kernels/return_mapping.py` takes it back to the yield surface. The map from plastic strains
 to those to which the yield surface returns the stress under them, with the contact in equilibrium, is a step of
 forward-backward splitting (Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two
-states apart. Anderson's mixing (J. ACM 12:547, 1965) makes it fast. Strains are in g, stresses in g E*, thicknesses in
+states apart. Anderson's method makes it fast. Strains are in g, stresses in g E*, thicknesses in
 L_x.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -18,8 +19,9 @@ from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.flow_measures import NAME, Flow, equivalent, stresses
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Contact, State, relative_difference
+from gfmd_numba.contact.state import Contact, State, Tell, relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
+from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.status import Status
 
 RESIDUAL = 100.0  # that of the flow over that of the contact
@@ -29,15 +31,20 @@ _PROBES, _SHALLOWEST, _DEEPEST = 32, 0.25, 2.0  # sublayers that look for the de
 _MARGIN, _NEARLY = 1.25, 0.9  # of the depth to which an elastic body would yield, and of the largest stress
 
 
-def follow(problem: Problem, state: State, largest: float) -> Contact:
+def follow(problem: Problem, state: State, largest: float, tell: Tell) -> Contact:
     """Equilibrium at the end of a step that begins in a state; `largest` is the largest load of its path (g E*)."""
     assert problem.plasticity is not None
-    started = time.perf_counter()
+    started, increments = time.perf_counter(), problem.plasticity.increments
+    fewer = increments // 2 if increments >= _FEWEST else 0
     if state.memory[NAME] is None:
         state = state.remembering(NAME, _nothing_yet(problem, state, largest))
-    found = _divided(problem, state, problem.plasticity.increments)
-    if problem.plasticity.increments >= _FEWEST and found.equilibrium.status[0] == Status.ok:
-        coarse = _divided(problem, state, problem.plasticity.increments // 2)
+
+    def divided(into: int) -> Contact:
+        return _divided(problem, state, into, lambda: tell(1.0 / (increments + fewer)))
+
+    found = divided(increments)
+    if fewer and found.equilibrium.status[0] == Status.ok:
+        coarse = divided(fewer)
         pairs = [(each.equilibrium.pressure, each.change.out) for each in (coarse, found)]
         error = max(relative_difference(*both) for both in zip(*pairs, strict=True))
         assert found.before is not None  # of what was solved
@@ -47,7 +54,7 @@ def follow(problem: Problem, state: State, largest: float) -> Contact:
     return replace(found, equilibrium=replace(found.equilibrium, wall_time=spent))
 
 
-def _divided(problem: Problem, state: State, increments: int) -> Contact:
+def _divided(problem: Problem, state: State, increments: int, tell: Callable[[], None]) -> Contact:
     """The contact that a step ends with, in so many increments, or the first that is not ok."""
     start = state.step_before(problem.step)
     transforms = iterations = np.zeros(1, dtype=np.int64)
@@ -57,6 +64,7 @@ def _divided(problem: Problem, state: State, increments: int) -> Contact:
         guess = 2.0 * state.memory[NAME].strain - before if increment > 2 else state.memory[NAME].strain
         before = state.memory[NAME].strain
         found = _increment(problem.under(step), state, guess)
+        tell()
         transforms = transforms + found.equilibrium.n_transforms
         iterations = iterations + found.equilibrium.n_iterations
         if found.equilibrium.status[0] != Status.ok:
@@ -99,41 +107,48 @@ class Mixing:
     """
 
     def __init__(self, start: Flow) -> None:
-        self._start, self._weight = start.strain, np.sqrt(start.body.waves.thickness)
-        self._changed = np.zeros(self._start.shape[1:], dtype=np.bool_)
-        self._past: list[tuple[Reals, Reals]] = []
-        self._best: tuple[float, Reals] = np.inf, self._start[:, self._changed]
+        self._start = start.strain.reshape(len(start.strain), -1)
+        self._weight = np.repeat(np.sqrt(start.body.waves.thickness), self._start.shape[1] // len(start.strain[0]))
+        self._changed = np.zeros(self._start.shape[1], dtype=np.bool_)
+        self._found: list[Reals] = []  # at the points that have changed, flat
+        self._steps: list[Reals] = []
+        self._best: tuple[float, Reals] = np.inf, np.empty(0)
 
     def next(self, strain: Reals, returned: Reals) -> Reals:
         """Where to go from a strain that the map has turned into another."""
-        changed = self._changed | (returned != self._start).any(axis=0) | (strain != self._start).any(axis=0)
-        old, self._changed = self._changed[changed], changed
-        self._past = [(_put(x, old), _put(f, old)) for x, f in self._past]
-        self._best = self._best[0], _put(self._best[1], old, self._start[:, changed])
-        here, there = strain[:, changed], returned[:, changed]
-        step, weight = there - here, np.broadcast_to(self._weight[:, np.newaxis, np.newaxis], changed.shape)[changed]
+        here, there = (each.reshape(self._start.shape) for each in (strain, returned))
+        self._look_at((there != self._start).any(axis=0) | (here != self._start).any(axis=0))
+        found, weight = there[:, self._changed].ravel(), np.tile(self._weight[self._changed], len(there))
+        step = found - here[:, self._changed].ravel()
         size = float(np.linalg.norm(weight * step))
         if size > _RISEN * self._best[0]:
-            self._past, there = [], self._best[1]
+            self._found, self._steps, found = [], [], self._best[1]
         else:
-            self._past = [*self._past[-_MIXED:], (here, step)]
+            self._found, self._steps = [*self._found[-_MIXED:], found], [*self._steps[-_MIXED:], step]
             if size < self._best[0]:
-                self._best = size, there
-            if len(self._past) > 1:
-                moves, turns = (np.diff([pair[i] for pair in self._past], axis=0) for i in (0, 1))
-                weighed = (weight * turns).reshape(len(turns), -1)
-                shares = np.linalg.lstsq(weighed.T, (weight * step).ravel(), rcond=None)[0]
-                there = there - np.tensordot(shares, moves + turns, 1)
+                self._best = size, found
+            if len(self._found) > 1:
+                found = anderson.mixed(self._found, self._steps, weight)
         mixed = self._start.copy()
-        mixed[:, changed] = there
-        return mixed
+        mixed[:, self._changed] = found.reshape(len(mixed), -1)
+        return mixed.reshape(strain.shape)
+
+    def _look_at(self, changed: Flags) -> None:
+        """Keep what is known at more points: strains were those of the start there, and steps nothing."""
+        changed |= self._changed
+        old, start = self._changed[changed], self._start[:, changed]
+        if not old.all():
+            self._found = [_put(each, old, start) for each in self._found]
+            self._steps = [_put(each, old, 0.0 * start) for each in self._steps]
+            self._best = self._best[0], _put(self._best[1], old, start)
+            self._changed = changed
 
 
-def _put(values: Reals, places: Flags, around: Reals | None = None) -> Reals:
-    """Values `[component, point]` at some of more points; 0 elsewhere, or what is around."""
-    found = np.zeros((len(values), places.size)) if around is None else around.copy()
-    found[:, places] = values
-    return found
+def _put(values: Reals, places: Flags, around: Reals) -> Reals:
+    """Flat values of each component at some of more points, and what is around."""
+    found = around.copy()
+    found[:, places] = values.reshape(len(found), -1)
+    return found.ravel()
 
 
 def _nothing_yet(problem: Problem, state: State, largest: float) -> Flow:

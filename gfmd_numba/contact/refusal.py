@@ -62,7 +62,8 @@ def refusals(
 def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> None:
     first: dict[Location, Refusal] = {}
     for location, refusal in refused:
-        first.setdefault(location, refusal)
+        if first.setdefault(location, refusal).because == "without effect" != refusal.because:
+            first[location] = refusal  # what it lacks would not help
     if first:
         raise InputError(*(document.line(at, brief(document.value(at)), row.allowed) for at, row in first.items()))
 
@@ -70,7 +71,8 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
     for row in REFUSALS:
         if row.present in found and row.refused in found:
-            yield from ((location, row) for location in found[row.refused])
+            told = replace(row, allowed=row.told(found))
+            yield from ((location, told) for location in found[row.refused])
 
 
 def _features(

@@ -18,6 +18,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
 Found = TypeVar("Found")
+Tell = Callable[[float], None]  # told how many more steps are done
 _COSTS = ("n_iterations", "n_transforms", "wall_time")
 
 

@@ -12,6 +12,7 @@ from gfmd_numba.contact.rough_surfaces import given_surface, rough_body
 from gfmd_numba.contact.slopes import Responses, SlopeCorrection, Slopes, in_plane
 from gfmd_numba.contact.state import Contact, State, with_costs
 from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
@@ -126,7 +127,6 @@ def _failed(contact: Contact) -> Contact:
 class Rounds:
     """Rounds that each take a state of some arrays to another one, until both are the same; slow ones are extrapolated.
 
-    Anderson's method (J. ACM 12:547, 1965), as in Walker and Ni (SIAM J. Numer. Anal. 49:1715, 2011).
     Rounds that move apart on one side are not extrapolated: where a topography is too steep for its order, a solution
     that all of them leave behind would mean nothing. Those that jump to and fro have it between them.
     """
@@ -147,7 +147,5 @@ class Rounds:
             self._approaches = back or bool(abs(self._change[-1]).max() < abs(self._change[-3]).max())
         if self._count <= _PLAIN or not self._approaches:
             return found
-        changes, moves = (np.diff(np.array(each), axis=0).T for each in (self._change, self._found))
-        weights = np.linalg.lstsq(changes, self._change[-1], rcond=1e-12)[0]
-        parts = np.split(after - moves @ weights, np.cumsum([part.size for part in found])[:-1])
+        parts = np.split(anderson.mixed(self._found, self._change), np.cumsum([part.size for part in found])[:-1])
         return tuple(part.reshape(each.shape) for part, each in zip(parts, found, strict=True))

@@ -27,7 +27,7 @@ class Sublayers:
         for axis, n in zip((1, 0), shape[::-1], strict=True):
             if n % 2 == 0:
                 np.moveaxis(q, axis, 0)[n // 2] = -1.0
-        self.waves = kernels.Waves(q.ravel(), np.cos(angle), np.sin(angle), thickness, poissons_ratio, self.shear)
+        self.waves = kernels.Waves.of(q.ravel(), np.cos(angle), np.sin(angle), thickness, poissons_ratio, self.shear)
         self._spectrum = self._found = np.zeros((self.components, thickness.size, q.size), dtype=np.complex128)
         self._surface = np.zeros((3, q.size), dtype=np.complex128)
 

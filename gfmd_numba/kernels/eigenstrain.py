@@ -21,7 +21,8 @@ _Five = tuple[complex, complex, complex, complex, complex]
 class Waves(NamedTuple):
     """Wave numbers `[wave]`, cosine and sine of their directions `[wave]`, and thicknesses `[sublayer]` below them.
 
-    Waves of a negative number are left out. Of the material there are Poisson's ratio and the shear modulus (E*).
+    Waves of a negative number are left out. Of the material there are Poisson's ratio and the shear modulus (E*). What
+    fades downwards as exp(-s) is a `decay` `[sublayer, wave]` of it behind a sublayer, and a `mean` of it within.
     """
 
     q: Reals
@@ -30,6 +31,15 @@ class Waves(NamedTuple):
     thickness: Reals
     poissons_ratio: float
     shear: float
+    decay: Reals
+    mean: Reals
+
+    @classmethod
+    def of(cls, q: Reals, cosine: Reals, sine: Reals, thickness: Reals, poissons_ratio: float, shear: float) -> "Waves":
+        """Waves of these numbers and directions in sublayers of these thicknesses."""
+        h = np.outer(thickness, np.maximum(q, 0.0))
+        mean = np.divide(-np.expm1(-h), h, out=np.ones_like(h), where=h > 0.0)
+        return cls(q, cosine, sine, thickness, poissons_ratio, shear, np.exp(-h), mean)
 
 
 @jit
@@ -54,12 +64,10 @@ def _sources(turned: _Five, nu: float, mu: float, way: float) -> _Three:
 
 
 @jit
-def _through(wave: _Three, source: _Three, h: float) -> tuple[_Three, _Three]:
+def _through(wave: _Three, source: _Three, h: float, decay: float, mean: float) -> tuple[_Three, _Three]:
     """Waves behind a sublayer of thickness h = q depth > 0, and their mean in it."""
     (a1, a2, a3), (f1, f2, f3) = wave, source
-    decay, less = np.exp(-h), -np.expm1(-h)
-    mean = less / h
-    rest = 1.0 - mean
+    less, rest = h * mean, 1.0 - mean
     behind = decay * (a1 + h * a2) + less * f1 + (less - h * decay) * f2, decay * a2 + less * f2, decay * a3 + less * f3
     within = mean * a1 + (mean - decay) * a2 + rest * f1 + (rest - mean + decay) * f2
     return behind, (within, mean * a2 + rest * f2, mean * a3 + rest * f3)
@@ -79,7 +87,8 @@ def waves_upwards(tau: Complexes, waves: Waves, found: Complexes, surface: Compl
             if waves.q[w] > 0.0:
                 source = _sources(_turned(tau, j, w, waves.cosine[w], waves.sine[w]), nu, mu, -1.0)
                 arriving = surface[0, w], surface[1, w], surface[2, w]
-                above, within = _through(arriving, source, waves.q[w] * waves.thickness[j])
+                h = waves.q[w] * waves.thickness[j]
+                above, within = _through(arriving, source, h, waves.decay[j, w], waves.mean[j, w])
                 surface[0, w], surface[1, w], surface[2, w] = above
                 found[0, j, w], found[1, j, w], found[2, j, w] = within
             else:
@@ -122,14 +131,16 @@ def strains(tau: Complexes, pressure: Complexes, waves: Waves, found: Complexes,
         for w in range(tau.shape[2]):
             c, s = waves.cosine[w], waves.sine[w]
             b1, b2, b3 = found[0, j, w], found[1, j, w], found[2, j, w]
-            found[:, j, w] = 0.0
             if waves.q[w] < 0.0:
+                for component in range(found.shape[0]):
+                    found[component, j, w] = 0.0
                 continue
             turned = _turned(tau, j, w, c, s)
             a1 = a2 = a3 = 0j
             if waves.q[w] > 0.0:
                 sent = surface[0, w], surface[1, w], surface[2, w]
-                below, within = _through(sent, _sources(turned, nu, mu, 1.0), waves.q[w] * waves.thickness[j])
+                source, h = _sources(turned, nu, mu, 1.0), waves.q[w] * waves.thickness[j]
+                below, within = _through(sent, source, h, waves.decay[j, w], waves.mean[j, w])
                 surface[0, w], surface[1, w], surface[2, w] = below
                 a1, a2, a3 = within
             stress = 2.0 * mu * (a1 + b1) + mu * (1.0 + kolosov) * (a2 + b2)

@@ -111,7 +111,7 @@ class Step(Controls):
             raise broken_rule(("path", i, "speed"), "a speed where the loading has one")
 
 
-def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> None:
+def check_loading(loading: Loading, length: float | None, has_moduli: bool, is_rough: bool) -> None:
     """Raise an error, located in the scene, for a load in N or Pa without moduli, or without a length it needs."""
     control = loading.control
     there = {"youngs_modulus": has_moduli, "length": length is not None}
@@ -119,4 +119,5 @@ def check_loading(loading: Loading, length: float | None, has_moduli: bool) -> N
     if missing:
         words = {"youngs_modulus": "a youngs_modulus of every elastic body", "length": "the length of the period"}
         needed = " and ".join(words[name] for name in missing)
-        raise broken_rule(("loading", control), f"{control} with {needed}, or a reduced_pressure")
+        other = ", or a reduced_pressure" if is_rough else ""  # which counts in the rms gradient of a roughness
+        raise broken_rule(("loading", control), f"{control} with {needed}{other}")

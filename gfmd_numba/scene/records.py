@@ -243,7 +243,7 @@ class Scene(BaseModel):
         """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
         for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
             body.check_layers((name,), self.length)
-        check_loading(self.loading, self.length, self.has_moduli)
+        check_loading(self.loading, self.length, self.has_moduli, bool(self.surfaces))
         check_scales(self, self.length, self.has_moduli)
         wrong = None if self.form is None else self.form.misfit(self.length or 1.0)
         if wrong is not None:

@@ -12,12 +12,14 @@ from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
 from gfmd_numba.contact.refusal import check_where
+from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import BoundaryFile, Document, SceneFile
 
 
-def solve(file: SceneFile | BoundaryFile, document: Document) -> xr.Dataset:
+def solve(file: SceneFile | BoundaryFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
     """Solve what a file describes, a contact or a loaded body without a punch, in SI units.
 
+    `tell` is called with the steps of a path, or parts of a step, done since the last call.
     Warns of what its `validity` says. Raises InputError for a file that makes no sense; a run that fails says so in
     `status`.
     """
@@ -26,7 +28,7 @@ def solve(file: SceneFile | BoundaryFile, document: Document) -> xr.Dataset:
         problem = reduce_loaded_body(given)
         dataset = loaded_body_dataset(given, problem, solve_boundary_value_problem(problem))
     else:
-        dataset = solve_contact(file, document)
+        dataset = solve_contact(file, document, tell)
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset
@@ -47,7 +49,7 @@ def solve_in_processes(
     return None if found is None else path_dataset(given, problem, effects, [found])
 
 
-def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
+def solve_contact(file: SceneFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
     """Fields `height, pressure, displacement, gap` over `x` and the scalars of one contact, in SI units.
 
     Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
@@ -55,4 +57,4 @@ def solve_contact(file: SceneFile, document: Document) -> xr.Dataset:
     given = read_contact(file, document)
     problem, effects = given.reduced
     with shared_by(file.numerics.threads):
-        return path_dataset(given, problem, effects, solve_path(problem, file.realisation))
+        return path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))

@@ -23,7 +23,9 @@ from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.plausible_numbers import implausible
+from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
+from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
@@ -176,7 +178,7 @@ def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
         return file
     loading = Loading.model_validate({control: load})
     try:
-        check_loading(loading, file.scene.length, file.scene.has_moduli)
+        check_loading(loading, file.scene.length, file.scene.has_moduli, bool(file.scene.surfaces))
     except PydanticCustomError as error:
         context = error.context or {}
         raise InputError.of("loads", f"{control}s with a unit", context["allowed"]) from None
@@ -205,11 +207,12 @@ def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> Sc
     return file.model_copy(update={"scene": scene, "path": path})
 
 
-def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
+def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr.Dataset]:
     """Solve one load after another, realisation by realisation: the recorded scalars of each, in SI units.
 
     Each load is approached over a short step. `contact_stiffness` is the rise of the mean pressure over the fall of the
-    mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result.
+    mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result. `tell` is
+    called with the loads, or parts of one, done since the last call.
     """
     own = curve.given.file
     numbers = implausible(
@@ -219,8 +222,7 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
         for i in range(curve.realisations):
             given = _realisation(curve, i)
             whole, _ = given.reduced
-            solved = zip(whole.at_each_load, solve_path(whole, given.file.realisation), strict=True)
-            steps = (step_dataset(given, *each) for each in solved)
+            steps = (step_dataset(given, *each) for each in _solved(curve, given, tell))
             if curve.prescribed == _TIME:
                 next(steps)  # the load itself, before any time has passed
             for step in steps:
@@ -232,6 +234,14 @@ def solve_curve(curve: LoadCurve) -> Iterator[xr.Dataset]:
                     scalars["contact_stiffness"] = _stiffness(short, step)
                 validity = "\n".join(filter(None, (*numbers, doubts(given, whole, step))))
                 yield scalars.assign_attrs(solver=whole.numerics.solver, validity=validity)
+
+
+def _solved(curve: LoadCurve, given: ContactInput, tell: Tell) -> Iterator[tuple[Problem, Contact]]:
+    """The problem and the contact at each step of the path of a realisation."""
+    whole, _ = given.reduced
+    share = len(curve.loads) / whole.n_loads  # loads of the curve in a step of the path
+    contacts = solve_path(whole, given.file.realisation, lambda steps: tell(share * steps))
+    return zip(whole.at_each_load, contacts, strict=True)
 
 
 def _realisation(curve: LoadCurve, i: int) -> ContactInput:

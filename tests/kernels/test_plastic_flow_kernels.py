@@ -111,7 +111,7 @@ class Below:
 def test_waves_are_those_of_the_first_order_system(nu, q, angle):
     rng, thickness = np.random.default_rng(2), np.array([0.1, 0.03, 0.2])
     tau = rng.normal(size=(5, 3)) + 1j * rng.normal(size=(5, 3))
-    waves = Waves(*np.array([[q], [np.cos(angle)], [np.sin(angle)]]), thickness, nu, 0.5 * (1.0 - nu))
+    waves = Waves.of(*np.array([[q], [np.cos(angle)], [np.sin(angle)]]), thickness, nu, 0.5 * (1.0 - nu))
     found, surface, out = (np.zeros(shape, dtype=complex) for shape in ((6, 3, 1), (3, 1), (1,)))
     kernels.waves_upwards(tau[..., np.newaxis], waves, found, surface)
     kernels.reflect(surface, waves, out)
@@ -125,8 +125,9 @@ def test_waves_are_those_of_the_first_order_system(nu, q, angle):
 @pytest.mark.parametrize("name", ["waves_upwards", "reflect", "strains"])
 def test_compiled_waves_are_those_of_python(name):
     rng, n = np.random.default_rng(3), 4
-    waves = Waves(*rng.random((3, n)), np.array([0.1, 0.2]), 0.3, 0.35)
-    waves.q[:2] = -1.0, 0.0
+    given = rng.random((3, n))
+    given[0, :2] = -1.0, 0.0
+    waves = Waves.of(*given, np.array([0.1, 0.2]), 0.3, 0.35)
     draws = [rng.normal(size=(5, 2, n)) + 1j * rng.normal(size=(5, 2, n)) for _ in range(2)]
     rows = rng.normal(size=(4, n)) + 1j * rng.normal(size=(4, n))
     results = []

@@ -80,7 +80,7 @@ VALUES = {
     "half-space under displacement": (
         ("reduced_pressure: 0.007", "displacement: 0.1"),
         "bad.yaml:2:46: scene.body.aspect_ratio: you gave inf; gfmd allows a finite aspect_ratio, periodic false, or "
-        "loading.reduced_pressure in place of loading.displacement, as a half-space has no reference",
+        "a pressure or another load in place of loading.displacement, as a half-space has no reference",
     ),
     "time step above the limit": (
         ("{solver: auto}", "{time_step: 1.01}"),

@@ -229,7 +229,7 @@ def test_a_load_path_ends_where_the_same_load_does():
             {"radius": 2.0, "points": 64},
             1,
             {"loading": {"reduced_pressure": 0.1}},
-            "loading.reduced_pressure: .* a pressure, line_load, force or displacement with a form alone",
+            "loading.reduced_pressure: .* gfmd allows a line_load, or a pressure with a form alone",
         ),
         ({"radius": "2 m", "points": 64}, 1, {"length": None}, "form.radius: .* a number without a unit"),
     ],

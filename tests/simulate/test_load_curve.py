@@ -113,7 +113,7 @@ def test_the_path_of_a_curve_never_turns_back(monkeypatch, loads):
     solve_path = curve.solve_path
     monkeypatch.setattr(curve, "solve_path", lambda *given: followed.append(given) or solve_path(*given))
     load_curve(scene_file(), loads)
-    ((whole, _),) = followed
+    ((whole, *_),) = followed
     pressures = np.array([problem.mean_pressure for problem in whole.at_each_load])
     np.testing.assert_allclose(pressures[1::2], loads)
     assert (np.diff(pressures) < 0).all() if loads[0] > loads[-1] else (np.diff(pressures) > 0).all()

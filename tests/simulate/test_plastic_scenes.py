@@ -8,8 +8,9 @@ import yaml
 
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
+from gfmd_numba.cli import terminal
 from gfmd_numba.scene import InputError
-from support.command_line import refused
+from support.command_line import gfmd, refused
 
 FLOWS = {
     "scene": {
@@ -116,8 +117,24 @@ REFUSED = {
     "hardness": (changed("scene", interface={"hard_wall": {"hardness": "1 GPa"}}), "a hard_wall without hardness"),
     "slab": (changed("scene", "body", aspect_ratio=1.0), "a half-space of one material"),
     "window": (changed("scene", periodic=False), "true with plasticity"),
+    "wear": (changed("scene", "interface", wear={"rate": 1e-12}), "no wear with plasticity"),  # not: nothing slides
     "load": (changed("scene", loading={"pressure": "701 MPa"}), "at which the body yields at all depths"),
 }
+
+
+def test_what_is_advised_goes_with_plastic_flow():
+    file = changed("scene", loading={"displacement": "1 um"}) | {"path": [{"sliding": "1 um"}]}
+    with pytest.raises(InputError) as error:
+        gfmd_numba.solve(file)
+    depth, sliding = str(error.value).splitlines()
+    assert "gfmd needs a pressure or another load in place of loading.displacement, as" in depth
+    assert sliding.endswith("gfmd allows nothing")
+    del file["scene"]["body"]["plasticity"]
+    with pytest.raises(InputError) as error:
+        gfmd_numba.solve(file)
+    depth, sliding = str(error.value).splitlines()
+    assert "gfmd needs a finite aspect_ratio, periodic false, or a pressure or another load in place" in depth
+    assert sliding.endswith("gfmd allows nothing without friction, a cohesive law or wear")
 
 
 @pytest.mark.parametrize("name", REFUSED)
@@ -137,6 +154,15 @@ def test_what_does_not_go_with_plastic_flow_is_refused(name):
 def test_check_knows_the_pressure_at_which_a_body_flows_at_all_depths(change, place, tmp_path):
     (tmp_path / "flows.yaml").write_text(yaml.safe_dump(FLOWS | change))
     assert f"{place}: you gave '701 MPa'; gfmd allows below 700 MPa" in refused("check", tmp_path / "flows.yaml")
+
+
+def test_increments_say_how_far_they_are(tmp_path, monkeypatch):
+    """Of each of two steps there are 4, and 2 that tell their error."""
+    monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
+    (tmp_path / "flows.yaml").write_text(yaml.safe_dump(FLOWS))
+    said = gfmd("solve", tmp_path / "flows.yaml", "-o", tmp_path / "flows.nc").stderr.splitlines()
+    shares = [line for line in said if line.startswith("busy     solving, ")]
+    assert shares[-6:] == [f"busy     solving, {share}% done" for share in (17, 33, 50, 67, 83, 100)]
 
 
 def test_a_grid_may_not_yield_at_all_depths_either(tmp_path):

@@ -381,7 +381,6 @@ def _check_files(document: Document, campaign: Campaign) -> None:
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
-    """Return the measured surfaces of a scene, by their places."""
     return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
 
 

@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import branch, flow_measures, law_resolution
+from gfmd_numba.contact import flow_measures, jumps, law_resolution
 from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
 from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
@@ -437,14 +437,13 @@ def _add_followed(
     if problem.interface.couples:
         sliding = "tangential displacement of the punch at the largest jump since the last step"
         found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
-    curvature = branch.stability(problem, contact)
+    curvature = jumps.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
     step.update({key: units_of(given).variable((), *variable) for key, variable in found.items()})
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
-    """What is recorded along a path."""
     scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
     found = {}
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():

@@ -7,9 +7,9 @@ from scipy.stats import binom
 from scipy.stats import f as f_distribution
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.exponent_posterior import weighed
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
-from gfmd_numba.analysis.posterior import weighed
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, WANING, campaign, noisy
 from support.unseen_slope import of_unseen_slope

@@ -2,7 +2,7 @@
 
 import pytest
 
-from gfmd_numba.theory.exponents import exponent_ranges
+from gfmd_numba.theory.exponent_ranges import exponent_ranges
 
 
 @pytest.mark.parametrize(("hurst", "slowest"), [(0.3, 0.45), (0.7, 0.45), (0.8, 0.3), (0.9, 0.15), (1.0, 0.1)])

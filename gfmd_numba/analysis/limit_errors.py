@@ -54,7 +54,8 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
         if levels is not None and len(levels) < 3 and _free(choices, name):
-            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)})"
+            uncounted = "; 1 does not count, as two nodes do not resolve its shortest wave" if name == "eps_c" else ""
+            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)}{uncounted})"
             return f"{lack}\n{advice([name], groups[0].variable, groups[0].dimension)}"
     return ""
 

@@ -541,6 +541,10 @@ def of_steps(dataset: xr.Dataset) -> Told:
     found = dict(column(view, name) for name in shown if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
+    whole = [name for name in _SHOWN_OF_PATHS if name in dataset and not dataset[name].ndim]
+    for name in (each for each in whole if not isnan(float(dataset[each]))):
+        words, number, unit = line(dataset, name)
+        yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
 
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:

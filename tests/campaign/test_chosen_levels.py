@@ -141,6 +141,12 @@ def test_no_finer_level_has_a_period_below_its_longest_wave(period, others):
         limits_around(levels[0], levels[1:])
 
 
+def test_a_level_belongs_to_the_limit_in_which_it_differs_and_to_none_alone_if_there_are_several():
+    reference = (1 / 2, 1 / 64, 1 / 4)
+    levels = {"reference": reference, "eps_f": (1 / 2, 1 / 16, 1 / 4), "cross": (1 / 4, 1 / 16, 1 / 4)}
+    assert {limit: limit_of(reference, level) for limit, level in levels.items()} == {each: each for each in levels}
+
+
 @pytest.mark.parametrize("levels", [3, 18])
 def test_a_pilot_of_many_cases_has_as_many_surfaces_more_as_tell_its_errors(levels):
     """Eight more than there are cases, and 20 at least."""

@@ -163,13 +163,16 @@ def test_a_round_is_a_quarter_dearer_than_all_before():
     assert decided(found, 1.5 * now).price >= 1.25 * known.whole_price(known.held)
 
 
-def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run():
+@pytest.mark.parametrize(("by", "ends"), [(1.0, True), (0.001, False)])
+def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run(by, ends):
+    """By a share of its limit that counts against the target."""
     found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS)).assign_attrs(cpu_seconds=1.0)
     fitted = fit_tfc(found, fixed=ALPHA)
-    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, 1.0]
+    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, by]
     first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
-    assert "the levels contradict the fixed eps_f: 0.6" in after(state, [Fitted(Known(found, EXACT), fitted)]).ended
+    ended = after(state, [Fitted(Known(found, EXACT), fitted)]).ended
+    assert ("the levels contradict the fixed eps_f: 0.6" in ended) == ends
 
 
 @pytest.mark.parametrize("rounds", [2, 3])

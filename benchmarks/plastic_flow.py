@@ -63,18 +63,35 @@ def first_yield(forms=("ball", "cylinder")):
         print(f"{name:9} p0/Y at first yield {told:.3f}  (Johnson 1985, 6.1: {known})")
 
 
-def hardness():
+def of_kogut_and_etsion(load, stress):
+    """Mean pressure of a ball of radius 1 over a yield stress, by the fits to finite elements of J. Appl. Mech. 69:657.
+
+    Kogut and Etsion (2002) press a ball onto a rigid plane; up to 110 times the approach at first yield.
+    """
+    first = (0.5 * np.pi * 2.8 * (0.454 + 0.41 * NU) * stress) ** 2  # approach, E* = 1
+    of_load, of_area = load / (2.0 / 3.0 * 2.8 * (0.454 + 0.41 * NU) * stress * np.pi * first), np.pi * first
+    approach = (of_load / 1.03) ** (1.0 / 1.425)
+    if approach <= 6.0:
+        return load / (of_area * 0.93 * approach**1.136) / stress, approach
+    approach = (of_load / 1.40) ** (1.0 / 1.263)
+    return load / (of_area * 0.94 * approach**1.146) / stress, approach
+
+
+def hardness(nodes=64):
     """Mean pressure of a ball over its contact, deep in the plastic regime, over the yield stress."""
-    a, nodes = 0.12, 64
-    for ratio in (3.0, 10.0, 30.0, 100.0):
+    a = 0.12
+    for ratio in (3.0, 6.0, 10.0, 20.0, 30.0, 100.0):
         stress = a / ratio
         load = 2.8 * stress * np.pi * a**2
         steps = list(load * np.linspace(0.1, 1.0, 10))
         found = pressed(parabola(nodes, 2), steps, Plasticity(Hardening(stress), 0.35, 24, 1))[-1]
-        area = found.equilibrium.touching.mean()
-        radius = np.sqrt(area / np.pi)
+        touching = found.equilibrium.touching[0]
+        sides = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
+        area = (touching.sum() - (np.pi - 1.0 + np.log(2.0)) / 24.0 * sides) / touching.size  # Yastrebov et al. 2017
+        expected, approach = of_kogut_and_etsion(load, stress)
         print(
-            f"E* a / (Y R) {radius / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
+            f"E* a / (Y R) {np.sqrt(area / np.pi) / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
+            f"of Kogut and Etsion {expected:.3f} Y at {approach:.0f} times the first approach  "
             f"plastic strain up to {plastic_measures.largest_plastic_strain(found)[0]:.3f}",
             flush=True,
         )

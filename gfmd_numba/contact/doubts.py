@@ -233,7 +233,10 @@ def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
 
 def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], list[float]]:
     """Times in s for which loads act, of all steps and of dwells under the same load, and speeds of passing punches."""
-    times, dwells, speeds, held, before = [], [], [], 0.0, None
+    times: list[float] = []
+    dwells: list[float] = []
+    speeds: list[float] = []
+    held, before = 0.0, None
     for scene, sliding in given.steps:
         loading, duration = scene.loading, scene.loading.duration or 0.0
         now = getattr(loading, loading.control), sliding
@@ -320,7 +323,8 @@ def _distance_of_peaks(dataset: xr.Dataset) -> float:
     """
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
-    return 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
+    return 2.0 * float(np.pi) * wide / profile_gradient
 
 
 def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:

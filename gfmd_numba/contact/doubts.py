@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import ceil, dist, inf
+from math import ceil, dist, inf, pi, sqrt
 
 import numpy as np
 import xarray as xr
@@ -322,9 +322,9 @@ def _distance_of_peaks(dataset: xr.Dataset) -> float:
     Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
     """
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
+    profile_gradient = float(dataset["rms_gradient"].max()) / sqrt(len(nodes))
     wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
-    return 2.0 * float(np.pi) * wide / profile_gradient
+    return 2.0 * pi * wide / profile_gradient
 
 
 def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:

@@ -53,22 +53,36 @@ def check(file: Path) -> None:
 
 @main.command()
 @file_argument
-@click.option("--unit", default="Pa", show_default=True, help="Unit of the moduli, like MPa")
-def relaxation(file: Path, unit: str) -> None:
+@click.option("--unit", help="Unit of the moduli, like MPa, if the header of FILE states none")
+@click.option("--poissons-ratio", type=float, help="Poisson's ratio of the body; moduli of shear (G') need it")
+def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> None:
     """Fit the relaxation of a body to a table of dynamic mechanical analysis (DMA).
 
-    FILE is a text file of three columns: frequency in Hz, storage modulus and loss modulus. The command prints the keys
-    `youngs_modulus` and `relaxation` of a body, and how far the fit is from the table.
+    FILE is a text file. Its header names the columns, like `f [Hz]; E' [MPa]; tan delta`; without names, they are
+    frequency in Hz, storage modulus and loss modulus. The command prints the `body` of a scene, and how far the fit is
+    from the table.
     """
-    from gfmd_numba.simulate.relaxation_table import fit_relaxation, read_table
+    from gfmd_numba.scene.units import PRESSURE
+    from gfmd_numba.simulate.prony_fit import fit_relaxation, read_table
 
-    frequency, storage, loss = read_table(file, unit)
-    found = fit_relaxation(frequency, storage, loss)
-    span = f"{frequency[0]:g} to {frequency[-1]:g} Hz"
-    click.echo(f"# of {printable(file)}: {frequency.size} frequencies from {span}, rms misfit {found.misfit:.2%}")
-    click.echo(f"youngs_modulus: {found.youngs_modulus:.6g} Pa\nrelaxation:")
+    table = read_table(file, unit, poissons_ratio)
+    for sentence in table.doubts():
+        warn(sentence)
+    found = fit_relaxation(table)
+    span = f"{table.frequency[0]:g} to {table.frequency[-1]:g} Hz"
+
+    def told(modulus: float) -> str:
+        return f"{PRESSURE.in_unit(modulus, table.unit):.6g} {table.unit}"
+
+    click.echo(f"  # {printable(file)}: {table.frequency.size} frequencies, {span}; rms misfit {found.misfit:.2%}")
+    click.echo(f"  # read {printable(table.read)}")
+    click.echo(f"  body:\n    youngs_modulus: {told(found.youngs_modulus)}")
+    nu = "# poissons_ratio: 0.5   # not in the table" if poissons_ratio is None else f"poissons_ratio: {poissons_ratio}"
+    click.echo(f"    {nu}\n    relaxation:")
     for modulus, decay in zip(found.series.moduli, found.series.times, strict=True):
-        click.echo(f"  - {{modulus: {modulus * found.youngs_modulus:.6g} Pa, time: {decay:.6g} s}}")
+        click.echo(f"      - {{modulus: {told(modulus * found.youngs_modulus)}, time: {decay:.6g} s}}")
+    if found.doubt:
+        warn(found.doubt)
 
 
 def _describes_jobs(keys: Set[object]) -> bool:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import ceil
+from math import ceil, dist, inf, pi, sqrt
 
 import numpy as np
 import xarray as xr
@@ -12,7 +12,7 @@ from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import relaxation
+from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene import Measured
@@ -26,6 +26,7 @@ LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
+FAR_FROM_BRANCHES = 100.0  # times beyond relaxation times by which a body is fully relaxed, or glassy
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
@@ -49,6 +50,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _coarse_steps,
         _coarse_flow,
         _beyond_small_strains,
+        _outside_branches,
         _few_nodes,
         _narrow,
         _few_contacts,
@@ -221,9 +223,8 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    series = relaxation(scene)
-    stiffest = given.scales.modulus * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
-    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
+    name = "relaxed_pressure" if "relaxed_pressure" in dataset else "pressure"  # fast pressures strain less
+    ratios = dataset[name].where(np.isfinite(dataset[name])) / given.scales.modulus
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
@@ -233,10 +234,78 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     if not (float(ratios.mean(nodes).max()) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
         return ""
     return (
-        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
+        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the {name} exceeds "
         f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
         "linear elasticity is wrong by about these fractions: check load, moduli and heights"
     )
+
+
+def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return warnings about times and rates far outside the relaxation times of the body, nothing for others.
+
+    Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
+    """
+    scene, series = given.file.scene, relaxation(given.file.scene)
+    if series is None:
+        return ""
+    shortest, longest = (longest_time(scene) * end for end in (min(series.times), series.longest_retardation))
+    times, dwells, speeds = _times_and_speeds(given)
+    told = []
+    if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
+        told.append(
+            f"after some {longest:.2g} s this body is fully relaxed, and the load acts for {max(times):.3g} s: if it "
+            f"should still relax then, measure frequencies below {_hertz(longest)}"
+        )
+    if min(dwells, default=inf) < shortest / FAR_FROM_BRANCHES:
+        told.append(
+            f"before some {shortest:.2g} s this body is glassy, and the load acts for {min(dwells):.3g} s at first: if "
+            f"it should relax by then, measure frequencies above {_hertz(shortest)}"
+        )
+    if not speeds or "nayak" not in dataset or scene.form is not None:
+        return "\n".join(told)
+    peaks, gradient = _distance_of_peaks(dataset), float(dataset["rms_gradient"].max()) / scene.dimension**0.5
+    waves = 2.0 * np.pi * float(dataset["height"].std(dataset["height"].dims[-scene.dimension :]).max()) / gradient
+    unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
+    for wave, speed, end, how, where in (
+        (waves, min(speeds), 1.0 / longest, "relaxed", "below"),
+        (peaks, max(speeds), 1.0 / shortest, "glassy", "above"),
+    ):
+        rate = 2.0 * np.pi * speed / wave
+        if max(end / rate, rate / end) > FAR_FROM_BRANCHES and (rate < end) == (where == "below"):
+            told.append(
+                f"at {with_prefix(speed, per_second, 3)} waves of {with_prefix(wave, unit, 3)} act at "
+                f"{_hertz(1.0 / rate)}, and this body is {how} far {where} {_hertz(1.0 / end)}: if it should dissipate "
+                f"more there, measure frequencies {where} that"
+            )
+    return "\n".join(told)
+
+
+def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], list[float]]:
+    """Times in s for which loads act, of all steps and of dwells under the same load, and speeds of passing punches."""
+    times: list[float] = []
+    dwells: list[float] = []
+    speeds: list[float] = []
+    held, before = 0.0, None
+    for scene, sliding in given.steps:
+        loading, duration = scene.loading, scene.loading.duration or 0.0
+        now = getattr(loading, loading.control), sliding
+        slides = before is not None and before[1] != sliding
+        held = duration + (held if now == before else 0.0)
+        dwells += [held] if now == before and held else []
+        if loading.speed:
+            speeds.append(loading.speed)
+        elif slides and duration and scene.passes:
+            assert before is not None
+            speeds.append(dist(sliding, before[1]) / duration)
+        elif duration:
+            times.append(held)
+        before = now
+    return times, dwells, speeds
+
+
+def _hertz(time: float) -> str:
+    """Frequency at which a relaxation time dissipates most."""
+    return f"{1.0 / (2.0 * np.pi * time):.2g} Hz"
 
 
 def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
@@ -296,11 +365,19 @@ def _slopes(dataset: xr.Dataset, nodes: list[str], ends: tuple[bool, ...]) -> xr
     return found
 
 
-def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
-    """Return a warning about sliding so far that asperities would meet others, nothing for less.
+def _distance_of_peaks(dataset: xr.Dataset) -> float:
+    """Mean distance of the peaks of a random profile, 2 pi (m2 / m4)^(1/2).
 
-    Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
+    Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
     """
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    profile_gradient = float(dataset["rms_gradient"].max()) / sqrt(len(nodes))
+    wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
+    return 2.0 * pi * wide / profile_gradient
+
+
+def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about sliding so far that asperities would meet others, nothing for less."""
     if not {"sliding", "tangential_displacement", "nayak"} <= dataset.variables.keys():
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
@@ -309,8 +386,7 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
     touching = dataset["gap"] <= 0.0
     apart = sum(way**2 for way in ways) ** 0.5
     slid = float(apart.where(touching | ~touching.any(nodes)).max())
-    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
-    distance = 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    distance = _distance_of_peaks(dataset)
     if not slid > FARTHEST * distance:
         return ""
     unit = "m" if given.file.scene.length else "L_x"

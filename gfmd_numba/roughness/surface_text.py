@@ -243,8 +243,38 @@ class Table:
     sizes: Mapping[str, Size] = field(default_factory=dict)
 
 
+class Rows(NamedTuple):
+    """Numbers of a text file `[rows, columns]`, not-a-number where a cell is empty, and the lines before the first.
+
+    `lines` are the numbers of the lines that rows stand in, counted from 1.
+    """
+
+    header: list[str]
+    values: Reals
+    layout: Layout
+    lines: list[int]
+
+
 def read_table(path: Path) -> Table:
-    """Numbers of a text file; raises ValueError, with the line, for anything else.
+    """Positions and heights, or a map, of a text file; raises ValueError, with the line, for anything else."""
+    header, values, layout, lines = read_rows(path)
+    header = [line.rstrip() for line in header]
+    done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
+    found = columns_by_label(header, values.shape[1])
+    if found is not None and len(found[0]) < values.shape[1]:
+        done += (
+            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
+        )
+        return Table(values[:, found[0]], found[1], done, line=lines[0])
+    units = stated_units(header, values.shape[1])
+    if values.shape[1] == 2 and heights_first(header):
+        values, units = values[:, ::-1], units[::-1]
+        done += ("took the first of two columns for heights and the second for positions, as their labels say",)
+    return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
+
+
+def read_rows(path: Path) -> Rows:
+    """Numbers of a text file, whatever its columns hold; raises ValueError, with the line, for anything else.
 
     Columns are separated by commas, semicolons, tabs or blanks, decimals by points or commas; lines that begin with
     `#` or `%` are comments, and those before the first row of numbers the header. Empty cells, and words such as nan,
@@ -258,11 +288,12 @@ def read_table(path: Path) -> Table:
     if first is None:
         begin = next((line for line in lines if line.strip()), "")
         raise ValueError(f"no row of numbers, but {_short(begin)}" if begin else "no number")
-    header = [line.lstrip(_COMMENTS + "/ ").rstrip() for line in lines[:first]]
-    rows = [_FORTRAN.sub("e", line) for line in lines[first:] if not _is_comment(line)]
+    header = [line.lstrip(_COMMENTS + "/ ") for line in lines[:first]]
+    numbers = [i + 1 for i, line in enumerate(lines[first:], first) if not _is_comment(line)]
+    rows = [_FORTRAN.sub("e", lines[number - 1]) for number in numbers]
     while not rows[-1].strip():
         rows.pop()
-    layout = layout_of(rows, header[-1] if header else "")
+    layout = layout_of(rows, header[-1].rstrip() if header else "")
     columns = layout.columns(rows[0])
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
@@ -271,18 +302,7 @@ def read_table(path: Path) -> Table:
         raise _bad_row(lines, first, layout, columns)
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
-    done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
-    found = columns_by_label(header, values.shape[1])
-    if found is not None and len(found[0]) < values.shape[1]:
-        done += (
-            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
-        )
-        return Table(values[:, found[0]], found[1], done, line=first + 1)
-    units = stated_units(header, values.shape[1])
-    if values.shape[1] == 2 and heights_first(header):
-        values, units = values[:, ::-1], units[::-1]
-        done += ("took the first of two columns for heights and the second for positions, as their labels say",)
-    return Table(values, units, done, axis_units(header), first + 1, stated_sizes(header))
+    return Rows(header, values, layout, numbers[: len(values)])
 
 
 def _check_thousands(rows: list[str], header: str) -> None:
@@ -326,11 +346,19 @@ def _one_comma(rows: list[str], header: str) -> Layout:
     )
 
 
-def _cells(line: str) -> list[str]:
-    """Cells of a line of the header, without quotes: between semicolons, tabs or commas, or else between blanks."""
+def cells_of(line: str) -> list[str]:
+    """Cells of a line of the header: between semicolons, tabs or commas, or else between blanks."""
     separator = next((each for each in ";\t," if each in line), None)
-    parts = line.split() if separator is None else line.split(separator)
-    return [part.strip("\"' ") for part in parts]
+    try:
+        parts = next(csv.reader([line], delimiter=separator or " ", skipinitialspace=True))
+    except csv.Error:  # a cell beyond all measure
+        parts = line.split(separator)
+    return parts if separator else line.split()
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line of the header, without quotes."""
+    return [cell.strip("\"' ") for cell in cells_of(line)]
 
 
 def _entries(header: list[str]) -> dict[str, str]:

@@ -60,7 +60,7 @@ def relaxation(file: Path, unit: str) -> None:
     FILE is a text file of three columns: frequency in Hz, storage modulus and loss modulus. The command prints the keys
     `youngs_modulus` and `relaxation` of a body, and how far the fit is from the table.
     """
-    from gfmd_numba.simulate.relaxation_table import fit_relaxation, read_table
+    from gfmd_numba.simulate.prony_fit import fit_relaxation, read_table
 
     frequency, storage, loss = read_table(file, unit)
     found = fit_relaxation(frequency, storage, loss)

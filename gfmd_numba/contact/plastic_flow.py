@@ -17,7 +17,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.flow_measures import NAME, Flow, equivalent, stresses
+from gfmd_numba.contact.plastic_measures import NAME, Flow, equivalent, stresses
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Contact, State, Tell, relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers

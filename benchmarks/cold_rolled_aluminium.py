@@ -8,7 +8,7 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 RMS_HEIGHT, ROLL_OFF, SURFACES = 0.3, 50.0, 200  # um, um
@@ -24,8 +24,8 @@ for period, nx, cut_on, longest in CASES:
         roll_off = min(ROLL_OFF, period)  # beyond the period there are no waves
         model = SelfAffineSpectrum(1, hurst, cut_on, roll_off, longest)
         largest = min((nx - 1) // 2, int(period / cut_on * (1 + 1e-9)))
-        power = spectral.psd_power(model, nx, largest, period)
-        heights = spectral.surfaces(power, nx, largest, 2018, range(SURFACES))
+        power = model_surfaces.psd_power(model, nx, largest, period)
+        heights = model_surfaces.surfaces(power, nx, largest, 2018, range(SURFACES))
         heights = statistics.scaled(heights, (period,), rms_height=RMS_HEIGHT)
         ends = (2 * np.pi / roll_off, 2 * np.pi * largest / period)
         fitted = np.array([statistics.hurst_exponent(h, *ends, (period,))[0] for h in heights])

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import norm, normaltest
 
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, SelfAffineSpectrum
 
 DISTANCE, SURFACES, PER_LENGTH = 0.02, 200, 64
@@ -28,8 +28,10 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73")
 def profiles(kind, hurst, ratio, seed):
     """Profiles of period ratio * xi, and the autocorrelation of the ensemble."""
     nx, largest = ratio * PER_LENGTH, ratio * PER_LENGTH // 2 - 1
-    power = spectral.psd_power(KINDS[kind](hurst, float(ratio)), nx, largest, float(ratio))
-    return spectral.surfaces(power, nx, largest, seed, range(SURFACES)), spectral.periodic_autocorrelation(power, nx)
+    power = model_surfaces.psd_power(KINDS[kind](hurst, float(ratio)), nx, largest, float(ratio))
+    return model_surfaces.surfaces(power, nx, largest, seed, range(SURFACES)), model_surfaces.periodic_autocorrelation(
+        power, nx
+    )
 
 
 def needed(kind, hurst):

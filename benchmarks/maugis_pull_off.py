@@ -73,7 +73,9 @@ def drawn_off(nodes, law, work, least, step, begun, solve=gfmd_numba.solve):
     )
     assert (found["status"] == 0).all()
     forces = found["mean_pressure"].values[len(steps) - 8 :] / (np.pi * work)
-    i = min(max(int(np.argmin(forces)), 1), forces.size - 2)
+    i = int(np.argmin(forces))
+    assert i > 0, "the least force is before the steps"
+    i = min(i, forces.size - 2)  # the next step has jumped off
     below, here, above = forces[i - 1 : i + 2]
     curved = below - 2.0 * here + above
     refined = here - (above - below) ** 2 / (8.0 * curved) if curved > 0.0 else forces.min()
@@ -91,7 +93,7 @@ def rings_under_lennard_jones(mu, length, rings):
     discs = np.where(apart < 1.0, 4.0 * edges / np.pi * ellipe(np.minimum(apart, 1.0) ** 2), beyond)
     influence, areas = np.diff(discs, axis=1, prepend=0.0), np.pi * np.diff(edges**2, prepend=0.0)
     gap, forces = 0.5 * r**2 + 2.0 * length, []
-    for middle in length * np.linspace(2.0, 0.8, 61):
+    for middle in length * np.append(np.linspace(2.0, 1.1, 91), np.linspace(1.1, 0.9, 401)[1:]):
         for _ in range(100):
             pulls = 8.0 * work / (3.0 * length) * ((length / gap) ** 3 - (length / gap) ** 9)
             slopes = 8.0 * work / (3.0 * length) * (9.0 * (length / gap) ** 9 - 3.0 * (length / gap) ** 3) / gap
@@ -109,6 +111,7 @@ def rings_under_lennard_jones(mu, length, rings):
         else:
             break  # the rings are too wide for a law so short
         forces.append((-float(areas @ pulls) / (np.pi * work), -float(off[0])))
+    assert forces.index(min(forces)) < len(forces) - 1
     return min(forces)
 
 

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gfmd_numba.contact import flow_measures
+from gfmd_numba.contact import plastic_measures
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
@@ -58,24 +58,41 @@ def first_yield(forms=("ball", "cylinder")):
         load = 2.0 / 3.0 * np.pi * a**2 * p0 if is_ball else 0.5 * np.pi * a * p0
         plasticity = Plasticity(Hardening(1.0), depth, 24 if is_ball else 48, 1)
         found = pressed(parabola(nodes, 2 if is_ball else 1), [load], plasticity)[0]
-        told = p0 / flow_measures.largest_von_mises(found)[0]
+        told = p0 / plastic_measures.largest_von_mises(found)[0]
         known = "1.60" if is_ball else "von Mises, nu = 0.3: 3.1 k = 1.79"
         print(f"{name:9} p0/Y at first yield {told:.3f}  (Johnson 1985, 6.1: {known})")
 
 
-def hardness():
+def of_kogut_and_etsion(load, stress):
+    """Mean pressure of a ball of radius 1 over a yield stress, by the fits to finite elements of J. Appl. Mech. 69:657.
+
+    Kogut and Etsion (2002) press a ball onto a rigid plane; up to 110 times the approach at first yield.
+    """
+    first = (0.5 * np.pi * 2.8 * (0.454 + 0.41 * NU) * stress) ** 2  # approach, E* = 1
+    of_load, of_area = load / (2.0 / 3.0 * 2.8 * (0.454 + 0.41 * NU) * stress * np.pi * first), np.pi * first
+    approach = (of_load / 1.03) ** (1.0 / 1.425)
+    if approach <= 6.0:
+        return load / (of_area * 0.93 * approach**1.136) / stress, approach
+    approach = (of_load / 1.40) ** (1.0 / 1.263)
+    return load / (of_area * 0.94 * approach**1.146) / stress, approach
+
+
+def hardness(nodes=64):
     """Mean pressure of a ball over its contact, deep in the plastic regime, over the yield stress."""
-    a, nodes = 0.12, 64
-    for ratio in (3.0, 10.0, 30.0, 100.0):
+    a = 0.12
+    for ratio in (3.0, 6.0, 10.0, 20.0, 30.0, 100.0):
         stress = a / ratio
         load = 2.8 * stress * np.pi * a**2
         steps = list(load * np.linspace(0.1, 1.0, 10))
         found = pressed(parabola(nodes, 2), steps, Plasticity(Hardening(stress), 0.35, 24, 1))[-1]
-        area = found.equilibrium.touching.mean()
-        radius = np.sqrt(area / np.pi)
+        touching = found.equilibrium.touching[0]
+        sides = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
+        area = (touching.sum() - (np.pi - 1.0 + np.log(2.0)) / 24.0 * sides) / touching.size  # Yastrebov et al. 2017
+        expected, approach = of_kogut_and_etsion(load, stress)
         print(
-            f"E* a / (Y R) {radius / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
-            f"plastic strain up to {flow_measures.largest_plastic_strain(found)[0]:.3f}",
+            f"E* a / (Y R) {np.sqrt(area / np.pi) / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
+            f"of Kogut and Etsion {expected:.3f} Y at {approach:.0f} times the first approach  "
+            f"plastic strain up to {plastic_measures.largest_plastic_strain(found)[0]:.3f}",
             flush=True,
         )
 
@@ -88,12 +105,12 @@ def residual():
         load = p0 * (2.0 / 3.0 * np.pi * a**2 if dimension == 2 else 0.5 * np.pi * a)
         loads = [*load * np.linspace(0.1, 1.0, 10), 1e-6 * load]
         *_, loaded, free = pressed(parabola(nodes, dimension), loads, Plasticity(Hardening(p0 / ratio), 0.25, 32, 1))
-        flow, (_, along) = flow_measures.flow_of(free), flow_measures.stresses(free)
+        flow, (_, along) = plastic_measures.flow_of(free), plastic_measures.stresses(free)
         middle = nodes // 2
         along, flowed = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
         deep = np.cumsum(flow.body.waves.thickness)
         last = np.flatnonzero(flowed)[-1]
-        again = (flow.equivalent > flow_measures.flow_of(loaded).equivalent).any()
+        again = (flow.equivalent > plastic_measures.flow_of(loaded).equivalent).any()
         most, below = flowed.argmax(), last + 1
         print(
             f"{name:9} drawn off from p0 = {ratio} Y: stress along x on the axis, where most has flowed (depth "
@@ -121,7 +138,7 @@ def elements(meshes=((32, 24), (64, 44), (96, 66)), grids=((256, 32), (512, 64),
         x = np.arange(512) / 512
         heights = amplitude * np.cos(2.0 * np.pi * (x - 0.5))
         found = pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, 64, 1))[-1]
-        flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
+        flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         spread = [
             np.sqrt((weight * p * (at - 0.5) ** 2).sum() / (weight * p).sum())
@@ -138,7 +155,7 @@ def elements(meshes=((32, 24), (64, 44), (96, 66)), grids=((256, 32), (512, 64),
         print(f"{columns} x {rows} quadratic elements: {told}", flush=True)
     for nodes, sublayers in grids:
         heights = amplitude * np.cos(2.0 * np.pi * (np.arange(nodes) / nodes - 0.5))
-        flow = flow_measures.flow_of(
+        flow = plastic_measures.flow_of(
             pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, sublayers, 1))[-1]
         )
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
@@ -192,7 +209,7 @@ def tamaas(interpreter, most=600.0, grids=((32, 16), (64, 32), (128, 64))):
                 print(f"{nodes} x {nodes} x {nz}: {told}", flush=True)
                 continue
             theirs = dict(np.load(result))
-        flow, p = flow_measures.flow_of(found), found.equilibrium.pressure[0]
+        flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
         off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
         peak, strained = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flowed"].max()
         levels = theirs["flowed"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
@@ -258,17 +275,17 @@ def violations(contacts, heights, loads, plasticity):
     """Largest violation of each condition by the contacts of a path, found again from their fields alone."""
     worst, before = dict.fromkeys(("status", "yield", "flow rule", "contact", "balance"), 0.0), 0.0
     for found, load in zip(contacts, loads, strict=False):
-        flow, solved = flow_measures.flow_of(found), found.equilibrium
+        flow, solved = plastic_measures.flow_of(found), found.equilibrium
         worst["status"] = max(worst["status"], float(solved.status[0]))
         if solved.status[0]:
             return worst
         p, shape = solved.pressure[0], heights.shape
         flow.body.moved(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
-        added, size = flow.strain - before, flow_measures.equivalent(stress)
+        added, size = flow.strain - before, plastic_measures.equivalent(stress)
         bears = plasticity.hardening.at(flow.equivalent)
         worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
-        flows = flow_measures.equivalent(added) / 1.5
+        flows = plastic_measures.equivalent(added) / 1.5
         rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)
         slack = np.where(flows > 0.0, np.abs(size - bears), 0.0).max()
         both = max(2.0 * flow.body.shear * np.abs(rest).max(), slack)

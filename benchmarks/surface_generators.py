@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.roughness import self_affine, spectral, statistics
+from gfmd_numba.roughness import model_surfaces, self_affine, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -32,7 +32,7 @@ def recursion(name, dimension, hurst, nx):
 def asked(dimension, hurst, nx):
     """Mean power of the spectrum with cut-on just below Nyquist, roll-off and plateau, of period 1."""
     model = SelfAffineSpectrum(dimension, hurst, 2 / (nx - 2), ROLL_OFF / PERIOD, 1.0)
-    return spectral.psd_power(model, nx, nx // 2 - 1)
+    return model_surfaces.psd_power(model, nx, nx // 2 - 1)
 
 
 def autocorrelations(heights):
@@ -40,7 +40,7 @@ def autocorrelations(heights):
     dimension = heights.ndim - 1
     power = statistics.power(heights, (1.0,) * dimension)
     power[(slice(None), *(0,) * dimension)] = 0.0
-    found = np.array([spectral.periodic_autocorrelation(p, heights.shape[-1]) for p in power])
+    found = np.array([model_surfaces.periodic_autocorrelation(p, heights.shape[-1]) for p in power])
     return np.array([statistics.radial_mean(r, (1.0, 1.0))[1] for r in found]) if dimension == 2 else half(found)
 
 
@@ -56,7 +56,7 @@ def grid_sum(power, nx):
 def compare(name, dimension, hurst, nx, power, draw):
     """One line: deviation of the mean autocorrelation from theory, in w^2 and in sampling errors, in every batch."""
     power = power / grid_sum(power, nx) if name in RECURSIVE else power  # scaled to w = 1 over all waves
-    periodic = spectral.periodic_autocorrelation(power, nx)
+    periodic = model_surfaces.periodic_autocorrelation(power, nx)
     theory = statistics.radial_mean(periodic, (1.0, 1.0))[1] if dimension == 2 else half(periodic)
     seen = power > 1e-12 * power.max()
     means, noises, scores = [], [], []
@@ -90,7 +90,7 @@ def ranking(axis):
         largest = nx // 2 - 1
         for hurst in (0.3, 0.5, 0.9):
             power = asked(dimension, hurst, nx)
-            draws = {"PSDM": partial(spectral.surfaces, power, nx, largest)}
+            draws = {"PSDM": partial(model_surfaces.surfaces, power, nx, largest)}
             draws |= {
                 name: partial(recursion(name, dimension, hurst, nx).heights, (nx,) * dimension) for name in RECURSIVE
             }
@@ -101,8 +101,8 @@ def ranking(axis):
                     axis.plot(np.arange(mean.size) / nx * PERIOD, mean, c=COLOURS[name], label=name)
             if (dimension, hurst) == (1, 0.9):
                 axis.plot(np.arange(mean.size) / nx * PERIOD, theory, "--", c=COLOURS["theory"], label="theory")
-            power = spectral.filter_power(ExponentialSpectrum(dimension, hurst, 0.05), nx, largest)
-            batch = partial(spectral.surfaces, power, nx, largest, realisations=range(SURFACES))
+            power = model_surfaces.filter_power(ExponentialSpectrum(dimension, hurst, 0.05), nx, largest)
+            batch = partial(model_surfaces.surfaces, power, nx, largest, realisations=range(SURFACES))
             compare("FFM", dimension, hurst, nx, power, lambda seed, batch=batch: batch(seed=seed))
     axis.set(title=f"Fig. 3.10a, H = 0.9, mean of {BATCHES * SURFACES}", xlabel=r"$\rho$ (µm)", ylabel=r"$R(\rho)$")
     axis.legend(frameon=False)
@@ -119,12 +119,12 @@ def filtered(axis):
         theory = model.autocorrelation(distance / ratio)
         axis.plot(distance[near], theory[near], style, c=COLOURS["theory"], label=f"theory, H = {hurst:g}")
         powers = {
-            "PSDM": spectral.psd_power(model, nx, nx // 2 - 1),
-            "FFM": spectral.filter_power(model, nx, nx // 2 - 1),
+            "PSDM": model_surfaces.psd_power(model, nx, nx // 2 - 1),
+            "FFM": model_surfaces.filter_power(model, nx, nx // 2 - 1),
         }
         powers["R * R"] = powers["FFM"] ** 2
         for name, power in powers.items():
-            found = half(statistics.autocorrelation(spectral.surfaces(power, nx, nx // 2 - 1, 7, range(1)))[0])
+            found = half(statistics.autocorrelation(model_surfaces.surfaces(power, nx, nx // 2 - 1, 7, range(1)))[0])
             deviation = np.sqrt(((found - theory)[near] ** 2).mean())
             print(f"  H = {hurst}: {name:6} {deviation:.4f}")
             axis.plot(distance[near], found[near], style, c=COLOURS.get(name, "#CC79A7"), label=name, lw=1)
@@ -176,11 +176,11 @@ def costs():
     print(f"\n{n} profiles of 2^15 points on one core; 20 iterations take", end=" ")
     print(", ".join(f"{value * 1e3:.0f} ms ({solver})" for solver, value in seconds.items()))
     power = asked(1, 0.8, nx)
-    exponential = spectral.filter_power(ExponentialSpectrum(1, 0.8, 0.01), nx, nx // 2 - 1)
+    exponential = model_surfaces.filter_power(ExponentialSpectrum(1, 0.8, 0.01), nx, nx // 2 - 1)
     calls = {
         "self_affine": lambda: self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(n)),
-        "PSDM": lambda: spectral.surfaces(power, nx, nx // 2 - 1, 1, range(n)),
-        "FFM": lambda: spectral.surfaces(exponential, nx, nx // 2 - 1, 1, range(n)),
+        "PSDM": lambda: model_surfaces.surfaces(power, nx, nx // 2 - 1, 1, range(n)),
+        "FFM": lambda: model_surfaces.surfaces(exponential, nx, nx // 2 - 1, 1, range(n)),
         "RMD": lambda: recursion("RMD", 1, 0.8, nx).heights((nx,), 1, range(n)),
         "SRA": lambda: recursion("SRA", 1, 0.8, nx).heights((nx,), 1, range(n)),
     }

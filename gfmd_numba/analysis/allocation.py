@@ -10,11 +10,11 @@ import xarray as xr
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from gfmd_numba.analysis.exponent_posterior import linearised, weighed
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.analysis.gauss_markov import degrees_of_freedom, means_of, pooled_covariance
 from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import inseparable
-from gfmd_numba.analysis.posterior import linearised, weighed
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
 

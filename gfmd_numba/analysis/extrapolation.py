@@ -2,7 +2,7 @@
 
 All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
 possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. What
-is known of the exponents beforehand stands in `theory/exponents.py`, of the other parameters in `laws.py`.
+is known of the exponents beforehand stands in `theory/exponent_ranges.py`, of the other parameters in `laws.py`.
 """
 
 from collections import Counter
@@ -17,12 +17,12 @@ from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
+from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import Rival
-from gfmd_numba.analysis.posterior import Choice, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error

@@ -14,10 +14,17 @@ import numpy as np
 import scipy  # its modules load with their first use
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis.posterior import POWER_OF_WANING, Choice, Means, known_before, linear_influence, misfit_form
+from gfmd_numba.analysis.exponent_posterior import (
+    POWER_OF_WANING,
+    Choice,
+    Means,
+    known_before,
+    linear_influence,
+    misfit_form,
+)
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import has_slope_law
+from gfmd_numba.theory.exponent_ranges import has_slope_law
 
 
 def best_means(values: Reals, covariance: Reals) -> tuple[Reals, Reals]:

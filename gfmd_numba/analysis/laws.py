@@ -14,7 +14,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import has_slope_law
+from gfmd_numba.theory.exponent_ranges import has_slope_law
 
 BOUNDS = (0.1, 5.0)  # of an exponent of which nothing is known
 FREE = (np.nan, np.nan)

@@ -16,12 +16,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
-from gfmd_numba.analysis.posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import exponent_ranges
+from gfmd_numba.theory.exponent_ranges import exponent_ranges
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
 _AT_THE_END = 0.02  # of a range: the 90 % interval of an exponent that the data press begins closer to its end
@@ -54,7 +54,8 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
         if levels is not None and len(levels) < 3 and _free(choices, name):
-            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)})"
+            uncounted = "; 1 does not count, as two nodes do not resolve its shortest wave" if name == "eps_c" else ""
+            lack = f"exponent of {name} needs three levels, has two ({fractions(levels)}{uncounted})"
             return f"{lack}\n{advice([name], groups[0].variable, groups[0].dimension)}"
     return ""
 

@@ -95,6 +95,7 @@ _READ = (
     "case_seconds",
     "nx",
     "dimension",
+    "status",
 )
 
 
@@ -270,10 +271,12 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
     # only complete realisations are fitted: a case that mostly failed would leave hardly any
     dead, poor = n_present == 0, (n_present > 0) & (2 * n_present < n_run)
     kept = ~(dead | poor)
-    for left_out, why in ((dead, "no good realisation"), (poor, "failed in more than half of the realisations")):
+    for left_out, why in ((dead, "no good realisation"), (poor, "good in less than half of the realisations")):
         if left_out.any():
             names = [_named(cases.isel(case=index)) for index in np.flatnonzero(left_out)]
             notes.append(f"left out, {why}: {'; '.join(names)}")
+    if waiting := _unfinished(cases):
+        notes.append(f"{waiting} of {int(asked.sum())} simulations have not run yet: `gfmd run` resumes")
     values, present, asked = values[:, kept], present[:, kept], asked[:, kept]
     some, complete = present.any(axis=1), _complete(values, asked)
     if some.sum() > complete.sum():
@@ -342,6 +345,13 @@ def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:
     if "realisations" not in cases.coords:
         return np.ones(shape, dtype=bool)
     return np.asarray(np.arange(shape[0])[:, None] < cases["realisations"].values)
+
+
+def _unfinished(cases: xr.Dataset) -> int:
+    """Return how many simulations have not run yet."""
+    told = cases["status"].attrs if "status" in cases else {}
+    endings = dict(zip(told.get("flag_meanings", "").split(), told.get("flag_values", ()), strict=True))
+    return int((cases["status"] == endings["unfinished"]).sum()) if "unfinished" in endings else 0
 
 
 def _named(case: xr.Dataset) -> str:

@@ -18,7 +18,7 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.selection import axes
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponents import AT_ONE_LOAD, OF_THE_SLOPE
+from gfmd_numba.theory.exponent_ranges import AT_ONE_LOAD, OF_THE_SLOPE
 from gfmd_numba.theory.persson import contact_area_fraction
 
 _FEWEST = 3  # values of each parameter

@@ -40,14 +40,12 @@ _COORDINATES = {
 
 @cache
 def _types_of(record: type[BaseModel]) -> dict[str, Any]:
-    """Return the types of the fields and properties of a record."""
     properties = {name: value for name, value in vars(record).items() if isinstance(value, property)}
     found = {name: get_type_hints(value.fget)["return"] for name, value in properties.items()}
     return found | get_type_hints(record, include_extras=True)
 
 
 def _records(kind: Any) -> list[Any]:
-    """Return the records that a type allows."""
     if isinstance(kind, type) and issubclass(kind, BaseModel):
         return [kind]
     return [record for each in get_args(kind) for record in _records(each)]

@@ -44,7 +44,7 @@ from gfmd_numba.scene.scene_file import located as located_files
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import ABSENT
-from gfmd_numba.theory.exponents import exponent_ranges, has_slope_law
+from gfmd_numba.theory.exponent_ranges import exponent_ranges, has_slope_law
 
 MOST_CASES = 1_000_000
 _LEVELS = "a mapping with eps_c, eps_f and eps_t, or a `target` like {kappa: 3%}, for which the run chooses levels"
@@ -381,7 +381,6 @@ def _check_files(document: Document, campaign: Campaign) -> None:
 
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
-    """Return the measured surfaces of a scene, by their places."""
     return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
 
 

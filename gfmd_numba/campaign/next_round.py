@@ -26,7 +26,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.limits import MOST, STEP, Level, finer_levels, first_realisations, nodes_of
 from gfmd_numba.campaign.rounds import Round, Rounds, TargetError
-from gfmd_numba.theory.exponents import exponent_ranges
+from gfmd_numba.theory.exponent_ranges import exponent_ranges
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look

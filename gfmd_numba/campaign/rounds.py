@@ -261,7 +261,6 @@ def added(planned: Plan) -> str:
 
 
 def _is_usable(campaign: Campaign, level: dict[str, float]) -> bool:
-    """Return whether a campaign may have a cross level."""
     crossed = _with(campaign, [level])
     try:
         load_campaign(crossed)

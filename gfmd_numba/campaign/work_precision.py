@@ -159,7 +159,6 @@ def study_of(planned: Plan, realisations: int | None = None) -> "Study":
 
 
 def _nodes(problem: Problem) -> int:
-    """Nodes of all loads of a realisation."""
     return problem.surface.nodes * problem.n_loads
 
 

@@ -79,8 +79,10 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         return described, document
 
     described, document = read() if mpi is None else of_the_first(mpi, read)
+    tells = isinstance(described, SceneFile) and (described.path or described.scene.body.plasticity)
+    total = 1 + len(getattr(described, "path", ())) if tells else None
     # warnings are told below, in the words of the file
-    with waiting("solving", _steps(described)) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("solving", total) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
@@ -101,15 +103,6 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         for _, sentence in endings(steps["status"]):
             warn(sentence)
         sys.exit(SOME_FAILED)
-
-
-def _steps(described: SceneFile | BoundaryFile) -> int | None:
-    """Return how many steps a file takes that tell how far they are; None for one that is done at once."""
-    from gfmd_numba.scene import SceneFile
-
-    if not isinstance(described, SceneFile) or not (described.path or described.scene.body.plasticity):
-        return None
-    return 1 + len(described.path)
 
 
 def _with_threads(described: File, document: Document, threads: int | None) -> tuple[File, Document]:

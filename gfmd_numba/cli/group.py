@@ -49,6 +49,8 @@ class _Gfmd(click.Group):
         """Read the options before the name of a command."""
         try:
             return super().make_context(*args, **kwargs)
+        except click.exceptions.NoArgsIsHelpError:  # its message is the help
+            raise
         except click.UsageError as error:
             raise refused(error) from None
 

@@ -63,7 +63,7 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     from the table.
     """
     from gfmd_numba.scene.units import PRESSURE
-    from gfmd_numba.simulate.relaxation_table import fit_relaxation, read_table
+    from gfmd_numba.simulate.prony_fit import fit_relaxation, read_table
 
     table = read_table(file, unit, poissons_ratio)
     for sentence in table.doubts():

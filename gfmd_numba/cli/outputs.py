@@ -36,6 +36,7 @@ def check_output(output: Path, *inputs: Path, suffixes: Sequence[str] = _NETCDF)
         raise InputError.of("--output", f"{output}, which you may not write", "a file that you may write")
     if output.suffix.lower() not in suffixes:
         kind = {".nc": "netCDF file", ".html": "page"}.get(suffixes[0], "picture")
+        kind += " or a table" * (".csv" in suffixes)
         raise InputError.of("--output", output, f"a {kind}, ending in {', '.join(suffixes)}")
     if clause := foreign(output):
         raise InputError.of(

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.work_precision import Point
 
 
-_MOST_EFFECTS = 50
 _OF_A_TARGET = {"until": "--target", "budget": "--budget"}
 _OF_SOME = {
     "error of hysteresis": "hysteresis_error",
@@ -66,9 +65,10 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.file import is_without_levels
+    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.campaign.plan import refused_limits
+    from gfmd_numba.campaign.rounds import pilot_plan
 
     _check_options(target, budget)
     with told_as(_OF_A_TARGET):
@@ -80,11 +80,10 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
-    chosen = is_without_levels(planned.document, planned.campaign)
-    if chosen and goal is None:
-        first = "what follows is the first round; from its results, the run chooses finer levels and more surfaces"
+    if planned.campaign.target is not None and goal is None:
+        said = "what follows is the first round; from its results, the run chooses finer levels and more surfaces"
         bounds = "`gfmd run --budget TIME` bounds what it may take"
-        say("levels", f"{first}; `gfmd plan --target` runs it and tells what comes next; {bounds}", width=14)
+        say("levels", f"{said}; `gfmd plan --target` runs it and tells what comes next; {bounds}", width=14)
     told = dimensions(planned.campaign.scene, planned.campaign.grid)
     if told:
         say("scene", told, width=14)
@@ -96,13 +95,16 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     if goal is not None:
         well = _show_decision(_run_pilot(file, goal, workers), workers)
     else:
-        _show_size(planned, workers)
+        of_file = planned.campaign.target
+        first = planned if of_file is None else pilot_plan(planned, Goal(targets=of_file))
+        _show_size(first, workers)
         if pilot:
-            _show_cost(planned, workers, pilot)
-    for effect in planned.effects[:_MOST_EFFECTS]:
-        say(effect.state, f"{effect.name}: {effect.reason}", width=14)
-    if len(planned.effects) > _MOST_EFFECTS:
-        click.echo(f"              and {len(planned.effects) - _MOST_EFFECTS} more effects of that kind")
+            _show_cost(first, workers, pilot)
+    alike: dict[tuple[str, str], list[str]] = {}
+    for effect in planned.effects:
+        alike.setdefault((effect.state, effect.reason), []).append(effect.name)
+    for (state, reason), names in alike.items():
+        say(state, f"{', '.join(names)}: {reason}", width=14)
     if not well:
         sys.exit(SOME_FAILED)
 

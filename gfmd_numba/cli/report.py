@@ -66,7 +66,6 @@ def _collected(results: Path) -> tuple[Path, Progress | None]:
 
 
 def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None) -> None:
-    """Write the page of a dataset."""
     import jinja2
 
     import gfmd_numba
@@ -97,8 +96,6 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
 
 
 class _Table(NamedTuple):
-    """A table by rows."""
-
     title: str
     headings: list[str]
     rows: list[tuple[str, ...]]
@@ -131,7 +128,6 @@ class _Picture(NamedTuple):
 
 
 def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[_Picture]:
-    """Yield the pictures of the results."""
     import base64
     import io
 
@@ -171,7 +167,6 @@ def _asked(dataset: xr.Dataset) -> str:
 
 
 def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Yield what the results cost."""
     attributes = dataset.attrs
     if "cpu_seconds" in attributes:
         yield "processor time of the contacts", duration(attributes["cpu_seconds"])
@@ -189,6 +184,5 @@ def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
 
 
 def _state(now: Progress) -> str:
-    """Return how far a campaign that runs is."""
     left = "" if now.seconds_left is None else f", about {duration(now.seconds_left)} left"
     return f"{now.campaign} is running: {now.done} of {now.blocks} blocks are done{left}. This page reloads itself."

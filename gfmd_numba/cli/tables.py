@@ -274,8 +274,8 @@ def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float
     if left < digit:  # the rest of the error falls with the square root of time
         price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
     else:
-        price = f"needs finer levels, as the distance beyond these leaves {100 * left:.2g} % open"
-    yield Line("price", f"the next digit, {digit:.2%}, {price}")
+        price = f"needs finer levels: these leave {100 * left:.2g} % open, however many surfaces there are"
+    yield Line("price", f"a tenth of this error, {digit:.2%}, {price}")
 
 
 def of_target(fitted: xr.Dataset, target: float) -> Told:
@@ -297,7 +297,8 @@ def said_of_error(error: float, factor: float) -> str:
     """Return the error after a round and its bound with 90 % probability; an error of nan is unknown."""
     if isnan(error):
         return "without an error"
-    return f"error {error:.2%} (with 90 % probability below {error * factor:.2%})"
+    at_most = f"{error * factor:.2%}"
+    return f"error {error:.2%}" + (f" (with 90 % probability below {at_most})" if at_most != f"{error:.2%}" else "")
 
 
 def _distance(fitted: xr.Dataset, limit: str) -> str:
@@ -540,6 +541,10 @@ def of_steps(dataset: xr.Dataset) -> Told:
     found = dict(column(view, name) for name in shown if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
+    whole = [name for name in _SHOWN_OF_PATHS if name in dataset and not dataset[name].ndim]
+    for name in (each for each in whole if not isnan(float(dataset[each]))):
+        words, number, unit = line(dataset, name)
+        yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
 
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:

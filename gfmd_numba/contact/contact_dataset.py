@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact import branch, flow_measures, law_resolution
+from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
 from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
@@ -333,7 +333,7 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
 
 def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:
     """Means of the sublayers of a body that may flow, and the depths of their middles."""
-    flow, (von_mises, along) = flow_measures.flow_of(contact), flow_measures.stresses(contact)
+    flow, (von_mises, along) = plastic_measures.flow_of(contact), plastic_measures.stresses(contact)
     bottoms = np.cumsum(flow.body.waves.thickness)
     shape = len(bottoms), *contact.heights.shape[1:]
     own = (
@@ -440,14 +440,13 @@ def _add_followed(
     if problem.interface.couples:
         sliding = "tangential displacement of the punch at the largest jump since the last step"
         found["jump_sliding"] = ("height", sliding, followed.jump_sliding)
-    curvature = branch.stability(problem, contact)
+    curvature = jumps.stability(problem, contact)
     if curvature is not None:
         found["stability"] = ("1", "smallest curvature of the energy over that of the bodies alone", curvature)
     step.update({key: units_of(given).variable((), *variable) for key, variable in found.items()})
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
-    """What is recorded along a path."""
     scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
     found = {}
     for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact import branch, plastic_flow, solution, time_steps, two_step
+from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
@@ -55,7 +55,7 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
         divided = (problem.duration > 0.0) + len(problem.path)
     if divided and problem.time_tolerance is not None:
         return partial(time_steps.follow, tolerance=problem.time_tolerance / divided)
-    return branch.follow if problem.path and branch.is_followed(problem) else solution.solve
+    return jumps.follow if problem.path and jumps.is_followed(problem) else solution.solve
 
 
 Measures = dict[str, npt.NDArray[Any]]

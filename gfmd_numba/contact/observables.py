@@ -11,7 +11,7 @@ from gfmd_numba.scene import Scene
 
 _ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
 _OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
-_FLOW = "gfmd_numba.contact.flow_measures"
+_FLOW = "gfmd_numba.contact.plastic_measures"
 _OF_A_LAYER = "it depends on the sublayers, of which limits know nothing"
 # coordinates of what a loading prescribes; the fields of a contact have the short names
 PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}

@@ -17,7 +17,7 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact import solution
-from gfmd_numba.contact.flow_measures import NAME, Flow, equivalent, stresses
+from gfmd_numba.contact.plastic_measures import NAME, Flow, equivalent, stresses
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Contact, State, Tell, relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
@@ -110,7 +110,7 @@ class Mixing:
         self._start = start.strain.reshape(len(start.strain), -1)
         self._weight = np.repeat(np.sqrt(start.body.waves.thickness), self._start.shape[1] // len(start.strain[0]))
         self._changed = np.zeros(self._start.shape[1], dtype=np.bool_)
-        self._found: list[Reals] = []  # at the points that have changed, flat
+        self._found: list[Reals] = []  # beyond the start, at the points that have changed, flat
         self._steps: list[Reals] = []
         self._best: tuple[float, Reals] = np.inf, np.empty(0)
 
@@ -118,8 +118,9 @@ class Mixing:
         """Where to go from a strain that the map has turned into another."""
         here, there = (each.reshape(self._start.shape) for each in (strain, returned))
         self._look_at((there != self._start).any(axis=0) | (here != self._start).any(axis=0))
-        found, weight = there[:, self._changed].ravel(), np.tile(self._weight[self._changed], len(there))
-        step = found - here[:, self._changed].ravel()
+        start, weight = self._start[:, self._changed], np.tile(self._weight[self._changed], len(there))
+        given, found = ((each[:, self._changed] - start).ravel() for each in (here, there))
+        step = found - given
         size = float(np.linalg.norm(weight * step))
         if size > _RISEN * self._best[0]:
             self._found, self._steps, found = [], [], self._best[1]
@@ -130,25 +131,22 @@ class Mixing:
             if len(self._found) > 1:
                 found = anderson.mixed(self._found, self._steps, weight)
         mixed = self._start.copy()
-        mixed[:, self._changed] = found.reshape(len(mixed), -1)
+        mixed[:, self._changed] += found.reshape(len(mixed), -1)
         return mixed.reshape(strain.shape)
 
     def _look_at(self, changed: Flags) -> None:
-        """Keep what is known at more points: strains were those of the start there, and steps nothing."""
+        """Look at more points, where nothing has changed so far."""
         changed |= self._changed
-        old, start = self._changed[changed], self._start[:, changed]
+        old, self._changed = self._changed[changed], changed
+
+        def spread(values: Reals) -> Reals:
+            found = np.zeros((len(self._start), old.size))
+            found[:, old] = values.reshape(len(found), -1)
+            return found.ravel()
+
         if not old.all():
-            self._found = [_put(each, old, start) for each in self._found]
-            self._steps = [_put(each, old, 0.0 * start) for each in self._steps]
-            self._best = self._best[0], _put(self._best[1], old, start)
-            self._changed = changed
-
-
-def _put(values: Reals, places: Flags, around: Reals) -> Reals:
-    """Flat values of each component at some of more points, and what is around."""
-    found = around.copy()
-    found[:, places] = values.reshape(len(found), -1)
-    return found.ravel()
+            self._found, self._steps = ([*map(spread, each)] for each in (self._found, self._steps))
+            self._best = self._best[0], spread(self._best[1])
 
 
 def _nothing_yet(problem: Problem, state: State, largest: float) -> Flow:

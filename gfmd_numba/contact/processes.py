@@ -6,10 +6,10 @@ from typing import ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.flow_measures import PlasticFlow
+from gfmd_numba.contact.plastic_measures import PlasticFlow
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.relaxation import Relaxation
 from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
+from gfmd_numba.contact.viscoelasticity import Relaxation
 from gfmd_numba.elasticity import free_body
 
 
@@ -23,7 +23,7 @@ class Dents:
         """No dent yet."""
         return 0.0
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """The wall is lower where it is dented."""
         return Change(wall=state.memory[self.name])
 
@@ -53,7 +53,7 @@ class Deflection:
             return free_body.displaced(share * given, self.problem.body, self.problem.ends)
         return self.problem.body.response(given.shape[1:]).apply(share * given)
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """Displacements count from the deflected surface."""
         *along, out = state.memory[self.name]
         return Change(out=out[np.newaxis], along=np.asarray(along)[np.newaxis])
@@ -79,7 +79,7 @@ class Wear:
         """Nothing is worn yet."""
         return np.zeros(shape)
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """The wall is lower where it has worn, and yields to the pressure of the step."""
         return Change(wall=state.memory[self.name], yields=self.rate * state.way(step))
 
@@ -101,7 +101,7 @@ class WearBySlip(Wear):
 
     stiffest: float
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """The wall is lower where it has worn, and yields to the pressure of the step."""
         worn, most, last = state.memory[self.name], self.rate * state.way(step), state.last
         yields = max(0.5 * most, most - 1.0 / self.stiffest)

@@ -99,7 +99,6 @@ def reduce(
 
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
-    """What became of the effects that remember the past."""
     asked = {
         "relaxation": scene.creeps or None,
         "wear": scene.interface.wear,

@@ -105,7 +105,6 @@ def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
 
 
 def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
-    """What the bodies and their surfaces are, with a punch or without."""
     yield f"dimension {scene.dimension}", ("scene", "dimension")
     if scene.body.state == "plane_stress":
         yield "plane stress", ("scene", "body", "state")
@@ -223,7 +222,6 @@ def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
 
 
 def _of_touching_nodes(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    """What bounds the tractions of touching nodes, or does not."""
     if _has_hardness(scene, grid):
         yield "hardness", ("scene", "interface", "hard_wall", "hardness")
         if scene.touches_inclined:

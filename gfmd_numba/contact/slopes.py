@@ -215,7 +215,7 @@ class Slopes:
         """What slopes add before there is a contact."""
         return self.untouched
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """Surfaces are closer, nodes are carried along, and tangential tractions bear a part of the load."""
         found: SlopeCorrection = state.memory[self.name]
         carried = (found.shifted - found.since)[np.newaxis] if self.rub else None

@@ -98,7 +98,7 @@ class Process(Protocol):
         """What it remembers before the first step, of heights of a shape (realisation, (y,) x)."""
         ...
 
-    def split(self, state: "State", step: LoadStep) -> Change:
+    def change(self, state: "State", step: LoadStep) -> Change:
         """What it does to a step that begins in a state."""
         ...
 
@@ -148,7 +148,7 @@ class State:
 
     def change(self, step: LoadStep) -> Change:
         """What all processes do to the next step."""
-        return Change.of_all(each.split(self, step) for each in self.processes)
+        return Change.of_all(each.change(self, step) for each in self.processes)
 
     def step_before(self, step: LoadStep) -> LoadStep:
         """The step before the next one; at first no load, and no sliding."""

@@ -13,8 +13,6 @@ from gfmd_numba.scene.form_record import Form
 
 
 class _OnGrid:
-    """A surface on a grid."""
-
     @property
     def shape(self) -> tuple[int, ...]:
         """Shape of the surface, (nx,) or (ny, nx)."""

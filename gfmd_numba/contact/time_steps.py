@@ -15,8 +15,8 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.relaxation import tractions_of
 from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
+from gfmd_numba.contact.viscoelasticity import tractions_of
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status

@@ -12,9 +12,9 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
+from gfmd_numba.elasticity.layers import Stack, Transfer, merged
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.elasticity.stack import Stack, Transfer, merged
 from gfmd_numba.elasticity.stiffness import Compliance, half_space
 from gfmd_numba.fourier import grid
 

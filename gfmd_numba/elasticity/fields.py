@@ -1,7 +1,7 @@
 """Displacement, strain and stress inside a body below its loaded surface, one plane at a time (thesis 2.2, (2.6)).
 
 A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`: along q and z it is that of
-`stack.py`, and across q it is one of shear alone. Both are turned back into the axes x and y. A profile is a map of
+`layers.py`, and across q it is one of shear alone. Both are turned back into the axes x and y. A profile is a map of
 one row, whose waves all go along x. Waves that have died out at a depth are left out there. The Nyquist wave
 k_y = ny/2 is kept as both ny/2 and -ny/2, half of it each. Of the volume one plane at a time is in memory.
 

@@ -1,6 +1,6 @@
 """Stiffness of a half-space, compliances of waves, and what bodies that face each other do, in E*/L_x.
 
-That of a slab, or of layers, is one over the compliance of `stack.py`; `body.ElasticBody` chooses.
+That of a slab, or of layers, is one over the compliance of `layers.py`; `body.ElasticBody` chooses.
 """
 
 from dataclasses import dataclass

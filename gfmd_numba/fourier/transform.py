@@ -267,7 +267,6 @@ class _Blocks:
         team().share(some, -(-columns // _COLUMNS), rows * columns)
 
     def _along_x(self, rows: int, back: bool) -> None:
-        """Transform so many rows along x, or back."""
         while len(self._workers) < team().size:
             self._workers.append(_Worker.of(self._samples, self._waves, self._lines))
 

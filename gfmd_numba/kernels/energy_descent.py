@@ -6,8 +6,6 @@ from moving on; their `weight` is 0.
 
 from typing import NamedTuple
 
-import numpy as np
-
 from gfmd_numba.arrays import Reals
 from gfmd_numba.kernels.compilation import jit
 
@@ -21,71 +19,98 @@ class Unknowns(NamedTuple):
     load: Reals
 
 
-@jit
-def descent_start(
-    unknowns: Unknowns, curvature: Reals, compliance: float, weight: Reals, r: Reals, d: Reals, source: Reals
-) -> None:
-    """Unbalanced traction r of the nodes that may move, their weights, and the first product to precondition.
+class Descent(NamedTuple):
+    """Direction `d` of a Newton step so far, the traction `kd` of the body that restores it, and what is left.
 
-    Where the law stiffens a node, its weight makes its compliance that of law and body in parallel.
+    That is the unbalanced traction `r` of the nodes that may move, and its weighted `source`.
+    """
+
+    d: Reals
+    kd: Reals
+    r: Reals
+    source: Reals
+
+
+@jit
+def descent_start(unknowns: Unknowns, curvature: Reals, compliance: float, weight: Reals, descent: Descent) -> None:
+    """Begin a direction at 0, and weigh the nodes: by E = 1 / (1 + c D) where the law stiffens one by D.
+
+    `compliance` is the part c of that of the body that is taken for a node's own.
     """
     u, ku, wall, load = unknowns
+    d, kd, r, source = descent
     for j in range(u.size):
         force = load[j] - ku[j]
-        d[j] = 0.0
+        d[j] = kd[j] = 0.0
         if u[j] >= wall[j] and force >= 0.0:
             weight[j] = 0.0
             r[j] = 0.0
         else:
-            weight[j] = 1.0 / np.sqrt(1.0 + max(curvature[j], 0.0) * compliance)
+            weight[j] = 1.0 / (1.0 + max(curvature[j], 0.0) * compliance)
             r[j] = force
         source[j] = weight[j] * r[j]
 
 
 @jit
-def descent_norm(r: Reals, weight: Reals, compliant: Reals) -> float:
-    """Square of the unbalanced traction r in the norm of the preconditioner."""
+def descent_norm(r: Reals, weight: Reals, compliance: float, compliant: Reals) -> float:
+    """Precondition the unbalanced traction r, and return its square in that norm.
+
+    With the compliance c + S of the body, of which c is a node's own, that of body and law in parallel is E (c + S E)
+    to the first order in S, or E C E + c E (1 - E). `compliant` is C E r, and is overwritten.
+    """
     total = 0.0
     for j in range(r.size):
-        total += r[j] * weight[j] * compliant[j]
+        compliant[j] = weight[j] * (compliant[j] + compliance * (1.0 - weight[j]) * r[j])
+        total += r[j] * compliant[j]
     return total
 
 
 @jit
-def descent_direction(weight: Reals, compliant: Reals, keep: float, p: Reals, source: Reals) -> None:
+def descent_direction(compliant: Reals, keep: float, p: Reals, source: Reals) -> None:
     """Conjugate direction p, which keeps a share of the last one."""
     for j in range(p.size):
-        p[j] = weight[j] * compliant[j] + keep * p[j]
+        p[j] = compliant[j] + keep * p[j]
         source[j] = p[j]
 
 
 @jit
-def descent_curvature(p: Reals, kp: Reals, curvature: Reals) -> tuple[float, float]:
-    """Second derivative of the energy along p, and the share of the body, whose restoring traction is kp."""
+def descent_curvature(p: Reals, kp: Reals, curvature: Reals, pulled: Reals) -> tuple[float, float]:
+    """Second derivative of the energy along p, and the share of the body, whose restoring traction is kp.
+
+    Fills the traction with which the law restores p, of each displacement alone.
+    """
     law, body = 0.0, 0.0
     for j in range(p.size):
-        law += p[j] * p[j] * curvature[j]
+        pulled[j] = curvature[j] * p[j]
+        law += p[j] * pulled[j]
         body += p[j] * kp[j]
     return law + body, body
 
 
 @jit
-def descent_update(
-    p: Reals, kp: Reals, curvature: Reals, weight: Reals, step: float, d: Reals, r: Reals, source: Reals
-) -> None:
-    """Go a step along p, in the direction d of the Newton step and in what it leaves unbalanced."""
+def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: float, descent: Descent) -> float:
+    """Go a step along p, in the direction of the Newton step and in what it leaves unbalanced; the largest of that."""
+    d, kd, r, source = descent
+    largest = 0.0
     for j in range(p.size):
         d[j] += step * p[j]
+        kd[j] += step * kp[j]
         if weight[j] > 0.0:
-            r[j] -= step * (kp[j] + curvature[j] * p[j])
+            r[j] -= step * (kp[j] + pulled[j])
+            largest = max(largest, abs(r[j]))
         source[j] = weight[j] * r[j]
+    return largest
 
 
 @jit
-def descent_trial(u: Reals, wall: Reals, d: Reals, step: float, source: Reals) -> None:
-    """Displacement a step along d, stopped at the wall."""
+def descent_trial(u: Reals, wall: Reals, d: Reals, step: float, source: Reals) -> bool:
+    """Displacement a step along d, stopped at the wall; whether any is."""
+    stops = False
     for j in range(u.size):
-        source[j] = min(u[j] + step * d[j], wall[j])
+        way = u[j] + step * d[j]
+        stops |= way > wall[j]
+        source[j] = min(way, wall[j])
+    return stops
 
 
 @jit

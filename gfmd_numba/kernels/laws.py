@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.conditions import State
+from gfmd_numba.kernels.contact_conditions import State
 
 
 @jit

@@ -328,7 +328,7 @@ def bounded_step(iterate: Iterate, step: float, load: float, hardness: float, n:
 
 
 @jit
-def damp(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> int:
+def line_search(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) -> int:
     """Go back towards the last pressure, to the least energy on the way, if the energy has increased.
 
     The energy p (punch + gap) / 2 is a parabola between the two, whose slopes at both ends the gaps tell. Return 0 if

@@ -18,7 +18,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier.grid import resample
-from gfmd_numba.roughness import spectral
+from gfmd_numba.roughness import model_surfaces
 from gfmd_numba.roughness.amplitudes import stream
 from gfmd_numba.roughness.generators import Shape, band
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
@@ -98,7 +98,7 @@ class Recursion:
     def power(self, shape: Shape) -> Reals:
         """Mean power that is asked for, a power law with a plateau; `own_power` is that of the recursion."""
         asked = SelfAffineSpectrum(len(shape), self.hurst, self.cut_on, self.roll_off, 1.0)
-        return spectral.psd_power(asked, shape[0], (shape[0] - 1) // 2)
+        return model_surfaces.psd_power(asked, shape[0], (shape[0] - 1) // 2)
 
     def own_power(self) -> Reals:
         """Mean power <|h~(q)|^2> / w^2 `[(n,) n // 2 + 1]` on the n = 2^last points of the last step."""

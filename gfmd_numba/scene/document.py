@@ -130,7 +130,7 @@ def read_document(path: str | Path) -> Document:
     except UnicodeDecodeError as error:
         position = _position_after(raw[: error.start].decode("utf-8"))
         byte = f"the byte 0x{raw[error.start]:02x}"
-        raise InputError(_line(path, position, (), byte, "text in UTF-8")) from None
+        raise InputError(_line(path, position, (), byte, f"text in UTF-8{_unlike_yaml(path)}")) from None
     try:
         loader = _PlainLoader(text)
         loader.name = str(path)
@@ -147,12 +147,22 @@ def read_document(path: str | Path) -> Document:
         elif error.context == "expected a single document in the stream":
             given, allowed = "a second document", "one document per file"
         else:
-            given, allowed = f"text that is not YAML ({problem})", "YAML 1.2"
+            given = f"text that is not YAML ({problem})"
+            allowed = f"YAML 1.2, with a colon and a space after each key{_unlike_yaml(path)}"
         mark = error.problem_mark or error.context_mark
         raise InputError(_line(path, _position(mark) if mark else None, (), given, allowed)) from None
     if data is ABSENT:
         raise InputError(_line(path, (1, 1), (), "an empty file", "a mapping of keys to values"))
+    if not isinstance(data, dict) and _unlike_yaml(path):
+        raise InputError(_line(path, (1, 1), (), "text without keys", f"a mapping of keys{_unlike_yaml(path)}"))
     return Document(path, text, data, loader.positions, loader.key_positions)
+
+
+def _unlike_yaml(path: Path) -> str:
+    """What to do with a file that does not look like one of YAML."""
+    if path.suffix.lower() in ("", ".yaml", ".yml", ".json"):
+        return ""
+    return f"; a table of heights is named by a YAML file, `roughness: {{method: measured, file: {path.name}}}`"
 
 
 class _PlainLoader(yaml.SafeLoader):

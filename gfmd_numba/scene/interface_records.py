@@ -326,8 +326,8 @@ class Interface(BaseModel):
         if not any(law.keeps_apart for law in laws.values()):
             raise broken_rule(
                 (),
-                "hard_wall, cohesive, lennard_jones, or an exponential or power law that repels: something must keep "
-                "the bodies apart",
+                "hard_wall: {}, cohesive, lennard_jones, or an exponential or power law that repels: something must "
+                "keep the bodies apart",
             )
         for name, law in laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:

@@ -65,7 +65,6 @@ class Loading(Controls):
 
 
 def _loads() -> Iterator[tuple[str, Quantity]]:
-    """What may be prescribed with a unit."""
     return ((name, quantity) for name, quantity in quantities(Loading).items() if name in CONTROLS)
 
 

@@ -164,14 +164,14 @@ class Correlated(Spectral):
 class ExponentialCorrelation(Correlated):
     """Exponential correlation model, thesis (3.9) to (3.11)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.spectral:exponential"
+    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:exponential"
     model: Literal["exponential"] = Field(description="Spectrum of the surface")
 
 
 class KCorrelation(Correlated):
     """K-correlation model, thesis (3.12) to (3.14)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.spectral:k_correlation"
+    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:k_correlation"
     model: Literal["k_correlation"] = Field(description="Spectrum of the surface")
 
 
@@ -181,7 +181,7 @@ class LengthAnisotropy(Spectral):
     If both are xi, it is the k_correlation model with the correlation length xi sqrt(2H).
     """
 
-    implementation: ClassVar = "gfmd_numba.roughness.spectral:length_anisotropy"
+    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:length_anisotropy"
     of_maps: ClassVar = True
     model: Literal["length_anisotropy"] = Field(description="Spectrum of the surface")
     hurst: PositiveHurst
@@ -192,7 +192,7 @@ class LengthAnisotropy(Spectral):
 class ScalingAnisotropy(Spectral):
     """K-correlation model of maps with two Hurst exponents and correlation lengths, thesis (3.16)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.spectral:scaling_anisotropy"
+    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:scaling_anisotropy"
     of_maps: ClassVar = True
     model: Literal["scaling_anisotropy"] = Field(description="Spectrum of the surface")
     hurst_x: PositiveHurst

@@ -8,10 +8,10 @@ from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
 from gfmd_numba.contact.contact_input import read_contact, read_loaded_body
+from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
 from gfmd_numba.contact.refusal import check_where
-from gfmd_numba.contact.slabs import solve_in_slabs
 from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import BoundaryFile, Document, SceneFile
 

@@ -379,7 +379,6 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
 
 
 def _load_attributes(curve: LoadCurve) -> dict[str, str]:
-    """Name and unit of what is prescribed."""
     return load_attributes(curve.given.file.scene)[PRESCRIBED.get(curve.prescribed, curve.prescribed)]
 
 

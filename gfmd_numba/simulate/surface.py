@@ -11,7 +11,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_surfaces import usable
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
 from gfmd_numba.scene import Document
@@ -144,7 +144,7 @@ def _add_spectrum(dataset: xr.Dataset, made: Made) -> None:
     dataset["spectral_density"] = ("wavenumber", density, attributes)
     dataset["waves"] = ("wavenumber", waves, cf_attributes("independent waves in the bin"))
     if made.power is not None:
-        even = spectral.periodic_autocorrelation(np.sqrt(made.power), made.heights.shape[-1])
+        even = model_surfaces.periodic_autocorrelation(np.sqrt(made.power), made.heights.shape[-1])
         theory = statistics.spectral_density(even, made.lengths)[1]
         dataset["spectral_density_theory"] = ("wavenumber", theory, attributes)
 
@@ -158,7 +158,7 @@ def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
     dataset["autocorrelation"] = ("distance", found, attributes)
     dataset["height_height_correlation"] = ("distance", 2.0 * variance * (1.0 - found), squares)
     if made.power is not None:
-        periodic = spectral.periodic_autocorrelation(made.power, made.heights.shape[-1])
+        periodic = model_surfaces.periodic_autocorrelation(made.power, made.heights.shape[-1])
         total = periodic.flat[0]
         _, theory = _along_distance(periodic / total, made.lengths)
         dataset["autocorrelation_theory"] = ("distance", theory, attributes)

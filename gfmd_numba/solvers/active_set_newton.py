@@ -101,7 +101,7 @@ class ActiveSetNewton(PressureIterate):
         p, gap = self.pressure[i], self.gap[i]
         self.field.apply(self.compliance, row, source=0)
         kernels.open_gap(self.field.result[i], self.wall[i], n, gap)
-        uphill = 0 if self._last is None else self._last.damp(i, p, gap, n)
+        uphill = 0 if self._last is None else self._last.line_search(i, p, gap, n)
         if self._last is None or not uphill:
             return
         if uphill == UPHILL_FROM_THE_START and self.changed[i] <= _FEW:

@@ -51,7 +51,7 @@ class ConjugateGradients(PressureIterate):
         for i in active:
             p, gap = self.pressure[i], self.gap[i]
             kernels.open_gap(field.result[i], self.wall[i], n, gap)
-            uphill = self._last.damp(i, p, gap, n)
+            uphill = self._last.line_search(i, p, gap, n)
             if uphill:
                 self._search[2, i] = 0.0
             if uphill == UPHILL_FROM_THE_START:

@@ -63,7 +63,7 @@ class PressureIterate:
         return self.certificate.look(self.state, active, n)
 
 
-UPHILL_FROM_THE_START = 2  # of what `kernels.damp` returns
+UPHILL_FROM_THE_START = 2  # of what `kernels.line_search` returns
 
 
 class LastPressure:
@@ -73,10 +73,10 @@ class LastPressure:
         self.pressure, self.gap = np.zeros((2, *pressure.shape))
         self._known = np.zeros(len(pressure), dtype=np.bool_)
 
-    def damp(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:
-        """What `kernels.damp` does and returns for row i; 0 for its first pressure."""
+    def line_search(self, i: int, pressure: Reals, gap: Reals, n: int) -> int:
+        """What `kernels.line_search` does and returns for row i; 0 for its first pressure."""
         if self._known[i]:
-            return int(kernels.damp(pressure, gap, self.pressure[i], self.gap[i], n))
+            return int(kernels.line_search(pressure, gap, self.pressure[i], self.gap[i], n))
         self.remember(i, pressure, gap)
         return 0
 

@@ -124,7 +124,10 @@ def law_energy(interface: Interactions) -> EnergyOfGap | EnergyOfSlip:
     return EnergyOfGap(interface.normal_law or _NOTHING)
 
 
-_LOOSE = 0.1  # largest part of the unbalanced traction that a Newton step may leave unbalanced
+_LOOSE = 0.5  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
+_ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
+_NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
+_OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
@@ -232,10 +235,10 @@ class TruncatedNewton:
         found = u.copy() if self._floats else u
         self.state = kernels.State(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
-        self._drifts = np.zeros(rows, dtype=np.bool_)
-        self._curvature, self._weight, self._unbalanced, self._direction, self._conjugate, self._closing = np.zeros(
-            (6, self._u.shape[1])
-        )
+        self._drifts, self._is_summed = np.zeros((2, rows), dtype=np.bool_)
+        rooms = np.zeros((7, self._u.shape[1]))
+        self._curvature, self._weight, self._unbalanced, self._direction, self._lifted, self._conjugate = rooms[:6]
+        self._closing: Reals = rooms[6]
         for row in np.arange(rows).reshape(-1, 1):
             self._source[row[0]] = self._u[row[0]]
             products.restore(row)
@@ -247,12 +250,20 @@ class TruncatedNewton:
         return self._products.n_transforms + self._coarse_transforms
 
     def residual(self, active: Indices) -> Reals:
-        """Relative violation of the contact conditions `[active]`; costs no transform.
+        """Relative violation of the contact conditions `[active]`, two transforms where it is small enough.
 
-        It is measured by the largest pressure of the wall or traction of the law, whichever is larger.
+        It is measured by the largest pressure of the wall or traction of the law, whichever is larger. A restoring
+        traction that was summed up over steps is made anew before it counts.
         """
         look, n = self.certificate, self.field.n
         found = look.look(self.state, active, n, self._strongest[active])
+        for row in active[(found <= self._target) & self._is_summed[active]].reshape(-1, 1):
+            i = row[0]
+            self._source[i], self._is_summed[i] = self._u[i], False
+            self._products.restore(row)
+            self._restoring[i] += self._result[i] - self._elastic[i]
+            self._elastic[i] = self._result[i]
+            found[active == i] = look.look(self.state, row, n, self._strongest[row])
         if look.rigid_mean is not None:
             drift = look.rigid_mean.violation(self.state.u[:, -1], active, n)
             self._drifts[active] = (drift >= look.worst[active]) | (look.drift[active] >= found)
@@ -273,7 +284,7 @@ class TruncatedNewton:
         of_each, n = diagonal(compliance), self.field.n
         self._compliance = self._products.symbols(compliance)
         on_node = (of_each.sum(axis=0) * grid.multiplicity(self.field.shape[-1])).sum() / n
-        self._node_compliance = float(on_node / len(of_each))
+        self._own_compliance = _OWN * float(on_node / len(of_each))
         self._stiffest = float(response.diagonal.sum(axis=0).max()) + of_law  # or more: it is the trace of each wave
         self._parallel = ParallelLaw.of(of_each, n, self._products.displacement.shape[-1])
 
@@ -352,40 +363,36 @@ class TruncatedNewton:
 
     def _find_direction(self, row: Indices) -> bool:
         """Fill the direction of a row's Newton step; returns whether the energy curves down somewhere along it."""
-        i = row[0]
-        curvature, weight, r = self._curvature, self._weight, self._unbalanced
+        i, curvature, weight, r, own = row[0], self._curvature, self._weight, self._unbalanced, self._own_compliance
         d, p, source, result = self._direction, self._conjugate, self._source[i], self._result[i]
+        pulled, descent = self._closing, kernels.Descent(d, self._lifted, r, source)
         self._fill_curvature(i)
         unknowns = kernels.Unknowns(self._u[i], self._restoring[i], self._ceiling[i], self._load[i])
-        kernels.descent_start(unknowns, curvature, self._node_compliance, weight, r, d, source)
+        kernels.descent_start(unknowns, curvature, own, weight, descent)
         self._split(i)
-        self._comply(row)
-        first = last = kernels.descent_norm(r, weight, result)
-        if not first > 0.0:
-            return False
         p[:] = 0.0
-        kernels.descent_direction(weight, result, 0.0, p, source)
-        tolerance = self._tolerance(i)
+        square, last, gains = min(_LOOSE**2, float(self._residual[i])), np.inf, []
+        enough = _ENOUGH * self._target * max(float(self.certificate.peak[i]), float(self._strongest[i]))
         for _ in range(_INNER_ITERATIONS):
-            self._products.restore(row)
-            curve, elastic = kernels.descent_curvature(p, result, curvature)
-            curve += self._law.add_coupling(self._nodes(p), self._nodes(result))
-            if not curve > _FLAT * elastic:
-                d += last / max(elastic, _FLAT * last) * p
-                return True
-            kernels.descent_update(p, result, curvature, weight, last / curve, d, r, source)
             self._comply(row)
-            norm = kernels.descent_norm(r, weight, result)
-            if not norm > tolerance**2 * first:
+            norm = kernels.descent_norm(r, weight, own, result)
+            if not norm > 0.0:
                 break
-            kernels.descent_direction(weight, result, norm / last, p, source)
+            kernels.descent_direction(result, norm / last, p, source)
             last = norm
+            self._products.restore(row)
+            curve, elastic = kernels.descent_curvature(p, result, curvature, pulled)
+            curve += self._law.add_coupling(self._nodes(p), self._nodes(pulled))
+            if not curve > _FLAT * elastic:
+                kernels.descent_update(p, result, pulled, weight, last / max(elastic, _FLAT * last), descent)
+                return True
+            left = kernels.descent_update(p, result, pulled, weight, last / curve, descent)
+            gains.append(last * last / curve)
+            falls = min(gains[-1] / gains[-2], 1.0) if gains[1:] else 1.0
+            loose = falls * gains[-1] <= square * sum(gains)  # of what the next iteration would gain
+            if left <= enough or (loose and not left < _NEAR * enough):
+                break
         return False
-
-    def _tolerance(self, i: int) -> float:
-        """Part of the unbalanced traction that the next Newton step may leave: the less, the smaller that is."""
-        residual = float(self._residual[i])
-        return max(min(_LOOSE, math.sqrt(residual)), 0.3 * self._target / residual)
 
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""
@@ -396,7 +403,7 @@ class TruncatedNewton:
             step *= _shorter(change, slope)
             if step < _SHORTEST:
                 self._direction[:] = (self._load[i] - self._restoring[i]) / self._stiffest
-                change, slope = self._trial(row, 1.0)
+                change, slope = self._trial(row, 1.0, knows=False)
                 if _decreases(change, slope):
                     self._accept(i)
                 return
@@ -406,15 +413,23 @@ class TruncatedNewton:
             self._accept(i)
             step *= 2.0
 
-    def _trial(self, row: Indices, step: float) -> tuple[float, float]:
-        """Change of a row's energy by a step, and what its slope promises; two transforms."""
+    def _trial(self, row: Indices, step: float, knows: bool = True) -> tuple[float, float]:
+        """Change of a row's energy by a step, and what its slope promises.
+
+        Two transforms, unless it `knows` what restores the direction and no node stops on its way.
+        """
         i = row[0]
         u, trial = self._u[i], self._source[i]
-        kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
+        stops = kernels.descent_trial(u, self._bound[i], self._direction, step, trial)
         if self._yields is not None:  # which stop at the wall from behind
             stopped = self._nodes(trial)[-1]
             np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])
-        self._products.restore(row)
+        self._is_summed[i] = knows and not stops and self._yields is None
+        if self._is_summed[i]:
+            np.multiply(self._lifted, step, out=self._result[i])
+            self._result[i] += self._elastic[i]
+        else:
+            self._products.restore(row)
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], self._closing
         )

@@ -24,7 +24,7 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         "Peak pressure",
     ]
     assert [label.partition("(")[2] for label in labels] == ["", "nm)", "MPa/µm)", "GPa)"]
-    assert [axis.get_yscale() for axis in axes] == ["log", "linear", "log", "log"]
+    assert [axis.get_yscale() for axis in axes] == ["log", "linear", "log", "linear"]
     for axis in axes:
         assert axis.get_xscale() == "log"
         np.testing.assert_allclose(axis.lines[0].get_xdata(), found["mean_pressure"] * 1e-6)

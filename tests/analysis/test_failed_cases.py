@@ -36,11 +36,21 @@ def test_errors_of_incomplete_groups_are_those_of_the_rest_that_had_never_been_r
     np.testing.assert_allclose(few[1], all_of_them[1], rtol=1e-12)
 
 
+def test_simulations_that_have_not_run_yet_are_told_from_those_that_failed():
+    dataset = noisy(campaign(realisations=12), np.random.default_rng(9))
+    partial = fails(dataset, case=2, realisation=slice(6, 12))
+    assert not any("not run yet" in note for note in notes(fit_tfc(partial, fixed=ALPHA)))
+    partial["status"].attrs |= {"flag_values": np.array([0, 5], dtype=np.int8), "flag_meanings": "ok unfinished"}
+    assert f"6 of {partial['status'].size} simulations have not run yet: `gfmd run` resumes" in notes(
+        fit_tfc(partial, fixed=ALPHA)
+    )
+
+
 def test_a_case_that_mostly_failed_is_left_out_by_name():
     dataset = noisy(campaign(cross=CROSS, realisations=12), np.random.default_rng(9))
     fit = fit_tfc(fails(dataset, case=2, realisation=slice(0, 7)), fixed=ALPHA)
     case = "eps_c = 1/8, eps_f = 1/1024, eps_t = 1/2"
-    assert notes(fit) == [f"left out, failed in more than half of the realisations: {case}"]
+    assert notes(fit) == [f"left out, good in less than half of the realisations: {case}"]
     assert (fit["n_cases"], fit["n_realisations"], fit["n_excluded"]) == (12, 12, 7)
     half = fit_tfc(fails(dataset, case=2, realisation=slice(0, 6)), fixed=ALPHA)
     assert (half["n_cases"], half["n_realisations"], half["n_excluded"]) == (13, 6, 6)

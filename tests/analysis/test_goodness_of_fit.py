@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+import scipy
 from scipy.stats import binom
 from scipy.stats import f as f_distribution
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.exponent_posterior import weighed
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
-from gfmd_numba.analysis.posterior import weighed
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, WANING, campaign, noisy
 from support.unseen_slope import of_unseen_slope
@@ -67,6 +68,20 @@ def test_chi2_is_judged_by_the_scatter_of_the_means(exponent):
     limit = np.trace(seen) / contrasts * left * f_distribution.ppf(0.95, left, n - 1)
     assert found == pytest.approx(chi2 / limit, rel=1e-8 if exponent == 1.0 else 1e-2)
     assert found > 1.5
+
+
+def test_of_several_groups_the_one_with_the_fewest_surfaces_says_how_well_scatter_is_known(monkeypatch):
+    draw, seen = np.random.default_rng(0), []
+    both = [
+        groups_to_fit(noisy(campaign(realisations=n), draw, spread=0.1), "kappa", omit_nyquist=True)[0]
+        for n in (20, 90)
+    ]
+    means = [means_of(group, group.values) for group in both]
+    powers = {name: power(name, {each: np.broadcast_to(a, 2) for each, a in ALPHA.items()}) for name in LEVELS}
+    quantile = scipy.special.fdtri
+    monkeypatch.setattr(scipy.special, "fdtri", lambda *given: seen.append(given[1]) or quantile(*given))
+    excess_misfit(both, means, [weighed(means, powers)])
+    assert seen == [19]
 
 
 def test_errors_are_enlarged_and_it_is_said_where_no_law_describes_the_means():

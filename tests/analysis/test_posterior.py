@@ -7,9 +7,9 @@ import pytest
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
+from gfmd_numba.analysis.exponent_posterior import Means, along, shares, weighed
 from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
-from gfmd_numba.analysis.posterior import Means, along, shares, weighed
 from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, REFERENCE, WANING, campaign, noisy
 

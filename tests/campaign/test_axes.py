@@ -112,7 +112,7 @@ def test_a_grid_over_what_the_scene_does_not_have_says_what_to_add(tmp_path, nam
             "work_of_adhesion",
             "[-1, 1]",
             ("{hard_wall: {}, exp", "{exp"),
-            "[1]: you gave 1; gfmd allows hard_wall, cohesive",
+            "[1]: you gave 1; gfmd allows hard_wall: {}, cohesive",
         ),
         ("interaction_range", "[0.1, 0]", (), "[1]: you gave 0; gfmd allows a number from 1e-30 to 1e+30"),
         (

@@ -95,7 +95,7 @@ CAMPAIGNS = {
             "{displacement: 0.1}\nreference: {eps_c: 1/2, eps_f: 1/1024, eps_t: 1/2}\ngrid: {aspect_ratio: [1, .inf]}",
         ),
         "bad.yaml:10:26: grid.aspect_ratio[1]: you gave inf; gfmd allows a finite aspect_ratio, periodic "
-        "false, or loading.reduced",
+        "false, or a pressure",
     ),
     "incompressible axis under displacement with verlet": (
         (

@@ -14,7 +14,8 @@ from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
-from gfmd_numba.campaign.rounds import Round
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.rounds import Round, pilot_plan
 from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.scene import InputError
@@ -138,6 +139,22 @@ def test_no_finer_level_has_a_period_below_its_longest_wave(period, others):
         levels = finer_levels(levels, limit, 4.0)
         assert max(level[2] for level in levels) == max([period, *(level[2] for level in given)])
         limits_around(levels[0], levels[1:])
+
+
+def test_a_level_belongs_to_the_limit_in_which_it_differs_and_to_none_alone_if_there_are_several():
+    reference = (1 / 2, 1 / 64, 1 / 4)
+    levels = {"reference": reference, "eps_f": (1 / 2, 1 / 16, 1 / 4), "cross": (1 / 4, 1 / 16, 1 / 4)}
+    assert {limit: limit_of(reference, level) for limit, level in levels.items()} == {each: each for each in levels}
+
+
+@pytest.mark.parametrize("levels", [3, 18])
+def test_a_pilot_of_many_cases_has_as_many_surfaces_more_as_tell_its_errors(levels):
+    """Eight more than there are cases, and 20 at least."""
+    eps = {"eps_c": 1 / 2, "eps_f": 1 / 64, "eps_t": 1 / 2}
+    given = {"eps_f": [1 / (8 + 2 * i) for i in range(levels)]}
+    piloted = pilot_plan(plan(COARSE | {"reference": eps, "limits": given}), GOAL)
+    assert len(piloted.cases) == levels + 1
+    assert min(case.realisations for case in piloted.cases) == max(20, levels + 1 + 8)
 
 
 @pytest.mark.parametrize(("other", "expected"), [(1 / 2, 1 / 2), (1 / 8, 1 / 8)])

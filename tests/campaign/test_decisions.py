@@ -91,15 +91,29 @@ def test_a_round_is_judged_by_its_worst_group():
 
 def test_laws_are_judged_at_the_worst_step_of_a_path():
     found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS))
-    fitted = fit_tfc(found, fixed=ALPHA)
-    fitted["extrapolation_error"].loc[{"limit": "eps_f"}] = [0.1, 0.05]
-    known = Known(found, EXACT)
-    steps = [_doubts(Fitted(known, fitted.isel(group=[group])), 1)[0] for group in range(2)]
+    fitted, known = fit_tfc(found, fixed=ALPHA).isel(group=[0, 1, 0]), Known(found, EXACT)
+    fitted["extrapolation_error"].loc[{"limit": "eps_f"}] = [0.05, 0.1, 0.02]
+    steps = [_doubts(Fitted(known, fitted.isel(group=[group])), 1)[0] for group in range(3)]
     (path,) = _doubts(Fitted(known, fitted), 1)
-    assert steps[0].size != pytest.approx(steps[1].size, rel=1e-2)
-    worst = max(steps, key=lambda step: step.size)
-    assert path == replace(worst, error=max(step.error for step in steps))
-    assert _doubts(Fitted(known, fitted), 2) == steps
+    assert steps[1].size > 1.01 * max(steps[0].size, steps[2].size)
+    assert path == replace(steps[1], error=max(step.error for step in steps))
+    assert _doubts(Fitted(known, fitted), 3) == steps
+
+
+def test_groups_that_keep_their_levels_aim_at_what_their_laws_leave(monkeypatch):
+    found, seen = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS)), []
+    fitted, known = fit_tfc(found, fixed=ALPHA), Known(found, EXACT)
+    monkeypatch.setattr(next_round, "_decision", lambda state, standing, aim, most: seen.append(aim))
+    eps = zip(*(found[name].values.tolist() for name in ("eps_c", "eps_f", "eps_t")), strict=True)
+    level = list(dict.fromkeys(eps))
+    levels = (tuple(level), tuple(level))
+    first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False, levels=levels)
+    state = Rounds(goal=Goal(targets={"kappa": 0.05}), campaign_sha256="", rounds=(first,))
+    doubts = [_Doubt(0.2, "eps_f", 0.1, 0.2), _Doubt(0.03, "eps_f", 0.03, 0.1)]
+    standing = next_round._Standing(known, fitted, 0.05, judge(known, fitted), doubts, None)
+    finer = (levels[0][:-1], levels[1])  # of the first group
+    assert next_round._for_the_others(state, standing, finer, 1e9) == ({}, 0.0)
+    assert seen == [pytest.approx(0.04)]
 
 
 def test_surfaces_aim_at_what_the_least_known_law_leaves(monkeypatch):
@@ -140,6 +154,9 @@ def test_surfaces_come_first_if_levels_add_more_than_half_of_their_price(of_leve
         for prices in ({"price": 14.0, "target_price": 14.0}, {"price": of_levels})
     )
     assert next_round._is_cheaper(surfaces, levels, spent=10.0) is cheaper
+    assert not next_round._is_cheaper(surfaces.ending("in vain"), levels, spent=10.0)
+    unknown = surfaces.now.model_copy(update={"target_price": None})
+    assert not next_round._is_cheaper(surfaces.model_copy(update={"rounds": (unknown,)}), levels, spent=10.0)
 
 
 def test_a_round_is_a_quarter_dearer_than_all_before():
@@ -149,13 +166,16 @@ def test_a_round_is_a_quarter_dearer_than_all_before():
     assert decided(found, 1.5 * now).price >= 1.25 * known.whole_price(known.held)
 
 
-def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run():
+@pytest.mark.parametrize(("by", "ends"), [(1.0, True), (0.001, False)])
+def test_one_group_that_contradicts_a_fixed_exponent_ends_a_run(by, ends):
+    """By a share of its limit that counts against the target."""
     found = results(campaign((0.3, 0.8), realisations=HELD, cross=CROSS)).assign_attrs(cpu_seconds=1.0)
     fitted = fit_tfc(found, fixed=ALPHA)
-    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, 1.0]
+    fitted["contradiction"].loc[{"limit": "eps_f"}] = [0.0, by]
     first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
-    assert "the levels contradict the fixed eps_f: 0.6" in after(state, [Fitted(Known(found, EXACT), fitted)]).ended
+    ended = after(state, [Fitted(Known(found, EXACT), fitted)]).ended
+    assert ("the levels contradict the fixed eps_f: 0.6" in ended) == ends
 
 
 @pytest.mark.parametrize("rounds", [2, 3])

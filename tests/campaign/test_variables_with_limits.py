@@ -10,7 +10,7 @@ from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.run import run_until
 from gfmd_numba.contact.observables import LIMITED, OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import InputError
-from gfmd_numba.theory.exponents import exponent_ranges
+from gfmd_numba.theory.exponent_ranges import exponent_ranges
 from support.campaigns import campaign
 from support.command_line import refused
 

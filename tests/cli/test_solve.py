@@ -123,3 +123,15 @@ def test_only_a_run_that_has_not_converged_is_told_the_residual_it_found(tmp_pat
     said = unfolded(done.stderr)
     assert f"the run ended as {status.name} after {int(ended['n_iterations'])} iterations" in said
     assert ("iterations at a residual of 3.2e-07: " in said) == (status == Status.steps_used_up)
+
+
+def test_pull_off_and_what_the_whole_path_loses_are_printed_below_its_steps(tmp_path):
+    law = "{hard_wall: {}, exponential: {work_of_adhesion: 0.1, range: 2e-7}}"
+    pulled = SCENE.replace("{hard_wall: {}}", law).replace("{reduced_pressure: 0.05}", "{displacement: -1e-7}")
+    (tmp_path / "scene.yaml").write_text(pulled + "path: [{displacement: 1e-7}, {displacement: -4e-7}]\n")
+    done = gfmd("solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+    result, printed = xr.open_dataset(tmp_path / "out.nc"), unfolded(done.stdout).partition("steps of the path")[2]
+    assert done.exit_code == 0
+    assert result["hysteresis"].dims == ()
+    for name in ("hysteresis", "pull-off pressure"):
+        assert (name in printed) == bool(result[name.replace("-", "_").replace(" ", "_")].notnull())

@@ -43,7 +43,7 @@ def test_it_says_round_by_round_what_was_reached(reached):
     assert "round 0: error" in said
     assert "), the pilot; " in said
     assert "(with 90 % probability below " in said
-    assert "until kappa to 4.00%: reached price the next digit, 0." in said
+    assert "until kappa to 4.00%: reached price a tenth of this error, 0." in said
     assert "plan this campaign again" not in said  # which is what helps where a plan missed its target
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from gfmd_numba import simulate
 from gfmd_numba.arrays.processes import Slab
-from gfmd_numba.contact import slabs
+from gfmd_numba.contact import distributed
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError, load_scene
@@ -34,7 +34,7 @@ def test_each_process_makes_its_rows_of_the_surface_to_the_last_bit(nx, largest,
     surface = RandomSurface(SelfAffineWaves(0.8, 2.0, largest, anisotropy), nx, 7, 2)
     expected = surface.heights(range(3, 4))[0]
     for size in (1, 3):
-        rows = together(size, lambda member: slabs.slab_heights(surface, Slab.of(member, nx), 3))
+        rows = together(size, lambda member: distributed.slab_heights(surface, Slab.of(member, nx), 3))
         np.testing.assert_array_equal(np.concatenate(rows), expected)
 
 

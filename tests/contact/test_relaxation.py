@@ -15,10 +15,10 @@ from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.doubts import FEWEST
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.relaxation import Relaxation
 from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.contact.viscoelasticity import Relaxation
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
@@ -342,7 +342,7 @@ def test_an_elastic_body_has_no_memory_and_pays_nothing(monkeypatch):
     def made(*given):
         raise AssertionError("what a memory alone needs was made")
 
-    for name in ("begin", "split", "advance"):
+    for name in ("begin", "change", "advance"):
         monkeypatch.setattr(Relaxation, name, made)
     monkeypatch.setattr(time_steps, "follow", made)
     elastic = solved(scene(), [{"reduced_pressure": 0.1}])

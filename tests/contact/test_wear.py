@@ -116,7 +116,7 @@ def test_without_wear_nothing_is_remembered(monkeypatch):
     def made(*given):
         raise AssertionError("what wear alone needs was made")
 
-    for name in ("begin", "split", "advance"):
+    for name in ("begin", "change", "advance"):
         monkeypatch.setattr(Wear, name, made)
     whole = scene()
     whole["interface"] = {"hard_wall": {}}

@@ -9,9 +9,9 @@ from inner_fields import NAMES, inside
 
 from gfmd_numba.elasticity import fields, moduli
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.layers import Stack
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.elasticity.stack import Stack
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.dynamics import verlet
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start

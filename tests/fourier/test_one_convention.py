@@ -39,7 +39,7 @@ def test_only_planned_transforms_import_fftw():
         for path in ROOT.glob("fourier/*.py")
         if any("pyfftw" in name for name in transforms(path.read_text()))
     }
-    assert found == {"transform.py", "slabs.py"}
+    assert found == {"transform.py", "distributed.py"}
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import pytest
 
 from gfmd_numba.arrays.processes import Slab
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.slabs import SlabTransform
+from gfmd_numba.fourier.distributed import SlabTransform
 from support.team_of_threads import together
 
 

@@ -246,7 +246,7 @@ path: []
             "{hard_wall: {}}",
             "{exponential: {work_of_adhesion: 0.1, range: 1e-6}}",
             "5:14: scene.interface: you gave {'exponential': {'range': 1e-06, 'work_of_adhesion': 0.1}}; "
-            "gfmd allows hard_wall, cohesive, lennard_jones, or an exponential or power law that repels",
+            "gfmd allows hard_wall: {}, cohesive, lennard_jones, or an exponential or power law that repels",
         ),
         (
             "{hard_wall: {}}",

@@ -5,7 +5,7 @@ import pytest
 import slab_stiffness
 
 import gfmd_numba
-from gfmd_numba.contact.branch import smallest_curvature
+from gfmd_numba.contact.jumps import smallest_curvature
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw

@@ -10,7 +10,7 @@ from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.kernels import Conditions
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.scene_file import load_scene
-from gfmd_numba.solvers.friction.guess import Found, FrictionGuess
+from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # coarse steps and strains are enough here
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}

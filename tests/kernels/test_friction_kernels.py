@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.conditions import tangential_violation
+from gfmd_numba.kernels.contact_conditions import tangential_violation
 from support.kernel_twins import both
 
 ROWS, N, PADDED = 3, 13, 16

@@ -74,7 +74,7 @@ def test_level_takes_the_mean_gap_of_free_nodes(kernel, rng):
     assert approach(p, gap, 0.0, 0, N) == pytest.approx(0.0, abs=1e-15)
 
 
-@pytest.mark.parametrize("kernel", both(kernels.damp))
+@pytest.mark.parametrize("kernel", both(kernels.line_search))
 def test_damp_goes_back_to_the_least_energy_only_from_beyond_twice_the_way(kernel, rng):
     root = rng.normal(size=(N, N))
     matrix, punch = root @ root.T / N, rng.normal(size=N)

@@ -109,7 +109,7 @@ class Relaxation:
         factor = 1.0 + self.modulus * mean
         return factor, self.modulus * (kept * v + (mean - kept) * u) / factor, (kept, mean - kept, 1.0 - mean)
 
-    def split(self, state, step):
+    def change(self, state, step):
         factor, out, _ = self._step(state, step)
         return Change(out=out, factor=factor)
 

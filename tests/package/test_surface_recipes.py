@@ -83,7 +83,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from gfmd_numba.roughness.spectral import ModelWaves
+from gfmd_numba.roughness.model_surfaces import ModelWaves
 
 
 @dataclass(frozen=True)

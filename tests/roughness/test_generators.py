@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
+from gfmd_numba.roughness.model_surfaces import ModelWaves
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.roughness.spectra import (
@@ -17,7 +18,6 @@ from gfmd_numba.roughness.spectra import (
     ScalingAnisotropicSpectrum,
     SelfAffineSpectrum,
 )
-from gfmd_numba.roughness.spectral import ModelWaves
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.simulate.surface import make
 
@@ -82,7 +82,7 @@ def test_the_power_of_theory_is_the_mean_power_of_the_ensemble(generator, dimens
 @pytest.mark.parametrize("plateau", [True, False])
 def test_the_power_of_self_affine_waves_is_that_of_the_spectrum(plateau, dimension):
     model = SelfAffineSpectrum(dimension, 0.3, 1 / 16, 1 / 4, 1.0 if plateau else 1 / 4)
-    expected = spectral.psd_power(model, NX, 16)
+    expected = model_surfaces.psd_power(model, NX, 16)
     found = SelfAffineWaves(0.3, 4, 16, plateau=plateau).power((NX,) * dimension)
     np.testing.assert_allclose(found / found.max(), expected / expected.max(), rtol=1e-12)
     assert statistics.moment_of_power(found, (NX,) * dimension, 0, (1.0,) * dimension) == pytest.approx(1.0)

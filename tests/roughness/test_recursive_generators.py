@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.fourier.grid import resample
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.recursive import Recursion
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
@@ -84,10 +84,10 @@ def test_the_artefact_of_successive_addition_has_its_known_size(hurst, correlati
     The range of the power is that without the last octave, in which it goes on to the value at the shortest wave.
     """
     recursion = Recursion("successive_addition", 1, hurst, 1 / 1024, 1 / 4)
-    asked = spectral.psd_power(SelfAffineSpectrum(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
+    asked = model_surfaces.psd_power(SelfAffineSpectrum(1, hurst, 1 / 1024, 1 / 4, 1.0), 2048, 1023)
     found = recursion.own_power()
     found[0] = 0.0
-    curves = [spectral.periodic_autocorrelation(power, 2048) for power in (found, asked)]
+    curves = [model_surfaces.periodic_autocorrelation(power, 2048) for power in (found, asked)]
     difference = curves[0] / curves[0][0] - curves[1] / curves[1][0]
     assert np.sqrt((difference[:1024] ** 2).mean()) == pytest.approx(correlation, abs=2e-3)
     asked /= 2.0 * asked.sum()  # found has the rms height 1 already

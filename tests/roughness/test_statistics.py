@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 LENGTHS = (2.0, 5.0)
@@ -66,11 +66,11 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
     nx, length, hurst = (4096, 3.0, 0.7) if dimension == 1 else (256, 3.0, 0.7)
     largest = nx // 2 - 1
     model = SelfAffineSpectrum(dimension, hurst, length / (0.9 * largest), length / 4, length)
-    power = spectral.psd_power(model, nx, largest, length)
-    heights = 0.01 * spectral.surfaces(power, nx, largest, 4, range(6))
+    power = model_surfaces.psd_power(model, nx, largest, length)
+    heights = 0.01 * model_surfaces.surfaces(power, nx, largest, 4, range(6))
     lengths = (length,) * dimension
     q, density, waves = statistics.spectral_density(heights, lengths)
-    even = spectral.periodic_autocorrelation(np.sqrt(power), nx)  # a surface of exactly the mean power
+    even = model_surfaces.periodic_autocorrelation(np.sqrt(power), nx)  # a surface of exactly the mean power
     _, expected, _ = statistics.spectral_density(0.01 * even, lengths)
     inside = (q > 1.2 * 2 * np.pi / (length / 4)) & (q < 0.85 * 2 * np.pi / model.cut_on)
     np.testing.assert_allclose(expected[inside], 1e-4 * model.psd(q[inside]), rtol=0.06)  # a bin averages a curve
@@ -85,7 +85,7 @@ def test_a_self_affine_surface_shows_its_spectrum_and_hurst_exponent(dimension):
 
 def test_error_of_the_hurst_exponent_is_the_scatter():
     model = SelfAffineSpectrum(1, 0.5, 1 / 100, 1 / 2, 1.0)
-    heights = spectral.surfaces(spectral.psd_power(model, 256, 100), 256, 100, 9, range(400))
+    heights = model_surfaces.surfaces(model_surfaces.psd_power(model, 256, 100), 256, 100, 9, range(400))
     found = np.array([statistics.hurst_exponent(h, 4 * np.pi, 200 * np.pi) for h in heights])
     assert found[:, 0].std() == pytest.approx(found[0, 1], rel=0.12)
     assert found[:, 0].mean() == pytest.approx(0.5, abs=3.5 * found[0, 1] / 20)
@@ -97,8 +97,8 @@ def test_moments_of_surfaces_are_those_of_their_model(dimension):
     largest = 100
     model = SelfAffineSpectrum(dimension, 0.6, 1 / largest, 1 / 20, 1.0)
     nx = 256
-    heights = spectral.surfaces(
-        spectral.psd_power(model, nx, largest), nx, largest, 2, range(40 if dimension == 1 else 3)
+    heights = model_surfaces.surfaces(
+        model_surfaces.psd_power(model, nx, largest), nx, largest, 2, range(40 if dimension == 1 else 3)
     )
     lengths = (1.0,) * dimension
     moments = []

@@ -58,7 +58,7 @@ FORMS = {
     ),
     "an empty value": (
         ("{hard_wall: {}}", "{hard_wall: }"),
-        "bad.yaml:7:14: scene.interface: you gave {'hard_wall': None}; gfmd allows hard_wall, cohesive, lennard_jones",
+        "bad.yaml:7:14: scene.interface: you gave {'hard_wall': None}; gfmd allows hard_wall: {}, cohesive, ",
     ),
     "a truncated long value": (
         ("solver: auto", "solver: " + 500 * "x"),
@@ -130,7 +130,8 @@ FORMS = {
     ),
     "syntax": (
         ("hurst: 0.8", "hurst: 0.8: 3"),
-        "bad.yaml:5:15: you gave text that is not YAML (mapping values are not allowed here); gfmd allows YAML 1.2",
+        "bad.yaml:5:15: you gave text that is not YAML (mapping values are not allowed here); gfmd allows YAML 1.2, "
+        "with a colon and a space after each key",
     ),
     "unprintable character": (
         ("hurst: 0.8", "hurst: \x07"),

@@ -11,7 +11,7 @@ from gfmd_numba.cli import main
 from gfmd_numba.contact import reduction
 from gfmd_numba.contact.rough_surfaces import random_surface
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.stack import Stack
+from gfmd_numba.elasticity.layers import Stack
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.table import SOLVERS, able
 from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_HARD, TOP, scene

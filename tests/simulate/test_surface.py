@@ -6,7 +6,7 @@ import xarray as xr
 import yaml
 
 from gfmd_numba import make_surface
-from gfmd_numba.roughness import spectral, statistics
+from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import KCorrelationSpectrum
 from gfmd_numba.scene.surface_file import load_surface
 from support.command_line import gfmd
@@ -61,8 +61,8 @@ def test_every_method_and_model_makes_a_surface_of_the_scale_asked_for(surface, 
 def test_the_surface_is_the_generators_scaled_to_its_gradient():
     surface = {"method": "psd", **K_CORRELATION, "rms_gradient": 0.1, "points": 128}
     dataset = make_surface({"surface": surface, "length": 1e-4, "seed": 7, "realisation": 3})
-    power = spectral.psd_power(KCorrelationSpectrum(1, 0.7, 4e-6), 128, 63, 1e-4)
-    heights = spectral.surfaces(power, 128, 63, 7, range(3, 4))
+    power = model_surfaces.psd_power(KCorrelationSpectrum(1, 0.7, 4e-6), 128, 63, 1e-4)
+    heights = model_surfaces.surfaces(power, 128, 63, 7, range(3, 4))
     np.testing.assert_allclose(dataset["height"], statistics.scaled(heights, (1e-4,), None, 0.1)[0], rtol=1e-12)
     assert float(dataset["rms_gradient"]) == pytest.approx(0.1)
 

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from gfmd_numba.contact.plastic_measures import PlasticFlow
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -87,6 +89,29 @@ def test_without_friction_no_tangential_stiffness_and_no_slip_is_ever_made(monke
     rubbing = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
     with pytest.raises(AssertionError, match="friction alone"):
         gfmd_numba.solve({"scene": SCENE | {"interface": rubbing}, "discretisation": eps})
+
+
+def test_without_a_yield_stress_nothing_that_flows_is_ever_made(monkeypatch):
+    """The same transforms with `plasticity` null as without, no sublayer, no memory and no result of a flow."""
+
+    def made(*given):
+        raise AssertionError("what plastic flow alone needs was made")
+
+    monkeypatch.setattr(Sublayers, "__init__", made)
+    monkeypatch.setattr(PlasticFlow, "begin", made)
+    eps = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+    bodies = SCENE["body"], SCENE["body"] | {"plasticity": None}
+    path = [{"reduced_pressure": 0.1}, {"reduced_pressure": 0.01}]
+    found, absent = (
+        gfmd_numba.solve({"scene": SCENE | {"body": body}, "discretisation": eps, "path": path}) for body in bodies
+    )
+    assert found["n_transforms"].values.tolist() == absent["n_transforms"].values.tolist()
+    np.testing.assert_array_equal(found["pressure"], absent["pressure"])
+    of_flow = {"equivalent_plastic_strain", "residual_displacement", "flow_residual", "plastic_volume", "depth"}
+    assert not of_flow & set(found.variables)
+    flows = SCENE["body"] | {"plasticity": {"yield_stress": 0.01}}
+    with pytest.raises(AssertionError, match="plastic flow alone"):
+        gfmd_numba.solve({"scene": SCENE | {"body": flows}, "discretisation": eps})
 
 
 def test_the_hard_wall_of_a_map_has_the_solver_of_hard_walls_and_no_fields_of_other_effects():

@@ -5,7 +5,7 @@ import pytest
 import scipy.linalg
 import slab_stiffness
 
-from gfmd_numba.contact.branch import smallest_curvature
+from gfmd_numba.contact.jumps import smallest_curvature
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw

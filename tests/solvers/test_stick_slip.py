@@ -5,8 +5,8 @@ import pytest
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.solvers.friction.guess import Found, FrictionGuess, middle_slip
-from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess, middle_slip
+from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
 
 N, FRICTION = 64, 0.3

@@ -30,37 +30,37 @@ MUTANTS = [
     ),
     # the quadrature
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "_UNLIKELY = 25.0",
         "_UNLIKELY = 2.0",
         "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "- chi2 / 2.0, fits)",
         "- chi2, fits)",
         "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "start=-2.0 * _log_density(parameters, nodes)",
         "start=np.zeros(len(nodes))",
         "test_posterior.py::test_two_laws_count_by_how_well_each_fits_over_its_ranges",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "_SCATTER = 0.5",
         "_SCATTER = 1.0",
         "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "wanes = {waning, by} <=",
         "wanes = {waning} <=",
         "test_posterior.py::test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "* each + means.of_pairs(limit, each, coefficients)",
         "* each",
         "test_posterior.py::test_a_curve_passes_through_the_fit_of_each_case",
@@ -135,14 +135,14 @@ MUTANTS = [
         "test_error_budget.py::test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to",
     ),
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "np.where(np.isfinite(scatter), 0.0, np.inf)",
         "scatter",
         "test_error_budget.py::test_with_exact_exponents_all_is_sampling_and_interactions",
     ),
     # whether any law fits
     (
-        "posterior.py",
+        "exponent_posterior.py",
         "means.whitener.T @ left @ left",
         "means.whitener.T @ left",
         "test_goodness_of_fit.py::test_interactions_far_larger_than_expected_are_no_misfit_where_cross_levels_tell_them",

@@ -65,7 +65,7 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     with sheet(len(panels), 2, (4.8, 3.2), width, title=title, sharex=True) as (figure, axes):
         for axis, (name, text, natural, logarithmic) in zip(axes, panels, strict=True):
             drawn = _draw(axis, dataset, name, text, natural, factor * over.values)
-            if logarithmic and drawn.size and drawn.min() > 0.0:
+            if logarithmic and drawn.size and 0.0 < 10.0 * drawn.min() < drawn.max():
                 axis.set_yscale("log")
                 log_ticks(axis.yaxis)
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):

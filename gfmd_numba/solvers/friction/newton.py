@@ -9,7 +9,7 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.slip_rate import SlipRateFriction
 from gfmd_numba.interface.vector_slip import length
-from gfmd_numba.solvers.friction.guess import (
+from gfmd_numba.solvers.friction.coulomb_cone import (
     Bound,
     Found,
     FrictionGuess,
@@ -17,7 +17,7 @@ from gfmd_numba.solvers.friction.guess import (
     middle_slip,
     on_coarser_grid,
 )
-from gfmd_numba.solvers.friction.stick_slip import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options

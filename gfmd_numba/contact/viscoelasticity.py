@@ -56,7 +56,7 @@ class Relaxation:
         nothing = np.zeros((1 + len(self.problem.relaxation.moduli), shape[0], components, *shape[1:]))
         return Springs(nothing, nothing, np.zeros(shape[0]))
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """The bodies are stiffer, and their surface has moved to where nothing would press on it.
 
         Under a punch that slides steadily each wave has a stiffness of its own, and nothing else is remembered.

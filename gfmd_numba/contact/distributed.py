@@ -16,12 +16,12 @@ from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.contact.state import NO_CHANGE, Contact, State
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.slabs import SlabTransform
+from gfmd_numba.fourier.distributed import SlabTransform
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.solvers.certificate import pressure_scale
+from gfmd_numba.solvers.distributed_newton import REACH, SlabEquilibrium, halvings, press_slab
 from gfmd_numba.solvers.equilibrium import Equilibrium
-from gfmd_numba.solvers.slab_newton import REACH, SlabEquilibrium, halvings, press_slab
 from gfmd_numba.text.input_error import InputError
 
 

@@ -51,7 +51,7 @@ class PlasticFlow:
         """Nothing has flowed, and how deep it will is not known."""
         return None
 
-    def split(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> Change:
         """The surface has moved by what has flowed."""
         flow: Flow | None = state.memory[NAME]
         return Change(out=None if flow is None else flow.out)

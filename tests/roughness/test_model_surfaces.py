@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from gfmd_numba.roughness import spectral
+from gfmd_numba.roughness import model_surfaces
 from gfmd_numba.roughness.amplitudes import waves
 from gfmd_numba.roughness.spectra import (
     ExponentialSpectrum,
@@ -25,7 +25,7 @@ MODELS = [
     ScalingAnisotropicSpectrum((0.9, 0.4), (0.2, 0.1)),
 ]
 PLATEAU = [SelfAffineSpectrum(d, 0.8, PERIOD / 30, PERIOD / 4, PERIOD) for d in (1, 2)]
-POWERS = {spectral.psd_power: MODELS + PLATEAU, spectral.filter_power: MODELS}
+POWERS = {model_surfaces.psd_power: MODELS + PLATEAU, model_surfaces.filter_power: MODELS}
 CASES = [pytest.param(power, model, id=f"{power.__name__}-{model}") for power, some in POWERS.items() for model in some]
 
 
@@ -34,7 +34,7 @@ def test_ensemble_has_the_spectrum_and_autocorrelation_of_theory(power_of, model
     """Over 200 realisations, within the sampling error, which is known: a wave's power is exponential."""
     n, nx, largest = 200, 64, 31
     power = power_of(model, nx, largest, PERIOD)
-    heights = spectral.surfaces(power, nx, largest, 5, range(n))
+    heights = model_surfaces.surfaces(power, nx, largest, 5, range(n))
     axes = tuple(range(1, heights.ndim))
     measured = abs(np.fft.rfftn(heights, axes=axes, norm="forward")) ** 2
     inside = power > 1e-12 * power.max()
@@ -42,9 +42,9 @@ def test_ensemble_has_the_spectrum_and_autocorrelation_of_theory(power_of, model
     assert abs(score).max() < 5.5
     assert score.std() == pytest.approx(1.0, abs=0.25)
     assert abs(measured[:, ~inside]).max() < 1e-12 * power.max()
-    found = np.array([spectral.periodic_autocorrelation(m, nx) for m in measured])
+    found = np.array([model_surfaces.periodic_autocorrelation(m, nx) for m in measured])
     error = found.std(axis=0, ddof=1) / np.sqrt(n)
-    score = (found.mean(axis=0) - spectral.periodic_autocorrelation(power, nx)) / error
+    score = (found.mean(axis=0) - model_surfaces.periodic_autocorrelation(power, nx)) / error
     assert abs(score).max() < 4.5
     np.testing.assert_allclose(heights.mean(axis=axes), 0.0, atol=1e-14)
 
@@ -54,7 +54,7 @@ def test_filtered_surfaces_have_the_autocorrelation_asked_for(model):
     """At every grid point, up to the mean that is left out; the density method differs by what lies beyond Nyquist."""
     largest = 40
     nx = 2 * largest + 1
-    exact = spectral.periodic_autocorrelation(spectral.filter_power(model, nx, largest, PERIOD), nx)
+    exact = model_surfaces.periodic_autocorrelation(model_surfaces.filter_power(model, nx, largest, PERIOD), nx)
     shift = np.fft.fftfreq(nx) * PERIOD
     if isinstance(model, LengthAnisotropicSpectrum | ScalingAnisotropicSpectrum):
         asked = model.autocorrelation(shift[np.newaxis], shift[:, np.newaxis])
@@ -65,7 +65,9 @@ def test_filtered_surfaces_have_the_autocorrelation_asked_for(model):
 
 @pytest.mark.parametrize(("power_of", "model"), CASES)
 def test_a_finer_grid_samples_the_same_surface(power_of, model):
-    coarse, fine = (spectral.surfaces(power_of(model, nx, 12, PERIOD), nx, 12, 5, range(3, 5)) for nx in (32, 128))
+    coarse, fine = (
+        model_surfaces.surfaces(power_of(model, nx, 12, PERIOD), nx, 12, 5, range(3, 5)) for nx in (32, 128)
+    )
     every = (slice(None),) + (slice(None, None, 4),) * (coarse.ndim - 1)
     np.testing.assert_allclose(fine[every], coarse, atol=1e-12)
 
@@ -80,7 +82,7 @@ def test_more_waves_refine_the_same_surface(dimension):
 
 @pytest.mark.parametrize("nx", [48, 49, 98])
 def test_the_wave_at_the_cut_off_is_kept_in_all_directions(nx):
-    power = spectral.psd_power(SelfAffineSpectrum(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
+    power = model_surfaces.psd_power(SelfAffineSpectrum(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
     assert power[0, 20] == power[20, 0] == power[-20, 0] > 0.0
 
 
@@ -118,7 +120,7 @@ class Broken:
 )
 def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
     with pytest.raises(ValueError, match=message):
-        spectral.psd_power(spectrum, 32, largest)
+        model_surfaces.psd_power(spectrum, 32, largest)
 
 
 @pytest.mark.parametrize(("hurst", "octave", "shortest"), [(0.3, 2.05, 3.08), (0.5, 1.57, 2.47), (0.8, 1.31, 2.18)])
@@ -127,7 +129,7 @@ def test_a_filter_folds_shorter_waves_into_the_last_octave(largest, hurst, octav
     """Its power is that of the spectrum at all k + m (2 largest + 1), and so too large near the shortest wave."""
     model = ExponentialSpectrum(1, hurst, 0.02)
     found, spectrum = (
-        each(model, 2048, largest)[1 : largest + 1] for each in (spectral.filter_power, spectral.psd_power)
+        each(model, 2048, largest)[1 : largest + 1] for each in (model_surfaces.filter_power, model_surfaces.psd_power)
     )
     k = np.arange(1, largest + 1)
     folds = np.arange(-100, 101)[:, np.newaxis] * (2 * largest + 1)
@@ -140,4 +142,4 @@ def test_a_filter_folds_shorter_waves_into_the_last_octave(largest, hurst, octav
 
 def test_a_period_too_short_for_the_correlation_is_refused():
     with pytest.raises(ValueError, match="negative at wave index"):
-        spectral.filter_power(ExponentialSpectrum(1, 0.9, 1.0), 64, 31, 1.0)
+        model_surfaces.filter_power(ExponentialSpectrum(1, 0.9, 1.0), 64, 31, 1.0)

@@ -13,7 +13,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.processes import Slab
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.slabs import SlabTransform
+from gfmd_numba.fourier.distributed import SlabTransform
 from gfmd_numba.solvers.certificate import Certificate
 from gfmd_numba.solvers.iteration import HARD_WALL
 from gfmd_numba.solvers.status import Status

@@ -1,4 +1,4 @@
-"""Compiled contact conditions: the traction nearest to one that the contact allows, and how far it is from that."""
+"""Compiled contact conditions: tractions projected on what a contact allows, as the friction cone, and the misfit."""
 
 from typing import NamedTuple, Self
 

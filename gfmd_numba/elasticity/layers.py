@@ -202,7 +202,7 @@ def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Ma
 
 
 @dataclass(frozen=True)
-class State:
+class StateVector:
     """Displacements U and tractions t on a plane, in units of 2 G q `[component, load, wave]`."""
 
     displacement: Reals
@@ -229,14 +229,14 @@ class Layer:
         """Compliance `[2, 2, wave]` of the top, in 1/(2 G q)."""
         return symmetric(product(self._top_displacement, self._to_loads))
 
-    def state(self, d: Reals, traction: Reals) -> State:
+    def state(self, d: Reals, traction: Reals) -> StateVector:
         """State at d = q depth `[wave]` below the top, from tractions there `[component, load, wave]`."""
         loads = product(self._to_loads, traction)
         thin, k = self._thin, self._k
         found = np.empty((2, 2, 2, len(k)))
         found[..., thin] = self._of_bottom(k[thin] - d[thin], self._below[..., thin])
         found[..., ~thin] = self._of_waves(_decaying(d[~thin]), self._returned(k[~thin], d[~thin]))
-        return State(product(found[0], loads), product(found[1], loads))
+        return StateVector(product(found[0], loads), product(found[1], loads))
 
     def _of_bottom(self, y: Reals, below: Reals) -> Reals:
         """Displacements and tractions at q times a height y above the bottom, for unit tractions there."""
@@ -289,12 +289,12 @@ def half_space(poissons_ratio: float) -> Reals:
     return np.array([[2.0 * (1.0 - nu), lead], [lead, 2.0 * (1.0 - nu)]])[..., np.newaxis]
 
 
-def half_space_state(d: Reals, poissons_ratio: float, traction: Reals) -> State:
+def half_space_state(d: Reals, poissons_ratio: float, traction: Reals) -> StateVector:
     """State at d = q depth in a half-space, from tractions `[component, load, wave]` on its surface."""
     nu = poissons_ratio
     v = np.array([2.0 * (1.0 - nu) * traction[0] - (1.0 - 2.0 * nu) * traction[1], traction[0] - traction[1]])
     v = product(_decaying(d), v)
-    return State(*of_waves(v, np.zeros_like(v), nu))
+    return StateVector(*of_waves(v, np.zeros_like(v), nu))
 
 
 def _decaying(d: Reals) -> Reals:

@@ -15,6 +15,7 @@ from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thi
 from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.plausibility import is_design
 from gfmd_numba.scene import Measured
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
@@ -32,8 +33,8 @@ FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean p
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
 # Nodes: narrower stretches have areas 8 to 33 % too large, for H = 0.3 and 0.8 and p* from 0.002 to 0.1
 NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.1, 0.3
-# contacts of a measured field, unless as much of it touches, or Nayak's parameter is near the 1 of a wave
-FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 1.5
+# contacts of a measured field, unless as much of it touches, or Nayak's parameter is that of waves or noise
+FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
@@ -100,7 +101,8 @@ def _mirrored_load(given: ContactInput) -> str:
 def _few_contacts(given: ContactInput, dataset: xr.Dataset) -> str:
     """Return a warning about a measured surface of which few asperities touch, nothing for others."""
     scene, counts = given.file.scene, dataset["n_segments"]
-    is_rough = bool(given.measured) and "nayak" in dataset and float(dataset["nayak"].max()) > _ROUGH
+    designs = [is_design(surface.heights) for surface in given.measured]
+    is_rough = False in designs and "nayak" in dataset and float(dataset["nayak"].max()) > _ROUGH
     least = float(counts.where(counts > 0).min()) / _copies(given)
     closed = float(dataset["contact_area_fraction_counted"].max()) > _MOSTLY_CLOSED
     if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:

@@ -108,8 +108,10 @@ def periodic_surface(
     heights, replaced = without_spikes(heights) if record.despike else (heights, ())
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
-    signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
     ends = ends_of(periodic, heights.ndim)
+    signs = plausibility.of_field(
+        plausibility.Field(found.heights, heights, sizes, found.units, field.fields == 2.0 and not any(ends))
+    )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()

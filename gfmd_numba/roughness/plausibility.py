@@ -53,13 +53,15 @@ Cause = Literal["top", "bottom", "mark", "stuck"]
 class Field:
     """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
 
-    `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z.
+    `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z. One
+    to be `mirrored` is no period of waves.
     """
 
     as_measured: Reals
     heights: Reals
     lengths: tuple[float, ...]
     units: Mapping[str, str]
+    mirrored: bool = False
 
     def said(self, length: float, axis: str) -> str:
         """Return a length in the user's unit of x or z."""
@@ -228,7 +230,7 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
             "height: filter the waviness out, as ISO 16610-21 does; leave it only if it is to be pressed too"
         )
     together = found.tilt.share + (1.0 - found.tilt.share) * found.curvature.share
-    if not sentences and together > BOTH[heights.ndim]:
+    if not sentences and field.mirrored and together > BOTH[heights.ndim]:
         sentences.append(
             f"a tilt and a curvature make up {_percent(together)} % of the mean square height, as a form does, or "
             "waves longer than the field: detrend: curvature subtracts them; leave them only if they are to be pressed"

@@ -113,5 +113,7 @@ def test_a_form_that_does_not_stand_out_is_told_where_it_is_most_of_the_height(d
     x = np.sum(np.meshgrid(*[np.linspace(-0.5, 0.5, points)] * dimension), axis=0)
     form = x - 1.5 * x**2
     for times, said in ((0.5, False), ({1: 6.0, 2: 3.0}[dimension], True)):
-        found = doubts(rough + times * rough.std() / form.std() * form)
+        heights = rough + times * rough.std() / form.std() * form
+        field = plausibility.Field(heights, heights, (1.0,) * dimension, {"z": "L_x"}, mirrored=True)
+        found = plausibility.of_field(field).sentences
         assert any("make" in each and "% of the mean square height" in each for each in found) == said

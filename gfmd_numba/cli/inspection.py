@@ -159,13 +159,15 @@ def _check_scene(document: Document) -> tuple[str, str]:
     file, document = load_scene(document)
     doubts: list[str] = []
     if _needs_surfaces(file.scene):
-        from gfmd_numba.contact import law_resolution
         from gfmd_numba.contact.contact_input import ContactInput, read_contact, read_loaded_body
+        from gfmd_numba.contact.doubts import of_input
 
         given = read_loaded_body(file, document) if isinstance(file, BoundaryFile) else read_contact(file, document)
-        file, doubts = given.file, [sentence for surface in given.measured for sentence in surface.doubts]
+        file = given.file
         if isinstance(given, ContactInput):
-            doubts += filter(None, [law_resolution.doubt(given.reduced[0], given.file.discretisation)])
+            doubts = of_input(given, given.reduced[0])
+        else:
+            doubts = [sentence for surface in given.measured for sentence in surface.doubts]
     path = () if isinstance(file, BoundaryFile) else file.path
     check_combination(document, file.scene, file.numerics, path)
     doubts = [*implausible(file.scene, path), *doubts]

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import ceil, dist, inf
+from math import ceil, dist, inf, pi, sqrt
 
 import numpy as np
 import xarray as xr
@@ -15,6 +15,7 @@ from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thi
 from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
+from gfmd_numba.scene import Measured
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
@@ -31,6 +32,8 @@ FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean p
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
 # Nodes: narrower stretches have areas 8 to 33 % too large, for H = 0.3 and 0.8 and p* from 0.002 to 0.1
 NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.1, 0.3
+# contacts of a measured field, unless as much of it touches, or Nayak's parameter is near the 1 of a wave
+FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 1.5
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
@@ -42,8 +45,6 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
-    coarse = law_resolution.doubt(problem, given.file.discretisation)
-    of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
     each = (
         _coarse_times,
         _coarse_steps,
@@ -52,6 +53,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _outside_branches,
         _few_nodes,
         _narrow,
+        _few_contacts,
         _at_the_edge,
         _past_asperities,
         _weak_interface,
@@ -60,7 +62,53 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     )
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
-    return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
+    return "\n".join([*of_input(given, problem), *filter(None, (rough, *own, short))])
+
+
+def of_input(given: ContactInput, problem: Problem) -> list[str]:
+    """Reasons to doubt a contact that are known before it is solved: of its surfaces, its load and its grid."""
+    found = [sentence for surface in given.measured for sentence in surface.doubts]
+    coarse = law_resolution.doubt(problem, given.file.discretisation)
+    return [*found, *filter(None, (_mirrored_load(given), coarse))]
+
+
+def _copies(given: ContactInput) -> int:
+    """How often a mirrored field is in its period, 1 if not all surfaces are mirrored."""
+    surfaces = given.file.scene.surfaces.values()
+    mirrored = all(isinstance(each, Measured) and each.periodic == "mirror" for each in surfaces)
+    return 2**given.file.scene.dimension if surfaces and mirrored else 1
+
+
+def _mirrored_load(given: ContactInput) -> str:
+    """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
+    scene = given.file.scene
+    unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
+    if scene.length is None or unit is None or _copies(given) == 1:
+        return ""
+    side, there = (
+        with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
+    )
+    period, nominal = (
+        (f"{side} x {side}", "1 MPa for 1 N on 1 mm^2") if unit == "N" else (side, "1 kPa for 1 N/m on 1 mm")
+    )
+    return (
+        f"a {scene.loading.control} acts on the mirrored period of {period}: 1 {unit} makes {there} there; if yours "
+        f"acts on a field of another size, give a pressure, {nominal}"
+    )
+
+
+def _few_contacts(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a measured surface of which few asperities touch, nothing for others."""
+    scene, counts = given.file.scene, dataset["n_segments"]
+    is_rough = bool(given.measured) and "nayak" in dataset and float(dataset["nayak"].max()) > _ROUGH
+    least = float(counts.where(counts > 0).min()) / _copies(given)
+    closed = float(dataset["contact_area_fraction_counted"].max()) > _MOSTLY_CLOSED
+    if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:
+        return ""
+    return (
+        f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
+        "conductance and leakage would differ by tens of per cent, so measure a larger one, or several"
+    )
 
 
 def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
@@ -155,7 +203,8 @@ def _narrow(given: ContactInput, dataset: xr.Dataset) -> str:
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     width = float(_mean_width(dataset, tuple(dataset.sizes[dim] for dim in nodes)).min())
-    uncertain = float((dataset["contact_area_fraction_error"] / dataset["contact_area_fraction"]).max())
+    # of maps unknown
+    uncertain = float((dataset["contact_area_fraction_error"] / dataset["contact_area_fraction"]).fillna(0.0).max())
     off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
     if not off > LEAST_OFF:
         return ""
@@ -233,7 +282,10 @@ def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
 
 def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], list[float]]:
     """Times in s for which loads act, of all steps and of dwells under the same load, and speeds of passing punches."""
-    times, dwells, speeds, held, before = [], [], [], 0.0, None
+    times: list[float] = []
+    dwells: list[float] = []
+    speeds: list[float] = []
+    held, before = 0.0, None
     for scene, sliding in given.steps:
         loading, duration = scene.loading, scene.loading.duration or 0.0
         now = getattr(loading, loading.control), sliding
@@ -319,8 +371,9 @@ def _distance_of_peaks(dataset: xr.Dataset) -> float:
     Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
     """
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
-    return 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    profile_gradient = float(dataset["rms_gradient"].max()) / sqrt(len(nodes))
+    wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
+    return 2.0 * pi * wide / profile_gradient
 
 
 def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:

@@ -14,12 +14,13 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
-from gfmd_numba.scene.units import length_unit
+from gfmd_numba.scene.units import PERIOD, length_unit
 
 BLANKS = r"\s+"
 _LOOKED_AT = 200  # rows that decide the layout
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
-_WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*{1,3})", re.IGNORECASE)
+_LONGEST_MARK = 32  # characters of a mark like -----
+_WORD = re.compile(rf"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|[-*]{{1,{_LONGEST_MARK}}})", re.IGNORECASE)
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
@@ -37,9 +38,19 @@ _OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\
 _ENTRY = re.compile(
     r"\W*((?P<axis>[xyz]|heights?|values?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
 )
+_POINTS = r"(?:pixel|point|sampl\w*)[\s_-]*(?:size|width|height|spacing|pitch|distance|step|interval)"
+_POINTS += r"|(?:lateral[\s_-]*)?(?:spacing|pitch|calibration)"
+_AMOUNT = r"(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?"
+_SIZE = re.compile(
+    rf"(?:(?P<axis>xy|[xy])[\s_-]*)?(?:(?P<points>{_POINTS})|width|height|(?:scan|field|image)?[\s_-]*size)"
+    rf"(?:[\s_-]*(?P<after>xy|[xy]))?\s+(?:(?P<before>[^\W\d]+)\s+)?(?P<x>{_AMOUNT})(?:\s*(?P<unit>[^\W\dx]\w*))?"
+    rf"(?:\s*[x×*]\s*(?P<y>{_AMOUNT})\s*(?P<other>[^\W\d]+))?(?:/p\w+)?(?=\s|$)",
+    re.IGNORECASE,
+)
+_SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_MISSING = ["-", "--", "---", "*", "**", "***", "Bad", "BAD", "bad"]  # in addition to what pandas knows
+_MISSING = ["Bad", "BAD", "bad"] + [mark * n for mark in "-*" for n in range(1, _LONGEST_MARK + 1)]
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -180,12 +191,48 @@ def axis_units(header: list[str]) -> dict[str, str]:
     return {}
 
 
+class Size(NamedTuple):
+    """What the header says of an axis: a number with its unit of length, of one point or of the whole field."""
+
+    number: float
+    unit: str
+    of_points: bool
+
+    def of_field(self, n: int) -> float:
+        """Size of a field of n points, in the unit."""
+        return n * self.number if self.of_points else self.number
+
+
+def stated_sizes(header: list[str]) -> dict[str, Size]:
+    """Sizes of points or of the field along x and y, as the header states them; those of points come first.
+
+    A height alone may be one of anything: it is that of the field next to a width.
+    """
+    found: dict[str, Size] = {}
+    for line in header:
+        entry = _SIZE.match(" ".join(filter(None, _SPLIT.split(line))))
+        units = (length_unit(each) for each in entry.group("other", "unit", "before") if each) if entry else ()
+        unit = next(filter(None, units), None)
+        if entry is None or unit is None or unit == PERIOD:
+            continue
+        named = re.search("w(?=idth)|h(?=eight)", entry[0], re.IGNORECASE)
+        axes = entry["axis"] or entry["after"] or ("xy" if named is None else "xy"[named[0] in "hH"])
+        amounts = (float(each.replace(",", ".")) for each in (entry["x"], entry["y"] or entry["x"]))
+        sizes = {axis: Size(amount, unit, bool(entry["points"])) for axis, amount in zip("xy", amounts, strict=True)}
+        if not (entry["points"] or entry["y"] or len(axes) == 1):
+            axes = "x"  # of a square, or the longer side: the other follows from the numbers of points
+        new = {axis: sizes[axis] for axis in axes.lower() if sizes[axis].number > 0.0}
+        found = found | new if entry["points"] else new | found
+    return found if "x" in found else {}
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
-    name units of positions along a map, `axis_units`. `line` is that of the first row, counted from 1.
+    name units of positions along a map, `axis_units`, and `sizes` along x and y. `line` is that of the first row,
+    counted from 1.
     """
 
     values: Reals
@@ -193,6 +240,7 @@ class Table:
     done: tuple[str, ...] = ()
     axis_units: Mapping[str, str] = field(default_factory=dict)
     line: int = 1
+    sizes: Mapping[str, Size] = field(default_factory=dict)
 
 
 class Rows(NamedTuple):
@@ -222,7 +270,7 @@ def read_table(path: Path) -> Table:
     if values.shape[1] == 2 and heights_first(header):
         values, units = values[:, ::-1], units[::-1]
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
-    return Table(values, units, done, axis_units(header), lines[0])
+    return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
 
 
 def read_rows(path: Path) -> Rows:

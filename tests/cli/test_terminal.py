@@ -39,7 +39,7 @@ leakage steps.nc
 plan campaign.yaml --pilot=0.1
 plan campaign.yaml --target=3% --workers=0
 plot small
-relaxation dma.csv
+relaxation dma.csv --unit=Pa
 report small
 report contact.nc
 run broken.yaml --workers=0

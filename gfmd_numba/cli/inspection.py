@@ -9,6 +9,7 @@ import time
 from collections.abc import Set
 from importlib.resources import files
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,7 +17,7 @@ import click
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.tables import dimensions
-from gfmd_numba.cli.terminal import say, waiting, warn
+from gfmd_numba.cli.terminal import COLUMNS, say, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import counted
 from gfmd_numba.text.printable import printable, word
@@ -74,8 +75,10 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     def told(modulus: float) -> str:
         return f"{PRESSURE.in_unit(modulus, table.unit):.6g} {table.unit}"
 
-    click.echo(f"  # {printable(file)}: {table.frequency.size} frequencies, {span}; rms misfit {found.misfit:.2%}")
-    click.echo(f"  # read {printable(table.read)}")
+    fitted = f"{printable(file)}: {table.frequency.size} frequencies, {span}; rms misfit {found.misfit:.2%}"
+    for sentence in (fitted, f"read {printable(table.read)}"):
+        for line in wrap(sentence, COLUMNS - 4, break_long_words=False, break_on_hyphens=False):
+            click.echo(f"  # {line}")
     click.echo(f"  body:\n    youngs_modulus: {told(found.youngs_modulus)}")
     nu = "# poissons_ratio: 0.5   # not in the table" if poissons_ratio is None else f"poissons_ratio: {poissons_ratio}"
     click.echo(f"    {nu}\n    relaxation:")

@@ -255,7 +255,7 @@ def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
     told = []
     if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
         told.append(
-            f"after some {longest:.2g} s this body is fully relaxed, and the load acts for {max(times):.3g} s: if it "
+            f"after some {longest:.2g} s this body is fully relaxed, and the load acts for {max(times):.4g} s: if it "
             f"should still relax then, measure frequencies below {_hertz(longest)}"
         )
     if min(dwells, default=inf) < shortest / FAR_FROM_BRANCHES:
@@ -307,7 +307,7 @@ def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], li
 
 def _hertz(time: float) -> str:
     """Frequency at which a relaxation time dissipates most."""
-    return f"{1.0 / (2.0 * np.pi * time):.2g} Hz"
+    return f"{1.0 / (2.0 * np.pi * time):.3g} Hz"
 
 
 def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:

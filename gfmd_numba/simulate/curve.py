@@ -288,7 +288,9 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
         values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
-    hardest = sorted(range(len(counted)), key=lambda i: -float(counted[i]["peak_pressure"]))
+    # under one load the softest body strains most
+    most = "contact_area_fraction" if curve.prescribed in _TITLES else "peak_pressure"
+    hardest = sorted(range(len(counted)), key=lambda i: -float(counted[i][most]))
     attributes = counted[hardest[0]].attrs
     validities = [(curve.loads[i % columns], counted[i].attrs.get("validity", "")) for i in hardest]
     if said := _of_all(validities, _load_attributes(curve)["units"].removeprefix("1")):

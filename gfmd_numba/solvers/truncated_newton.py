@@ -124,7 +124,7 @@ def law_energy(interface: Interactions) -> EnergyOfGap | EnergyOfSlip:
     return EnergyOfGap(interface.normal_law or _NOTHING)
 
 
-_LOOSE = 0.5  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
+_LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
 _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
 _OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too

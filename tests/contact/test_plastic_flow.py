@@ -102,7 +102,7 @@ def test_first_yield_of_a_ball_is_where_johnson_has_it(capsys):
 
 @pytest.mark.long
 def test_a_sinusoid_flows_as_finite_elements_do(capsys):
-    elements(((32, 24),))
+    elements(((32, 24),), (0.0,), ())
     told = capsys.readouterr().out
     for name in ("peak pressure", "from the middle", "largest plastic strain"):
         assert abs(float(told.split(f"{name} ")[1].split("%")[0])) < 1.0

@@ -107,9 +107,9 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the
     flow through a node over the mean flow of all nodes. `flow_residual` is the relative difference of the flow by
     outlet and by dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap
-    is not-a-number. The attribute `validity` names factors above 1, and those that differ much by direction. Raises
-    UnusableDataError for a profile, a dataset without these fields, a run that is not ok, or more nodes than memory
-    takes.
+    is not-a-number. The attribute `validity` names the doubts of the contact, factors above 1, and those that differ
+    much by direction. Raises UnusableDataError for a profile, a dataset without these fields, a run that is not ok, or
+    more nodes than memory takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
     around = goes_around(dataset)
@@ -141,7 +141,8 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     }
     for name, (long_name, unit) in described.items():
         result[name].attrs = {"long_name": long_name, "units": unit}
-    result.attrs["validity"] = "\n".join(_doubts(result["flow_factor"]))
+    of_contact = filter(None, [dataset.attrs.get("validity")])
+    result.attrs["validity"] = "\n".join([*of_contact, *_doubts(result["flow_factor"])])
     return result
 
 

@@ -28,6 +28,7 @@ from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collect
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
 from gfmd_numba.cli.tables import (
+    columns_of_measures,
     endings,
     named,
     of_contact,
@@ -309,7 +310,7 @@ _files_option = click.option(
     "-o",
     "--output",
     type=NEW_FILE,
-    help="netCDF file to write, with a picture (.png) of the same name",
+    help="netCDF file to write, with a picture (.png) and for a path a table (.csv) of the same name",
 )
 
 
@@ -328,11 +329,10 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
-    from gfmd_numba.campaign.results import read_results
 
     picture = companion(output, "picture", ".png")
     check_output(output, file)
-    contact = read_results(file)
+    contact = _contact(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
     planes = [place(contact, "plane", given) for given in plane] or None
     with told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
@@ -395,24 +395,40 @@ def conductance(file: Path, output: Path | None, as_json: bool) -> None:
     _measure(file, output, contact_conductance, "computing the current", as_json)
 
 
+def _contact(file: Path) -> xr.Dataset:
+    """Return the contact in a file; raises InputError for a curve, which has no fields."""
+    from gfmd_numba.campaign.results import read_results
+
+    found = read_results(file)
+    if "prescribed" in found.attrs:
+        what = f"{file}, a curve, which has no fields"
+        told = "what `gfmd solve` leaves of a scene that has these loads in its `path`, like [{pressure: 2 MPa}]"
+        raise InputError.of("FILE", what, told)
+    return found
+
+
 def _measure(
     file: Path, output: Path | None, compute: Callable[[xr.Dataset], xr.Dataset], doing: str, as_json: bool = False
 ) -> None:
     """Compute something of the contact in a file, write and draw it if an output is given, and print its numbers."""
     from pydantic_core import to_jsonable_python
 
-    from gfmd_numba.campaign.results import read_results
+    from gfmd_numba.storage.atomic_file import write_table
 
     picture = None if output is None else companion(output, "picture", ".png")
     if output is not None:
         check_output(output, file)
-    contact = read_results(file)
+    contact = _contact(file)
+    table = companion(output, "table", ".csv") if output is not None and "step" in contact.dims else None
     with told_as({"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None and picture is not None:
         write(output, dataset, err=as_json)
         for path, drawing in pictures(dataset, None, picture).items():
             write_picture(path, drawing, err=as_json)
+    if table is not None:
+        write_table(table, columns_of_measures(dataset))
+        say_written("table", table, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
         found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)

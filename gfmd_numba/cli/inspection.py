@@ -9,6 +9,7 @@ import time
 from collections.abc import Set
 from importlib.resources import files
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -16,7 +17,7 @@ import click
 from gfmd_numba.cli.arguments import NEW_FILE, file_argument
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.tables import dimensions
-from gfmd_numba.cli.terminal import say, waiting, warn
+from gfmd_numba.cli.terminal import COLUMNS, say, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import counted
 from gfmd_numba.text.printable import printable, word
@@ -53,22 +54,38 @@ def check(file: Path) -> None:
 
 @main.command()
 @file_argument
-@click.option("--unit", default="Pa", show_default=True, help="Unit of the moduli, like MPa")
-def relaxation(file: Path, unit: str) -> None:
+@click.option("--unit", help="Unit of the moduli, like MPa, if the header of FILE states none")
+@click.option("--poissons-ratio", type=float, help="Poisson's ratio of the body; moduli of shear (G') need it")
+def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> None:
     """Fit the relaxation of a body to a table of dynamic mechanical analysis (DMA).
 
-    FILE is a text file of three columns: frequency in Hz, storage modulus and loss modulus. The command prints the keys
-    `youngs_modulus` and `relaxation` of a body, and how far the fit is from the table.
+    FILE is a text file. Its header names the columns, like `f [Hz]; E' [MPa]; tan delta`; without names, they are
+    frequency in Hz, storage modulus and loss modulus. The command prints the `body` of a scene, and how far the fit is
+    from the table.
     """
+    from gfmd_numba.scene.units import PRESSURE
     from gfmd_numba.simulate.prony_fit import fit_relaxation, read_table
 
-    frequency, storage, loss = read_table(file, unit)
-    found = fit_relaxation(frequency, storage, loss)
-    span = f"{frequency[0]:g} to {frequency[-1]:g} Hz"
-    click.echo(f"# of {printable(file)}: {frequency.size} frequencies from {span}, rms misfit {found.misfit:.2%}")
-    click.echo(f"youngs_modulus: {found.youngs_modulus:.6g} Pa\nrelaxation:")
+    table = read_table(file, unit, poissons_ratio)
+    for sentence in table.doubts():
+        warn(sentence)
+    found = fit_relaxation(table)
+    span = f"{table.frequency[0]:g} to {table.frequency[-1]:g} Hz"
+
+    def told(modulus: float) -> str:
+        return f"{PRESSURE.in_unit(modulus, table.unit):.6g} {table.unit}"
+
+    fitted = f"{printable(file)}: {table.frequency.size} frequencies, {span}; rms misfit {found.misfit:.2%}"
+    for sentence in (fitted, f"read {printable(table.read)}"):
+        for line in wrap(sentence, COLUMNS - 4, break_long_words=False, break_on_hyphens=False):
+            click.echo(f"  # {line}")
+    click.echo(f"  body:\n    youngs_modulus: {told(found.youngs_modulus)}")
+    nu = "# poissons_ratio: 0.5   # not in the table" if poissons_ratio is None else f"poissons_ratio: {poissons_ratio}"
+    click.echo(f"    {nu}\n    relaxation:")
     for modulus, decay in zip(found.series.moduli, found.series.times, strict=True):
-        click.echo(f"  - {{modulus: {modulus * found.youngs_modulus:.6g} Pa, time: {decay:.6g} s}}")
+        click.echo(f"      - {{modulus: {told(modulus * found.youngs_modulus)}, time: {decay:.6g} s}}")
+    if found.doubt:
+        warn(found.doubt)
 
 
 def _describes_jobs(keys: Set[object]) -> bool:
@@ -145,13 +162,15 @@ def _check_scene(document: Document) -> tuple[str, str]:
     file, document = load_scene(document)
     doubts: list[str] = []
     if _needs_surfaces(file.scene):
-        from gfmd_numba.contact import law_resolution
         from gfmd_numba.contact.contact_input import ContactInput, read_contact, read_loaded_body
+        from gfmd_numba.contact.doubts import of_input
 
         given = read_loaded_body(file, document) if isinstance(file, BoundaryFile) else read_contact(file, document)
-        file, doubts = given.file, [sentence for surface in given.measured for sentence in surface.doubts]
+        file = given.file
         if isinstance(given, ContactInput):
-            doubts += filter(None, [law_resolution.doubt(given.reduced[0], given.file.discretisation)])
+            doubts = of_input(given, given.reduced[0])
+        else:
+            doubts = [sentence for surface in given.measured for sentence in surface.doubts]
     path = () if isinstance(file, BoundaryFile) else file.path
     check_combination(document, file.scene, file.numerics, path)
     doubts = [*implausible(file.scene, path), *doubts]

@@ -34,6 +34,7 @@ _WORDS = {  # of variables whose names are no words
     "hysteretic_friction_error": "error of friction",
     "pull_off_pressure": "pull-off pressure",
 }
+_SECANT = "secant_stiffness"  # since the step before
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
 _IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
@@ -107,17 +108,19 @@ def unit(dataset: xr.Dataset, name: str) -> str:
 
     pressure, length = _units(dataset, "mean_pressure", "E*"), _units(dataset, "mean_gap", "L_x")
     row = (OBSERVABLES | PATH_OBSERVABLES).get(name)
-    kind = "height" if name in _LENGTHS else name if row is None else row.unit
+    kind = name if row is None else row.unit
     in_si = (pressure, length) == ("Pa", "m")
+    stiffness = "Pa m-1" if in_si else f"{pressure}/{length}"
     found = {
-        "contact_stiffness": "Pa m-1" if in_si else f"{pressure}/{length}",
+        "contact_stiffness": stiffness,
+        _SECANT: stiffness,
         "energy": "J m-2" if in_si else f"{pressure} {length}",
         "speed": "m s-1" if length == "m" else f"{length}/s",
         "pressure": pressure,
         "height": length,
         "length": length,
     }
-    return found[kind] if kind in found else _units(dataset, name, "")
+    return found[kind] if kind in found else _units(dataset, name, "L_x" if name in _LENGTHS else "")
 
 
 def _units(dataset: xr.Dataset, name: str, free: str) -> str:
@@ -537,7 +540,7 @@ def of_steps(dataset: xr.Dataset) -> Told:
     view, nothing = _with_meaning(_with_stiffness(dataset))
     prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
-    shown = (*_SHOWN[:_AFTER], "contact_stiffness", *_SHOWN[_AFTER:])
+    shown = (*_SHOWN[:_AFTER], _SECANT, *_SHOWN[_AFTER:])
     found = dict(column(view, name) for name in shown if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
@@ -559,7 +562,7 @@ def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
         return dataset
     between = contact_stiffness(dataset)["stiffness"].values
     since = np.append(np.nan, np.where(np.isfinite(between), between, np.nan))
-    return dataset.assign(contact_stiffness=("step", since))
+    return dataset.assign({_SECANT: ("step", since)})
 
 
 def of_curve(dataset: xr.Dataset) -> Told:
@@ -607,10 +610,27 @@ def of_measures(dataset: xr.Dataset) -> Told:
     shown = (name for name in _MEASURES if name in dataset and name not in nothing)
     cells = {words: values for name in shown for words, values in _measured(dataset, name)}
     if "step" in dataset.dims:
-        yield Table("steps of the path", {"step": [str(step) for step in range(dataset.sizes["step"])]}, cells)
+        steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
+        yield Table("steps of the path", steps | dict(column(dataset, name) for name in _loads(dataset)), cells)
         return
     for words, (value,) in cells.items():
         yield Line(words, value, _WIDE + 4)
+
+
+def columns_of_measures(dataset: xr.Dataset) -> dict[str, list[object]]:
+    """Return what was prescribed at each step of a path and measured of it, by name, direction and unit."""
+    parts = [(name, dataset[name]) for name in _loads(dataset)]
+    for name in (name for name in _MEASURES if name in dataset):
+        along = (
+            [str(each) for each in dataset[name].get_index("direction")] if "direction" in dataset[name].dims else []
+        )
+        parts += [(f"{name}_{each}", dataset[name].sel(direction=each)) for each in along] or [(name, dataset[name])]
+    return {f"{name} ({part.attrs.get('units', '1')})": part.values.tolist() for name, part in parts}
+
+
+def _loads(dataset: xr.Dataset) -> list[str]:
+    """Return the names of what the steps of a path prescribe."""
+    return [name for name in _PRESCRIBED if name in dataset.coords and dataset[name].dims and dataset[name].any()]
 
 
 def _measured(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, list[str]]]:

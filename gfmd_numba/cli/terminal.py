@@ -154,14 +154,15 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], N
         nonlocal told
         told = done
         if sys.stderr.isatty():
-            from rich.progress import TaskProgressColumn
+            from rich.progress import MofNCompleteColumn, TaskProgressColumn
 
-            bars = _bars(None if total is None else [TaskProgressColumn()], transient=True)
+            bars = _bars(None if total is None else [TaskProgressColumn(), MofNCompleteColumn()], transient=True)
             bars.update(bars.add_task(what, total=total), completed=done)
             bars.start()
             shown.append(bars)
         else:
-            _echo(f"busy     {what}" + ("" if total is None else f", {done / total:.0%} done"))
+            whole = int(done + 1e-9)  # of sums of parts
+            _echo(f"busy     {what}" + ("" if total is None else f", {done / total:.0%} done ({whole} of {total})"))
 
     def advance(more: float) -> None:
         nonlocal done

@@ -306,6 +306,9 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
     yield "pressure", "pressure", "contact pressure", contact.equilibrium.pressure[0]
     yield "displacement", "height", "normal displacement of the body, positive towards the punch", displacement
     yield "gap", "height", "gap between the surfaces", gap(contact)[0]
+    if "springs" in contact.memory:
+        relaxed = "pressure that the relaxed body would bear in this shape, E* times strains of about this size"
+        yield "relaxed_pressure", "pressure", relaxed, -contact.memory["springs"].traction[0, 0, -1]
     if problem.interface.hardness is not None:
         flattened = "depth by which the punch has been flattened, kept when it is unloaded"
         yield "plastic_depth", "height", flattened, np.asarray(contact.plastic_depth)[0]

@@ -10,6 +10,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.law_resolution import check_resolved
+from gfmd_numba.contact.plausible_numbers import mistaken
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
@@ -174,11 +175,17 @@ def with_measured(
 
 
 def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
-    """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness."""
+    """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness.
+
+    If one of these lacks its unit, the error is about that.
+    """
     for place, scene in loaded:
         try:
             reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
+            if wrong := mistaken(scene):
+                told = f"what goes with the load, in a unit: {wrong[1]}"
+                raise document.refused(("scene", *wrong[0]), told) from None
             raise document.refused(place, str(error)) from None
 
 

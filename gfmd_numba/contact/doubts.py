@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from functools import partial
-from math import ceil
+from math import ceil, dist, inf, pi, sqrt
 
 import numpy as np
 import xarray as xr
@@ -12,9 +12,11 @@ from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import relaxation
+from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
+from gfmd_numba.roughness.plausibility import is_design
+from gfmd_numba.scene import Measured
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
@@ -25,11 +27,14 @@ LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
+FAR_FROM_BRANCHES = 100.0  # times beyond relaxation times by which a body is fully relaxed, or glassy
 FARTHEST = 0.25  # of the distance of two peaks, from a peak to where the mean plane is
 
 FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is right to 6 %, with 5 to 30 %
 # Nodes: narrower stretches have areas 8 to 33 % too large, for H = 0.3 and 0.8 and p* from 0.002 to 0.1
 NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.1, 0.3
+# contacts of a measured field, unless as much of it touches, or Nayak's parameter is that of waves or noise
+FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
@@ -41,15 +46,15 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
     rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
-    coarse = law_resolution.doubt(problem, given.file.discretisation)
-    of_surfaces = (sentence for surface in given.measured for sentence in surface.doubts)
     each = (
         _coarse_times,
         _coarse_steps,
         _coarse_flow,
         _beyond_small_strains,
+        _outside_branches,
         _few_nodes,
         _narrow,
+        _few_contacts,
         _at_the_edge,
         _past_asperities,
         _weak_interface,
@@ -58,7 +63,54 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     )
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
-    return "\n".join([*of_surfaces, *filter(None, (rough, coarse, *own, short))])
+    return "\n".join([*of_input(given, problem), *filter(None, (rough, *own, short))])
+
+
+def of_input(given: ContactInput, problem: Problem) -> list[str]:
+    """Reasons to doubt a contact that are known before it is solved: of its surfaces, its load and its grid."""
+    found = [sentence for surface in given.measured for sentence in surface.doubts]
+    coarse = law_resolution.doubt(problem, given.file.discretisation)
+    return [*found, *filter(None, (_mirrored_load(given), coarse))]
+
+
+def _copies(given: ContactInput) -> int:
+    """How often a mirrored field is in its period, 1 if not all surfaces are mirrored."""
+    surfaces = given.file.scene.surfaces.values()
+    mirrored = all(isinstance(each, Measured) and each.periodic == "mirror" for each in surfaces)
+    return 2**given.file.scene.dimension if surfaces and mirrored else 1
+
+
+def _mirrored_load(given: ContactInput) -> str:
+    """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
+    scene = given.file.scene
+    unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
+    if scene.length is None or unit is None or _copies(given) == 1:
+        return ""
+    side, there = (
+        with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
+    )
+    period, nominal = (
+        (f"{side} x {side}", "1 MPa for 1 N on 1 mm^2") if unit == "N" else (side, "1 kPa for 1 N/m on 1 mm")
+    )
+    return (
+        f"a {scene.loading.control} acts on the mirrored period of {period}: 1 {unit} makes {there} there; if yours "
+        f"acts on a field of another size, give a pressure, {nominal}"
+    )
+
+
+def _few_contacts(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about a measured surface of which few asperities touch, nothing for others."""
+    scene, counts = given.file.scene, dataset["n_segments"]
+    designs = [is_design(surface.heights) for surface in given.measured]
+    is_rough = False in designs and "nayak" in dataset and float(dataset["nayak"].max()) > _ROUGH
+    least = float(counts.where(counts > 0).min()) / _copies(given)
+    closed = float(dataset["contact_area_fraction_counted"].max()) > _MOSTLY_CLOSED
+    if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:
+        return ""
+    return (
+        f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
+        "conductance and leakage would differ by tens of per cent, so measure a larger one, or several"
+    )
 
 
 def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
@@ -153,7 +205,8 @@ def _narrow(given: ContactInput, dataset: xr.Dataset) -> str:
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     width = float(_mean_width(dataset, tuple(dataset.sizes[dim] for dim in nodes)).min())
-    uncertain = float((dataset["contact_area_fraction_error"] / dataset["contact_area_fraction"]).max())
+    # of maps unknown
+    uncertain = float((dataset["contact_area_fraction_error"] / dataset["contact_area_fraction"]).fillna(0.0).max())
     off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
     if not off > LEAST_OFF:
         return ""
@@ -172,9 +225,8 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
     scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    series = relaxation(scene)
-    stiffest = given.scales.modulus * (1.0 if series is None else series.modulus(0.0))  # of a body that creeps
-    ratios = dataset["pressure"].where(np.isfinite(dataset["pressure"])) / stiffest
+    name = "relaxed_pressure" if "relaxed_pressure" in dataset else "pressure"  # fast pressures strain less
+    ratios = dataset[name].where(np.isfinite(dataset[name])) / given.scales.modulus
     touching = dataset["gap"] <= 0.0
     steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
@@ -184,10 +236,78 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     if not (float(ratios.mean(nodes).max()) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
         return ""
     return (
-        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the pressure exceeds "
+        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the {name} exceeds "
         f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
         "linear elasticity is wrong by about these fractions: check load, moduli and heights"
     )
+
+
+def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return warnings about times and rates far outside the relaxation times of the body, nothing for others.
+
+    Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
+    """
+    scene, series = given.file.scene, relaxation(given.file.scene)
+    if series is None:
+        return ""
+    shortest, longest = (longest_time(scene) * end for end in (min(series.times), series.longest_retardation))
+    times, dwells, speeds = _times_and_speeds(given)
+    told = []
+    if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
+        told.append(
+            f"after some {longest:.2g} s this body is fully relaxed, and the load acts for {max(times):.4g} s: if it "
+            f"should still relax then, measure frequencies below {_hertz(longest)}"
+        )
+    if min(dwells, default=inf) < shortest / FAR_FROM_BRANCHES:
+        told.append(
+            f"before some {shortest:.2g} s this body is glassy, and the load acts for {min(dwells):.3g} s at first: if "
+            f"it should relax by then, measure frequencies above {_hertz(shortest)}"
+        )
+    if not speeds or "nayak" not in dataset or scene.form is not None:
+        return "\n".join(told)
+    peaks, gradient = _distance_of_peaks(dataset), float(dataset["rms_gradient"].max()) / scene.dimension**0.5
+    waves = 2.0 * np.pi * float(dataset["height"].std(dataset["height"].dims[-scene.dimension :]).max()) / gradient
+    unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
+    for wave, speed, end, how, where in (
+        (waves, min(speeds), 1.0 / longest, "relaxed", "below"),
+        (peaks, max(speeds), 1.0 / shortest, "glassy", "above"),
+    ):
+        rate = 2.0 * np.pi * speed / wave
+        if max(end / rate, rate / end) > FAR_FROM_BRANCHES and (rate < end) == (where == "below"):
+            told.append(
+                f"at {with_prefix(speed, per_second, 3)} waves of {with_prefix(wave, unit, 3)} act at "
+                f"{_hertz(1.0 / rate)}, and this body is {how} far {where} {_hertz(1.0 / end)}: if it should dissipate "
+                f"more there, measure frequencies {where} that"
+            )
+    return "\n".join(told)
+
+
+def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], list[float]]:
+    """Times in s for which loads act, of all steps and of dwells under the same load, and speeds of passing punches."""
+    times: list[float] = []
+    dwells: list[float] = []
+    speeds: list[float] = []
+    held, before = 0.0, None
+    for scene, sliding in given.steps:
+        loading, duration = scene.loading, scene.loading.duration or 0.0
+        now = getattr(loading, loading.control), sliding
+        slides = before is not None and before[1] != sliding
+        held = duration + (held if now == before else 0.0)
+        dwells += [held] if now == before and held else []
+        if loading.speed:
+            speeds.append(loading.speed)
+        elif slides and duration and scene.passes:
+            assert before is not None
+            speeds.append(dist(sliding, before[1]) / duration)
+        elif duration:
+            times.append(held)
+        before = now
+    return times, dwells, speeds
+
+
+def _hertz(time: float) -> str:
+    """Frequency at which a relaxation time dissipates most."""
+    return f"{1.0 / (2.0 * np.pi * time):.3g} Hz"
 
 
 def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
@@ -247,11 +367,19 @@ def _slopes(dataset: xr.Dataset, nodes: list[str], ends: tuple[bool, ...]) -> xr
     return found
 
 
-def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
-    """Return a warning about sliding so far that asperities would meet others, nothing for less.
+def _distance_of_peaks(dataset: xr.Dataset) -> float:
+    """Mean distance of the peaks of a random profile, 2 pi (m2 / m4)^(1/2).
 
-    Peaks of a random profile are 2 pi (m2 / m4)^(1/2) apart (Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957).
+    Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
     """
+    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
+    profile_gradient = float(dataset["rms_gradient"].max()) / sqrt(len(nodes))
+    wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
+    return 2.0 * pi * wide / profile_gradient
+
+
+def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
+    """Return a warning about sliding so far that asperities would meet others, nothing for less."""
     if not {"sliding", "tangential_displacement", "nayak"} <= dataset.variables.keys():
         return ""
     nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
@@ -260,8 +388,7 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
     touching = dataset["gap"] <= 0.0
     apart = sum(way**2 for way in ways) ** 0.5
     slid = float(apart.where(touching | ~touching.any(nodes)).max())
-    profile_gradient = float(dataset["rms_gradient"].max()) / len(nodes) ** 0.5
-    distance = 2.0 * np.pi * float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max()) / profile_gradient
+    distance = _distance_of_peaks(dataset)
     if not slid > FARTHEST * distance:
         return ""
     unit = "m" if given.file.scene.length else "L_x"

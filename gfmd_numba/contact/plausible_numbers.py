@@ -110,6 +110,12 @@ def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = (
     return [*sentences, *loads.values(), *lengths.values()]
 
 
+def mistaken(scene: Scene) -> tuple[Location, str] | None:
+    """Place and implausible value of the first number, but a load, whose unit may have been left out; None if none."""
+    found = _uncommon(_scales(scene), _numbers(scene))
+    return next(((place, told) for place, told in found if place[0] != "loading"), None)
+
+
 def _scales(file: Scene | LoadedBody | SurfaceFile) -> Compared:
     if isinstance(file, SurfaceFile):
         return Compared(file.length, None, 1.0)

@@ -36,6 +36,12 @@ class PronySeries:
         """Modulus at a time after a sudden displacement, over the relaxed one."""
         return 1.0 + float(np.array(self.moduli) @ np.exp(-time / np.array(self.times)))
 
+    @property
+    def longest_retardation(self) -> float:
+        """Time after which the slowest part of the creep under a constant stress has fallen to 1/e."""
+        times = np.array(self.times)
+        return float(_updated(times, np.sqrt(np.array(self.moduli) * times))[0].max())
+
     def lags(self, frequency: Reals) -> Complexes:
         """Stretch of the spring of each branch over the displacement `[branch, ...]`, at angular frequencies."""
         phase = 1j * np.multiply.outer(np.array(self.times), frequency)

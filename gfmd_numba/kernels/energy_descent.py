@@ -88,15 +88,18 @@ def descent_curvature(p: Reals, kp: Reals, curvature: Reals, pulled: Reals) -> t
 
 
 @jit
-def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: float, descent: Descent) -> None:
-    """Go a step along p, in the direction of the Newton step and in what it leaves unbalanced."""
+def descent_update(p: Reals, kp: Reals, pulled: Reals, weight: Reals, step: float, descent: Descent) -> float:
+    """Go a step along p, in the direction of the Newton step and in what it leaves unbalanced; the largest of that."""
     d, kd, r, source = descent
+    largest = 0.0
     for j in range(p.size):
         d[j] += step * p[j]
         kd[j] += step * kp[j]
         if weight[j] > 0.0:
             r[j] -= step * (kp[j] + pulled[j])
+            largest = max(largest, abs(r[j]))
         source[j] = weight[j] * r[j]
+    return largest
 
 
 @jit

@@ -19,11 +19,12 @@ from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
-from gfmd_numba.scene.units import WithUnit
+from gfmd_numba.scene.units import METRES, WithUnit
 
 Reader = Callable[[Path], Content]
 
-_SIZES = 1e-6  # by which a period in a file and one in the scene may differ, and
+_SIZES = 1e-6  # by which a period in a file and one in the scene may differ,
+_OF_A_HEADER = 0.01  # by which a rounded one in a header may, and
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -107,8 +108,10 @@ def periodic_surface(
     heights, replaced = without_spikes(heights) if record.despike else (heights, ())
     largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
-    signs = plausibility.of_field(plausibility.Field(found.heights, heights, sizes, found.units))
     ends = ends_of(periodic, heights.ndim)
+    signs = plausibility.of_field(
+        plausibility.Field(found.heights, heights, sizes, found.units, field.fields == 2.0 and not any(ends))
+    )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
@@ -125,11 +128,17 @@ def _content(record: Measured, read: Reader) -> Content:
 
 def _spaced(content: Content, spacing: float) -> Content:
     """Content with the sizes of a field whose points are a `spacing` in m apart."""
-    if content.positions or content.sizes:
+    if content.positions or (content.sizes and not content.rounded):
         raise ValueError("positions or sizes in the file, so that spacing has to be left out")
+    for axis, n in zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True):
+        unit = content.units.get(axis, "m")
+        stated, given = content.sizes.get(axis, 0.0) / n, spacing / METRES[unit]
+        if stated and abs(stated - given) > _OF_A_HEADER * stated:
+            told = f"points {stated:.6g} {unit} apart along {axis} in the header of the file"
+            raise ValueError(f"{told}, not {given:.6g} {unit}: leave spacing out, or correct it")
     axes = AXES[-np.ndim(content.heights) :]
     sizes = {axis: n * float(spacing) for axis, n in zip(axes, np.shape(content.heights), strict=True)}
-    return replace(content, sizes=sizes, units={**content.units, **dict.fromkeys(axes, "m")})
+    return replace(content, sizes=sizes, units={**content.units, **dict.fromkeys(axes, "m")}, rounded=False)
 
 
 def _sizes(
@@ -154,7 +163,8 @@ def _sizes(
         return tuple(n * spacing for n in shape), "m" if found.unit == "m" else "1"
     period = field.fields * found.lengths[-1]
     wanted = 1.0 if found.unit == "1" else length
-    if wanted is not None and abs(period - wanted) > max(_SIZES * period, _SPACING * period / shape[-1]):
+    off = _OF_A_HEADER if found.rounded else max(_SIZES, _SPACING / shape[-1])
+    if wanted is not None and abs(period - wanted) > off * period:
         mirrored = " once mirrored" if field.fields == 2.0 else ""
         own = f"{period:.7g}{' m' if found.unit == 'm' else ''}{mirrored}"
         if told_by != "length":
@@ -164,4 +174,5 @@ def _sizes(
             f"positions over a period of {own}, one spacing for each of the {shape[-1]} points, not {named}: leave "
             "length out, or correct it"
         )
-    return found.lengths, "m" if found.unit == "m" else "1"
+    factor = wanted / period if wanted is not None and found.rounded else 1.0
+    return tuple(factor * size for size in found.lengths), "m" if found.unit == "m" else "1"

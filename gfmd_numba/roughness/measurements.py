@@ -26,8 +26,8 @@ _SCATTERED = 0.5  # of a grid without its heights: points at random fill far les
 class Content:
     """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
 
-    `positions` along each axis or the physical `sizes` may be missing; `units` are those of x, y and z that the file
-    states: names of units of length, or the file's own words for another.
+    `positions` along each axis or the physical `sizes` may be missing, or the sizes be `rounded` ones of a header;
+    `units` are those of x, y and z that the file states: names of units of length, or the file's own words for another.
     """
 
     heights: npt.NDArray[Any]
@@ -35,15 +35,16 @@ class Content:
     sizes: Mapping[str, float] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     done: tuple[str, ...] = ()
+    rounded: bool = False
 
 
 @dataclass(frozen=True)
 class Measurement:
     """Heights `[nx]` or `[ny, nx]`, not-a-number where none was measured, and sizes (L_x,) or (L_y, L_x) of the field.
 
-    The sizes are None if the file does not tell them. The `unit` of both is "m", or "1" for the period L_x of the
-    surface to be made, or None where nobody stated one. `units` are the names of those that x, y and z came in. `done`
-    tells what was done in reading.
+    The sizes are None if the file does not tell them, and may be `rounded`. The `unit` of both is "m", or "1" for the
+    period L_x of the surface to be made, or None where nobody stated one. `units` are the names of those that x, y and
+    z came in. `done` tells what was done in reading.
     """
 
     heights: Reals
@@ -51,6 +52,7 @@ class Measurement:
     unit: Literal["m", "1"] | None = None
     done: tuple[str, ...] = ()
     units: Mapping[str, str] = field(default_factory=dict)
+    rounded: bool = False
 
 
 def measurement(content: Content, units: Mapping[str, str] | None = None, resample: bool = False) -> Measurement:
@@ -75,6 +77,9 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
             sizes.append(size)
     elif set(axes) <= set(content.sizes):
         sizes = [content.sizes[axis] for axis in axes]
+        if content.rounded:
+            spacing = f"{sizes[-1] / heights.shape[-1]:.6g} {content.units['x']}"
+            done.append(f"took {spacing} from the header as the distance of neighbouring points")
     elif content.positions:
         raise ValueError("a map with positions along one direction: give them along both, or along none")
     scales, unit, named = _scales(content, units or {})
@@ -82,7 +87,7 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     if unresolved:
         raise ValueError(f"a physical size of {unresolved[0]:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
-    return Measurement(heights * scales["z"], lengths, unit, tuple(done), named)
+    return Measurement(heights * scales["z"], lengths, unit, tuple(done), named, content.rounded)
 
 
 def _checked(heights: npt.NDArray[Any]) -> Reals:

@@ -21,6 +21,7 @@ SEAM = 5.0  # rms steps: one Gaussian step in two million is larger
 SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have one of them at its seam
 TILT = 0.9  # of the mean square height: a sine over the whole period has 6/pi^2 = 0.61, a sawtooth 1
 FORM = 0.5  # of the mean square height: less of it changes the contact less than another piece of the surface would
+BOTH = {1: 0.95, 2: 0.8}  # by dimension, of the mean square height for tilt and curvature together
 WAVES = 0.9  # of the mean square height without a tilt
 STANDS_OUT = {1: 20.0, 2: 8.0}  # by dimension, times the square that higher powers lead one to expect
 LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
@@ -52,13 +53,15 @@ Cause = Literal["top", "bottom", "mark", "stuck"]
 class Field:
     """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
 
-    `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z.
+    `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z. One
+    to be `mirrored` is no period of waves.
     """
 
     as_measured: Reals
     heights: Reals
     lengths: tuple[float, ...]
     units: Mapping[str, str]
+    mirrored: bool = False
 
     def said(self, length: float, axis: str) -> str:
         """Return a length in the user's unit of x or z."""
@@ -225,6 +228,12 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
         sentences.append(
             f"waves longer than two fifths of the field make up {_percent(found.waves.share)} % of the mean square "
             "height: filter the waviness out, as ISO 16610-21 does; leave it only if it is to be pressed too"
+        )
+    together = found.tilt.share + (1.0 - found.tilt.share) * found.curvature.share
+    if not sentences and field.mirrored and together > BOTH[heights.ndim]:
+        sentences.append(
+            f"a tilt and a curvature make up {_percent(together)} % of the mean square height, as a form does, or "
+            "waves longer than the field: detrend: curvature subtracts them; leave them only if they are to be pressed"
         )
     return sentences, order
 

@@ -61,7 +61,8 @@ def made_periodic(
     if periodic == "mirror":
         repeats = tuple(not end for end in ends)
         heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
-        done.append("mirrored at its ends, which doubles the period")
+        times = 2 ** sum(repeats)
+        done.append(f"mirrored at its ends, which doubles the period and counts each contact {times} times")
     if periodic == "window":
         heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import read_table
+from gfmd_numba.roughness.surface_text import Table, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -88,7 +88,7 @@ def _read_text(path: Path) -> Content:
     table = read_table(path)
     match table.values.shape[1]:
         case 1:
-            return Content(table.values[:, 0], units=_stated(z=table.units[0]), done=table.done)
+            return _sized(table, table.values[:, 0])
         case 2:
             present = ~np.isnan(table.values).all(axis=1)  # an empty line between rows is no position
             x, heights = table.values[present].T
@@ -101,9 +101,28 @@ def _read_text(path: Path) -> Content:
             return Content(heights, positions, units=units, done=table.done)
     heights, positions = split_axes(table.values, table.line)
     if not positions:
-        return Content(heights, units=_stated(z=table.units[0]), done=table.done)
+        return _sized(table, heights)
     done = (*table.done, "read the first row as positions along x, and the first column as positions along y")
     return Content(heights, positions, units=_stated(z=table.units[0], **table.axis_units), done=done)
+
+
+def _sized(table: Table, heights: Reals) -> Content:
+    """Content of heights without positions, with the sizes that the header states; of profiles, those of points."""
+    axes, along_x = AXES[-heights.ndim :], table.sizes.get("x")
+    if along_x is None or (heights.ndim == 1 and not along_x.of_points):
+        return Content(heights, units=_stated(z=table.units[0]), done=table.done)
+    sizes = {"x": along_x.of_field(heights.shape[-1])}
+    ratio = 1.0 if heights.ndim == 1 else heights.shape[0] / heights.shape[1]
+    along_y = table.sizes.get("y")
+    sizes["y"] = sizes["x"] * ratio if along_y is None else along_y.of_field(heights.shape[0])
+    units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
+    return Content(
+        heights,
+        sizes={axis: sizes[axis] for axis in axes},
+        units=_stated(z=table.units[0]) | {axis: units[axis] for axis in axes},
+        done=table.done,
+        rounded=True,
+    )
 
 
 def _stated(**units: str | None) -> dict[str, str]:

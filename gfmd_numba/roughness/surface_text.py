@@ -8,18 +8,19 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import chain, islice
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
-from gfmd_numba.scene.units import length_unit
+from gfmd_numba.scene.units import PERIOD, length_unit
 
 BLANKS = r"\s+"
 _LOOKED_AT = 200  # rows that decide the layout
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
-_WORD = re.compile(r"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|-{1,3}|\*{1,3})", re.IGNORECASE)
+_LONGEST_MARK = 32  # characters of a mark like -----
+_WORD = re.compile(rf"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|[-*]{{1,{_LONGEST_MARK}}})", re.IGNORECASE)
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
@@ -37,9 +38,19 @@ _OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\
 _ENTRY = re.compile(
     r"\W*((?P<axis>[xyz]|heights?|values?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
 )
+_POINTS = r"(?:pixel|point|sampl\w*)[\s_-]*(?:size|width|height|spacing|pitch|distance|step|interval)"
+_POINTS += r"|(?:lateral[\s_-]*)?(?:spacing|pitch|calibration)"
+_AMOUNT = r"(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?"
+_SIZE = re.compile(
+    rf"(?:(?P<axis>xy|[xy])[\s_-]*)?(?:(?P<points>{_POINTS})|width|height|(?:scan|field|image)?[\s_-]*size)"
+    rf"(?:[\s_-]*(?P<after>xy|[xy]))?\s+(?:(?P<before>[^\W\d]+)\s+)?(?P<x>{_AMOUNT})(?:\s*(?P<unit>[^\W\dx]\w*))?"
+    rf"(?:\s*[x×*]\s*(?P<y>{_AMOUNT})\s*(?P<other>[^\W\d]+))?(?:/p\w+)?(?=\s|$)",
+    re.IGNORECASE,
+)
+_SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
 _COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_MISSING = ["-", "--", "---", "*", "**", "***", "Bad", "BAD", "bad"]  # in addition to what pandas knows
+_MISSING = ["Bad", "BAD", "bad"] + [mark * n for mark in "-*" for n in range(1, _LONGEST_MARK + 1)]
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -180,12 +191,48 @@ def axis_units(header: list[str]) -> dict[str, str]:
     return {}
 
 
+class Size(NamedTuple):
+    """What the header says of an axis: a number with its unit of length, of one point or of the whole field."""
+
+    number: float
+    unit: str
+    of_points: bool
+
+    def of_field(self, n: int) -> float:
+        """Size of a field of n points, in the unit."""
+        return n * self.number if self.of_points else self.number
+
+
+def stated_sizes(header: list[str]) -> dict[str, Size]:
+    """Sizes of points or of the field along x and y, as the header states them; those of points come first.
+
+    A height alone may be one of anything: it is that of the field next to a width.
+    """
+    found: dict[str, Size] = {}
+    for line in header:
+        entry = _SIZE.match(" ".join(filter(None, _SPLIT.split(line))))
+        units = (length_unit(each) for each in entry.group("other", "unit", "before") if each) if entry else ()
+        unit = next(filter(None, units), None)
+        if entry is None or unit is None or unit == PERIOD:
+            continue
+        named = re.search("w(?=idth)|h(?=eight)", entry[0], re.IGNORECASE)
+        axes = entry["axis"] or entry["after"] or ("xy" if named is None else "xy"[named[0] in "hH"])
+        amounts = (float(each.replace(",", ".")) for each in (entry["x"], entry["y"] or entry["x"]))
+        sizes = {axis: Size(amount, unit, bool(entry["points"])) for axis, amount in zip("xy", amounts, strict=True)}
+        if not (entry["points"] or entry["y"] or len(axes) == 1):
+            axes = "x"  # of a square, or the longer side: the other follows from the numbers of points
+        new = {axis: sizes[axis] for axis in axes.lower() if sizes[axis].number > 0.0}
+        found = found | new if entry["points"] else new | found
+    return found if "x" in found else {}
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
-    name units of positions along a map, `axis_units`. `line` is that of the first row, counted from 1.
+    name units of positions along a map, `axis_units`, and `sizes` along x and y. `line` is that of the first row,
+    counted from 1.
     """
 
     values: Reals
@@ -193,10 +240,41 @@ class Table:
     done: tuple[str, ...] = ()
     axis_units: Mapping[str, str] = field(default_factory=dict)
     line: int = 1
+    sizes: Mapping[str, Size] = field(default_factory=dict)
+
+
+class Rows(NamedTuple):
+    """Numbers of a text file `[rows, columns]`, not-a-number where a cell is empty, and the lines before the first.
+
+    `lines` are the numbers of the lines that rows stand in, counted from 1.
+    """
+
+    header: list[str]
+    values: Reals
+    layout: Layout
+    lines: list[int]
 
 
 def read_table(path: Path) -> Table:
-    """Numbers of a text file; raises ValueError, with the line, for anything else.
+    """Positions and heights, or a map, of a text file; raises ValueError, with the line, for anything else."""
+    header, values, layout, lines = read_rows(path)
+    header = [line.rstrip() for line in header]
+    done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
+    found = columns_by_label(header, values.shape[1])
+    if found is not None and len(found[0]) < values.shape[1]:
+        done += (
+            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
+        )
+        return Table(values[:, found[0]], found[1], done, line=lines[0])
+    units = stated_units(header, values.shape[1])
+    if values.shape[1] == 2 and heights_first(header):
+        values, units = values[:, ::-1], units[::-1]
+        done += ("took the first of two columns for heights and the second for positions, as their labels say",)
+    return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
+
+
+def read_rows(path: Path) -> Rows:
+    """Numbers of a text file, whatever its columns hold; raises ValueError, with the line, for anything else.
 
     Columns are separated by commas, semicolons, tabs or blanks, decimals by points or commas; lines that begin with
     `#` or `%` are comments, and those before the first row of numbers the header. Empty cells, and words such as nan,
@@ -210,11 +288,12 @@ def read_table(path: Path) -> Table:
     if first is None:
         begin = next((line for line in lines if line.strip()), "")
         raise ValueError(f"no row of numbers, but {_short(begin)}" if begin else "no number")
-    header = [line.lstrip(_COMMENTS + "/ ").rstrip() for line in lines[:first]]
-    rows = [_FORTRAN.sub("e", line) for line in lines[first:] if not _is_comment(line)]
+    header = [line.lstrip(_COMMENTS + "/ ") for line in lines[:first]]
+    numbers = [i + 1 for i, line in enumerate(lines[first:], first) if not _is_comment(line)]
+    rows = [_FORTRAN.sub("e", lines[number - 1]) for number in numbers]
     while not rows[-1].strip():
         rows.pop()
-    layout = layout_of(rows, header[-1] if header else "")
+    layout = layout_of(rows, header[-1].rstrip() if header else "")
     columns = layout.columns(rows[0])
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
@@ -223,18 +302,7 @@ def read_table(path: Path) -> Table:
         raise _bad_row(lines, first, layout, columns)
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
-    done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
-    found = columns_by_label(header, values.shape[1])
-    if found is not None and len(found[0]) < values.shape[1]:
-        done += (
-            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
-        )
-        return Table(values[:, found[0]], found[1], done, line=first + 1)
-    units = stated_units(header, values.shape[1])
-    if values.shape[1] == 2 and heights_first(header):
-        values, units = values[:, ::-1], units[::-1]
-        done += ("took the first of two columns for heights and the second for positions, as their labels say",)
-    return Table(values, units, done, axis_units(header), first + 1)
+    return Rows(header, values, layout, numbers[: len(values)])
 
 
 def _check_thousands(rows: list[str], header: str) -> None:
@@ -278,11 +346,19 @@ def _one_comma(rows: list[str], header: str) -> Layout:
     )
 
 
-def _cells(line: str) -> list[str]:
-    """Cells of a line of the header, without quotes: between semicolons, tabs or commas, or else between blanks."""
+def cells_of(line: str) -> list[str]:
+    """Cells of a line of the header: between semicolons, tabs or commas, or else between blanks."""
     separator = next((each for each in ";\t," if each in line), None)
-    parts = line.split() if separator is None else line.split(separator)
-    return [part.strip("\"' ") for part in parts]
+    try:
+        parts = next(csv.reader([line], delimiter=separator or " ", skipinitialspace=True))
+    except csv.Error:  # a cell beyond all measure
+        parts = line.split(separator)
+    return parts if separator else line.split()
+
+
+def _cells(line: str) -> list[str]:
+    """Cells of a line of the header, without quotes."""
+    return [cell.strip("\"' ") for cell in cells_of(line)]
 
 
 def _entries(header: list[str]) -> dict[str, str]:

@@ -85,7 +85,7 @@ _VALUES: dict[str, Any] = {  # types, by what is prescribed
     _SPEED: tuple[Speed, ...],
 }
 Over = Literal["loads", "times", "speeds"]
-_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads"
+_OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads, or one that `gfmd relaxation` finds from DMA"
 _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
 
 
@@ -288,7 +288,9 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
     for name, variable in counted[0].data_vars.items():
         numbers = np.array([float(step[name]) for step in counted]).reshape(rows, columns)
         values[str(name)] = (("realisation", "prescribed_load"), numbers, variable.attrs)
-    hardest = sorted(range(len(counted)), key=lambda i: -float(counted[i]["peak_pressure"]))
+    # under one load the softest body strains most
+    most = "contact_area_fraction" if curve.prescribed in _TITLES else "peak_pressure"
+    hardest = sorted(range(len(counted)), key=lambda i: -float(counted[i][most]))
     attributes = counted[hardest[0]].attrs
     validities = [(curve.loads[i % columns], counted[i].attrs.get("validity", "")) for i in hardest]
     if said := _of_all(validities, _load_attributes(curve)["units"].removeprefix("1")):
@@ -299,25 +301,25 @@ def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
 def _of_all(validities: Sequence[tuple[float, str]], unit: str) -> str:
     """Return the sentences of several contacts and their loads, the hardest first, a line each.
 
-    Of those that differ in their numbers alone it is the first, and of contacts of too few nodes the last. What not all
-    say stands behind the loads of those that do.
+    Of those that differ in their numbers alone it is the first, and of contacts of too few nodes the last, with its
+    load. What not all say stands behind the loads of those that do.
     """
     every = {load for load, _ in validities}
-    found: dict[str, str] = {}
-    loads: dict[str, set[float]] = {}
+    said: dict[str, list[tuple[float, str]]] = {}
     for load, line in ((load, line) for load, validity in validities for line in validity.splitlines()):
-        key = re.sub(r"[-+.\de]*\d", "", line)
-        found[key] = line if line.startswith((FEW_NODES, NARROW_CONTACTS)) else found.get(key, line)
-        loads.setdefault(key, set()).add(load)
-    return "\n".join(f"{_at(loads[key], every, unit)}{line}" for key, line in found.items())
+        said.setdefault(re.sub(r"[-+.\de]*\d", "", line), []).append((load, line))
+    return "\n".join(_at_loads(lines, every, unit) for lines in said.values())
 
 
-def _at(loads: set[float], every: set[float], unit: str) -> str:
-    """Return at which loads something is said, nothing if at every one."""
-    if loads == every:
-        return ""
-    ends = dict.fromkeys(with_prefix(load, unit, 3).strip() for load in (min(loads), max(loads)))
-    return f"at {' to '.join(ends)}: "
+def _at_loads(lines: list[tuple[float, str]], every: set[float], unit: str) -> str:
+    """Return one of the lines that differ in numbers alone, with the loads that say so, unless all say the same."""
+    loads, different = {load for load, _ in lines}, {line for _, line in lines}
+    load, line = lines[-1 if lines[0][1].startswith((FEW_NODES, NARROW_CONTACTS)) else 0]
+    if len(different) == 1 and loads == every:
+        return line
+    ends = dict.fromkeys(with_prefix(end, unit, 3).strip() for end in (min(loads), max(loads)))
+    numbers = f" (numbers at {with_prefix(load, unit, 3).strip()})" if len(different) > 1 and len(ends) > 1 else ""
+    return f"at {' to '.join(ends)}{numbers}: {line}"
 
 
 def curve_of(

@@ -124,7 +124,9 @@ def law_energy(interface: Interactions) -> EnergyOfGap | EnergyOfSlip:
     return EnergyOfGap(interface.normal_law or _NOTHING)
 
 
-_LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave unbalanced
+_LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
+_ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
+_NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
 _OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
@@ -369,7 +371,8 @@ class TruncatedNewton:
         kernels.descent_start(unknowns, curvature, own, weight, descent)
         self._split(i)
         p[:] = 0.0
-        square, last, gains = self._tolerance(i) ** 2, np.inf, []
+        square, last, gains = min(_LOOSE**2, float(self._residual[i])), np.inf, []
+        enough = _ENOUGH * self._target * max(float(self.certificate.peak[i]), float(self._strongest[i]))
         for _ in range(_INNER_ITERATIONS):
             self._comply(row)
             norm = kernels.descent_norm(r, weight, own, result)
@@ -383,17 +386,13 @@ class TruncatedNewton:
             if not curve > _FLAT * elastic:
                 kernels.descent_update(p, result, pulled, weight, last / max(elastic, _FLAT * last), descent)
                 return True
-            kernels.descent_update(p, result, pulled, weight, last / curve, descent)
+            left = kernels.descent_update(p, result, pulled, weight, last / curve, descent)
             gains.append(last * last / curve)
             falls = min(gains[-1] / gains[-2], 1.0) if gains[1:] else 1.0
-            if not falls * gains[-1] > square * sum(gains):  # what the next iteration would gain
+            loose = falls * gains[-1] <= square * sum(gains)  # of what the next iteration would gain
+            if left <= enough or (loose and not left < _NEAR * enough):
                 break
         return False
-
-    def _tolerance(self, i: int) -> float:
-        """Part of the unbalanced traction that the next Newton step may leave: the less, the smaller that is."""
-        residual = float(self._residual[i])
-        return max(min(_LOOSE, math.sqrt(residual)), 0.3 * self._target / residual)
 
     def _descend(self, row: Indices, bends_down: bool) -> None:
         """Go along the direction of a row, as far as the energy decreases."""

@@ -151,3 +151,13 @@ def test_a_failed_run_has_no_statistics(path):
     path = path.assign(status=("step", [0, 1, 0]))
     with pytest.raises(UnusableDataError, match="a run that is not ok"):
         gfmd_numba.contact_statistics(path)
+
+
+@pytest.mark.parametrize("name", ["pressure", "gap"])
+def test_one_field_that_is_not_finite_is_enough_to_refuse_a_contact(name):
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
+    scene["roughness"] = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
+    found = gfmd_numba.solve({"scene": scene, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}})
+    found[name][3] = np.inf
+    with pytest.raises(UnusableDataError, match="fields that are not finite"):
+        gfmd_numba.contact_statistics(found)

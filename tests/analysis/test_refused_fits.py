@@ -1,9 +1,12 @@
 """Campaigns whose limit cannot be had, or only in part: what is refused, and what is said."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.analysis.selection import groups_to_fit
 from support.synthetic_campaigns import ALPHA, CROSS, LEVELS, C, assert_refused, campaign, noisy, notes
 
 pytestmark = pytest.mark.usefixtures("laws_that_hold")
@@ -119,3 +122,17 @@ def test_a_number_whose_square_overflows_is_refused(sign):
     dataset["eps_c"] = dataset["eps_c"] * 0.0 + sign * 1e200
     with pytest.raises(UnusableDataError, match="has a number beyond"):
         fit_tfc(dataset)
+
+
+@pytest.mark.parametrize("eps", [0.0, -1 / 2])
+def test_a_discretisation_that_is_not_above_0_is_refused(eps):
+    dataset = campaign()
+    at_none = dataset["eps_f"].values.copy()
+    at_none[2] = eps
+    with pytest.raises(ValueError, match="eps_f is not above 0"):
+        fit_tfc(dataset.assign_coords(eps_f=("case", at_none, dataset["eps_f"].attrs)))
+
+
+def test_sentences_have_the_unit_of_the_variable():
+    (group,) = groups_to_fit(campaign(), "kappa", omit_nyquist=True)
+    assert [replace(group, unit=unit).shown(2.5e-7) for unit in ("1", "m")] == ["2.5e-07", "250 nm"]

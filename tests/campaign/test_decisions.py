@@ -154,6 +154,9 @@ def test_surfaces_come_first_if_levels_add_more_than_half_of_their_price(of_leve
         for prices in ({"price": 14.0, "target_price": 14.0}, {"price": of_levels})
     )
     assert next_round._is_cheaper(surfaces, levels, spent=10.0) is cheaper
+    assert not next_round._is_cheaper(surfaces.ending("in vain"), levels, spent=10.0)
+    unknown = surfaces.now.model_copy(update={"target_price": None})
+    assert not next_round._is_cheaper(surfaces.model_copy(update={"rounds": (unknown,)}), levels, spent=10.0)
 
 
 def test_a_round_is_a_quarter_dearer_than_all_before():

@@ -157,8 +157,8 @@ def test_a_curve_is_drawn_again_from_its_file(scene, tmp_path):
 def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
     monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
-    for share in (25, 50, 75, 100):
-        assert f"busy     solving loads, {share}% done\n" in done.stderr
+    for number, share in enumerate((25, 50, 75, 100), 1):
+        assert f"busy     solving loads, {share}% done ({number} of 4)\n" in done.stderr
 
 
 def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):

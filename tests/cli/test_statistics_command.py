@@ -3,6 +3,7 @@
 import json
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -148,3 +149,26 @@ def test_a_unit_that_somebody_wrote_is_escaped(folder, tmp_path):
         assert done.exit_code == 0, done.output
         assert "\x1b" not in done.output
         assert r"\x1b[2J" in done.output or command[0] == "conductance"
+
+
+@pytest.mark.filterwarnings("ignore:The flow factor", "ignore:No channel is open")
+def test_a_path_has_its_loads_in_the_printed_and_in_the_written_table(folder, tmp_path):
+    done = gfmd("conductance", folder / "path.nc", "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0, done.output
+    found = gfmd_numba.contact_conductance(folder / "path.nc")
+    loads = xr.load_dataset(folder / "path.nc")["reduced_pressure"].values
+    rows = [line.split() for line in done.stdout.splitlines() if line.split()[:1] in (["0"], ["1"])]
+    assert [float(row[1]) for row in rows] == pytest.approx(loads)
+    assert "p*" in done.stdout
+    table = pd.read_csv(tmp_path / "out.csv", comment="#")
+    np.testing.assert_allclose(table["reduced_pressure (1)"], loads, rtol=1e-14)
+    np.testing.assert_allclose(table[f"conductance ({found['conductance'].units})"], found["conductance"], rtol=1e-14)
+
+
+def test_a_curve_is_told_how_its_loads_become_contacts(folder, tmp_path):
+    gfmd("curve", folder / "profile.yaml", "--loads", "0.01,0.1", "-o", tmp_path / "curve.nc")
+    for command in ("conductance", "leakage", "statistics", "fields"):
+        done = gfmd(command, tmp_path / "curve.nc", "-o", tmp_path / "out.nc")
+        assert done.exit_code == 2
+        assert "a curve, which has no fields" in unfolded(done.stderr)
+        assert "`gfmd solve` leaves of a scene that has these loads in its `path`" in unfolded(done.stderr)

@@ -39,7 +39,7 @@ leakage steps.nc
 plan campaign.yaml --pilot=0.1
 plan campaign.yaml --target=3% --workers=0
 plot small
-relaxation dma.csv
+relaxation dma.csv --unit=Pa
 report small
 report contact.nc
 run broken.yaml --workers=0
@@ -76,7 +76,7 @@ def folder(undrawn, tmp_path_factory):
     (folder / "one.yaml").write_text(SCENE)
     (folder / "broken-one.yaml").write_text(SCENE + "numerics: {max_iterations: 1}\n")
     (folder / "surface.yaml").write_text(SURFACE)
-    (folder / "dma.csv").write_text("1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n")
+    (folder / "dma.csv").write_text("f [Hz],E' [Pa],E'' [Pa]\n1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n")
     a_map = SCENE.replace("scene:", "scene:\n  dimension: 2")
     (folder / "map.yaml").write_text(a_map)
     (folder / "steps.yaml").write_text(a_map + "path: [{reduced_pressure: 0.12345678}, {reduced_pressure: 0.7}]\n")

@@ -16,6 +16,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, relaxation
 
+pytestmark = pytest.mark.filterwarnings("ignore:after some .* fully relaxed")  # limits
 POINTS, DEEPEST = 160, 8e-3
 HEIGHTS = 2e-2 * np.cos(2.0 * np.pi * np.arange(POINTS) / POINTS)
 LAW = {"work_of_adhesion": 2e-4, "range": 2e-3}

@@ -8,6 +8,7 @@ from scipy.interpolate import CubicSpline
 import gfmd_numba
 from support.viscoelastic import STANDARD, THREE, modulus, relaxation
 
+pytestmark = pytest.mark.filterwarnings("ignore:after some .* fully relaxed")  # limits
 EPS = {1: {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}}
 SLAB = {"poissons_ratio": 0.3, "aspect_ratio": 0.4}
 
@@ -46,6 +47,7 @@ def test_where_the_punch_stands_still_all_tractions_relax_as_the_modulus(dimensi
     assert 0.0 < float(found["stick_fraction"][1]) <= 1.0
 
 
+@pytest.mark.filterwarnings("ignore:strains are no longer small")
 def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
     """Mean traction (G / h) int E(t - s) ds of sliding at an even speed, then that of a dwell."""
     speed, turn = 1e-3, 2.0

@@ -224,3 +224,44 @@ def test_a_curve_warns_once_of_its_narrowest_contact():
     found = [line for line in curve.attrs["validity"].splitlines() if "too few nodes" in line]
     assert len(found) == sum("too few nodes" in str(each.message) for each in said) == 1
     assert "which is 1 wide" in found[0]
+
+
+def mirrored_map(**loading):
+    """Field of 24 x 24 nodes of 1 um with waves of many lengths, mirrored, and two asperities above all others."""
+    x = np.arange(24)
+    long = np.add.outer(np.cos(np.pi * x / 24), np.cos(np.pi * x / 12))
+    heights = 1e-8 * long + 2e-9 * np.random.default_rng(2).normal(size=(24, 24))
+    heights[6, 6] = heights[17, 15] = 6e-8
+    roughness = {"method": "measured", "heights": heights, "units": {"z": "m"}, "spacing": 1e-6, "periodic": "mirror"}
+    scene = {"body": {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3}, "roughness": roughness}
+    return {"scene": scene | {"interface": {"hard_wall": {}}, "loading": loading}}
+
+
+def test_few_and_narrow_contacts_of_a_map_are_warned_of_also_by_what_crosses_them():
+    with catch_warnings(action="ignore"):
+        contact = gfmd_numba.solve(mirrored_map(pressure=1e6))
+        crossing = gfmd_numba.contact_conductance(contact), gfmd_numba.leakage(contact)
+    assert contact["n_segments"] == 8
+    for found in (contact, *crossing):
+        said = found.attrs["validity"]
+        assert re.search(r"narrow on this grid, 1.0 nodes wide .* take points: 96", said)
+        assert "few asperities of the measured field touch, at the fewest 2:" in said
+    assert "counts each contact 4 times" in contact.attrs["processing"]
+
+
+@pytest.mark.parametrize(
+    ("dimension", "loading", "said"),
+    [
+        (2, {"force": "2.304 mN"}, "period of 48 µm x 48 µm: 1 N makes 434 MPa there; .* 1 MPa for 1 N on 1 mm"),
+        (2, {"pressure": "1 MPa"}, None),
+        (1, {"line_load": "48 N/m"}, "period of 48 µm: 1 N/m makes 20.8 kPa there; .* 1 kPa for 1 N/m on 1 mm"),
+    ],
+)
+def test_a_force_on_a_mirrored_field_says_what_pressure_it_makes(dimension, loading, said):
+    file = mirrored_map(**loading)
+    if dimension == 1:
+        file["scene"]["roughness"]["heights"] = file["scene"]["roughness"]["heights"][6]
+    for solve in (gfmd_numba.solve, lambda given: gfmd_numba.load_curve(given, [next(iter(loading.values()))])):
+        with catch_warnings(action="ignore"):
+            found = solve(file).attrs["validity"]
+        assert (re.search(said, found) is not None) if said else "mirrored period" not in found

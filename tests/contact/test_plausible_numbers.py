@@ -3,6 +3,7 @@
 from inspect import isclass
 from typing import get_args
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
@@ -191,3 +192,20 @@ def test_a_loaded_body_says_it():
 def test_a_surface_in_its_own_units_says_nothing():
     surface = {"surface": ROUGH | {"points": 64, "cut_on": 0.1, "roll_off": 0.5}}
     assert implausible(load_surface(surface)[0]) == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "place", "meant"),
+    [
+        ({"interface": {"hard_wall": {"hardness": 1.5}}}, "scene.interface.hard_wall.hardness", "1.5 GPa"),
+        ({"plasticity": {"yield_stress": 250.0}}, "scene.body.plasticity.yield_stress", "250 MPa"),
+    ],
+)
+def test_a_load_is_not_blamed_for_a_strength_without_its_unit(changes, place, meant):
+    body = {"youngs_modulus": "80 GPa", "poissons_ratio": 0.3}
+    body |= {"plasticity": changes["plasticity"]} if "plasticity" in changes else {}
+    heights = (1e-8 * np.cos(2.0 * np.pi * np.arange(64) / 64)).tolist()
+    scene = {"length": 1e-5, "body": body, "roughness": {"method": "measured", "heights": heights, "units": {"z": "m"}}}
+    scene |= {"interface": changes.get("interface", {"hard_wall": {}}), "loading": {"pressure": "1 MPa"}}
+    with pytest.raises(gfmd_numba.InputError, match=rf"{place}: you gave [\d.]+; .*{meant}.*\?"):
+        gfmd_numba.solve({"scene": scene})

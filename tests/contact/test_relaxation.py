@@ -158,6 +158,7 @@ def test_under_a_load_that_grows_evenly_the_profile_is_that_of_the_equivalent_lo
         assert float(creeping["mean_gap"][i]) == pytest.approx(float(elastic["mean_gap"]), rel=1e-3)
 
 
+@pytest.mark.filterwarnings("ignore:after some .* s this body is fully relaxed")
 @pytest.mark.parametrize("slab", [False, True])
 def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_body(slab):
     def of(body, *given, **more):

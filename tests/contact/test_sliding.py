@@ -20,6 +20,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, in_a_window, relaxation
 
+pytestmark = pytest.mark.filterwarnings("ignore:at .* waves of")  # limits
 GRADIENT = 0.01
 
 

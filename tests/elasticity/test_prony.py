@@ -89,3 +89,11 @@ def test_series_over_twelve_decades_add_up_too():
         both = in_series(parts)
         np.testing.assert_allclose(both.complex_modulus(frequency), expected, rtol=1e-7)
         assert min(*both.moduli, *both.times) > 0.0
+
+
+def test_the_longest_retardation_is_the_slowest_root_of_the_modulus():
+    moduli, times = np.array([0.5, 10.0, 2.0]), np.array([1.0, 0.3, 1e-3])
+    slowest = PronySeries(tuple(moduli), tuple(times)).longest_retardation
+    share = -times / slowest  # s tau at s = -1 / theta
+    assert 1.0 + (moduli * share / (1.0 + share)).sum() == pytest.approx(0.0, abs=1e-9)
+    assert slowest > times.max()  # where one root lies, as the others lie between the times

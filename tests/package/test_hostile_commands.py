@@ -80,6 +80,7 @@ COMMANDS = {
     "relaxation": lambda things: {
         "file": things.file("dma.csv", "1,3e6,1e5\n10,4e6,8e5\n100,6e6,4e5\n"),
         "unit": "Pa",
+        "poissons_ratio": "0.5",
     },
     "report": lambda things: {
         "results": things.file("results.nc", things.results()),

@@ -104,3 +104,16 @@ def test_noise_on_few_points_is_plausible(n):
     """The largest of few steps is small; the seam, one of them, then exceeds it by half in one case of twenty."""
     for seed in range(60):
         assert doubts(1e-4 * np.random.default_rng(seed).normal(size=n)) == ()
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_a_form_that_does_not_stand_out_is_told_where_it_is_most_of_the_height(dimension):
+    points = {1: 512, 2: 48}[dimension]
+    rough = ordinary(0.8, dimension, 3, points, 0.5, 2.1 / points)
+    x = np.sum(np.meshgrid(*[np.linspace(-0.5, 0.5, points)] * dimension), axis=0)
+    form = x - 1.5 * x**2
+    for times, said in ((0.5, False), ({1: 6.0, 2: 3.0}[dimension], True)):
+        heights = rough + times * rough.std() / form.std() * form
+        field = plausibility.Field(heights, heights, (1.0,) * dimension, {"z": "L_x"}, mirrored=True)
+        found = plausibility.of_field(field).sentences
+        assert any("make" in each and "% of the mean square height" in each for each in found) == said

@@ -274,3 +274,35 @@ def test_columns_and_units_are_known_by_their_labels():
     assert columns_by_label(["Nr.;Weg in mm;Höhe in mil"], 3) == ([1, 2], ("mm", "mil"))
     assert columns_by_label(["Nr.;Auflösung;px/mm"], 3) is None
     assert columns_by_label(["Nr.;x;Weg [mm];Höhe [mil]"], 4) is None  # three may be positions or heights
+
+
+@pytest.mark.parametrize("mark", ["-----", "*", "********", "Bad", "nan"])
+def test_missing_numbers_are_marked_in_any_length(tmp_path, mark):
+    (tmp_path / "p.csv").write_text(f"x [mm];z [um]\n0;1\n1;{mark}\n2;3\n3;4\n")
+    np.testing.assert_equal(read_table(tmp_path / "p.csv").values[:, 1], [1, np.nan, 3, 4])
+
+
+@pytest.mark.parametrize(
+    ("header", "x", "y"),
+    [
+        ("pixel size 0.645 um", (0.645, "um", True), (0.645, "um", True)),
+        ('"XY calibration","645","nm/pixel"', (645.0, "nm", True), (645.0, "nm", True)),
+        ("# Width: 100 µm\n# Height: 80 µm", (100.0, "um", False), (80.0, "um", False)),
+        ("Pixel_size (um); 0,645", (0.645, "um", True), (0.645, "um", True)),
+        ("Pixel size = 0.645 um x 0.5 um", (0.645, "um", True), (0.5, "um", True)),
+        ("X pixel size\t1.2 nm\nY pixel size\t1.3 nm", (1.2, "nm", True), (1.3, "nm", True)),
+        ("pixel width: 2 um\npixel height: 3 um\nwidth: 1 mm", (2.0, "um", True), (3.0, "um", True)),
+        ("point spacing: 5e-1 um", (0.5, "um", True), (0.5, "um", True)),
+        ("Scan Size: 10 um", (10.0, "um", False), None),
+        ("Height: 3 um", None, None),
+        ("Width: 155 px", None, None),
+        ("Z calibration: 1 nm", None, None),
+        ("Lt = 4,00 mm   Ls = 2,5 µm", None, None),
+        ("spacing: -1 um", None, None),
+    ],
+)
+def test_sizes_are_read_where_the_header_states_them(tmp_path, header, x, y):
+    (tmp_path / "map.txt").write_text(header + "\nz unit: um\n" + "1.5 2.5 3.25 4.5 1\n2 5 6 7 3.5\n" * 3)
+    assert read_table(tmp_path / "map.txt").sizes == {
+        axis: size for axis, size in (("x", x), ("y", y)) if size is not None
+    }

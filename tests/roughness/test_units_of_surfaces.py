@@ -173,3 +173,29 @@ def test_a_column_without_a_unit_that_is_named_is_not_left_out(tmp_path):
     (tmp_path / "p.csv").write_text("x [mm],y [mm],z\n" + "".join(f"{i},{i},{z}\n" for i, z in enumerate(HEIGHTS)))
     with pytest.raises(InputError, match="which are no grid"):
         made(tmp_path / "p.csv")
+
+
+def test_a_spacing_or_a_length_that_contradicts_the_header_is_refused(tmp_path):
+    rows = "\n".join(" ".join(map(str, row)) for row in np.random.default_rng(1).normal(size=(20, 20)))
+    for name, header in (("pixel.txt", "pixel size 0.5 um"), ("width.txt", "# Width: 10 um\n# Height: 10 um")):
+        path = tmp_path / name
+        path.write_text(f"{header}\nz unit: nm\n{rows}\n")
+        told = made(path)
+        assert float(told["x"][1]) == pytest.approx(0.5e-6)
+        assert "took 0.5 um from the header as the distance of neighbouring points" in told.attrs["processing"]
+        assert float(made(path, spacing=0.504e-6)["x"][1]) == pytest.approx(0.504e-6)  # rounded
+        with pytest.raises(InputError, match=r"0.5 um apart along y in the header of the file, not 0.51 um: leave"):
+            made(path, spacing=0.51e-6)
+        surface = {"method": "measured", "file": str(path)}
+        near = make_surface({"surface": surface, "length": 10.05e-6})
+        assert float(near["x"][1]) == pytest.approx(10.05e-6 / 20)
+        with pytest.raises(InputError, match=r"a period of 1e-05 m, .*, not length = 1.02e-05 m"):
+            make_surface({"surface": surface, "length": 10.2e-6})
+
+
+def test_a_profile_takes_the_distance_of_its_points_from_the_header(tmp_path):
+    for name, text in (("p.txt", "spacing: 2 um\nz unit: um\n"), ("w.txt", "width: 2 um\nz unit: um\n")):
+        (tmp_path / name).write_text(text + "\n".join(map(str, HEIGHTS)))
+    assert float(made(tmp_path / "p.txt")["x"][1]) == pytest.approx(2e-6)
+    with pytest.raises(InputError, match="heights without positions"):
+        made(tmp_path / "w.txt")

@@ -284,7 +284,7 @@ def test_what_speaks_against_any_load_is_said_once():
         [(3e6, "off by 1e-3\nat the edge\nsteep"), (2e6, "steep"), (1e6, "too coarse by 20 %\noff by 0.2\nsteep")], "Pa"
     )
     assert said.splitlines() == [
-        "at 1 MPa to 3 MPa: off by 1e-3",
+        "at 1 MPa to 3 MPa (numbers at 3 MPa): off by 1e-3",
         "at 3 MPa: at the edge",
         "steep",
         "at 1 MPa: too coarse by 20 %",

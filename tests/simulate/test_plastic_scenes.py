@@ -162,7 +162,8 @@ def test_increments_say_how_far_they_are(tmp_path, monkeypatch):
     (tmp_path / "flows.yaml").write_text(yaml.safe_dump(FLOWS))
     said = gfmd("solve", tmp_path / "flows.yaml", "-o", tmp_path / "flows.nc").stderr.splitlines()
     shares = [line for line in said if line.startswith("busy     solving, ")]
-    assert shares[-6:] == [f"busy     solving, {share}% done" for share in (17, 33, 50, 67, 83, 100)]
+    done = ((17, 0), (33, 0), (50, 1), (67, 1), (83, 1), (100, 2))
+    assert shares[-6:] == [f"busy     solving, {share}% done ({steps} of 2)" for share, steps in done]
 
 
 def test_a_grid_may_not_yield_at_all_depths_either(tmp_path):

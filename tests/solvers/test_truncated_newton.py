@@ -240,7 +240,8 @@ def test_an_update_leaves_held_nodes_balanced(kernel):
     weight, source = np.array([0.0, 1.0, 0.5, 1.0, 1.0, 0.0, 1.0]), np.empty(7)
     left = np.where(weight > 0.0, r - 0.2 * (kp + pulled), r)
     expected = d + 0.2 * p, kd + 0.2 * kp, left, weight * left
-    kernel(p, kp, pulled, weight, 0.2, kernels.Descent(d, kd, r, source))
+    largest = kernel(p, kp, pulled, weight, 0.2, kernels.Descent(d, kd, r, source))
+    assert largest == abs(left[weight > 0.0]).max()
     np.testing.assert_allclose((d, kd, r, source), expected)
 
 

@@ -106,8 +106,8 @@ def test_an_interrupt_leaves_what_is_solved(scene, tmp_path, monkeypatch):
     solve = curve.solve_curve
 
     def interrupt_after(loads):
-        def interrupted(asked):
-            yield from islice(solve(asked), loads)
+        def interrupted(*asked):
+            yield from islice(solve(*asked), loads)
             raise KeyboardInterrupt
 
         monkeypatch.setattr(curve, "solve_curve", interrupted)

@@ -26,8 +26,8 @@ nodes.
 
 - **Task.** From the heights and the load to the pressure, one surface at a time. Setting up grids and transforms
   counts; importing and compiling do not.
-- **Clock.** Processor time of one thread, on a machine ({processor}) that other processes used as well. Each solve
-  of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
+- **Clock.** Processor time of one thread, on a machine ({processor}) that other processes
+  used as well. Each solve of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
 - **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, ASPHER from coarse grids to
   fine ones. Their iterations grow with the nodes in contact and the load. gfmd-numba uses an active-set Newton method,
   which needs few transforms.

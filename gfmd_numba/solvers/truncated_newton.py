@@ -372,7 +372,9 @@ class TruncatedNewton:
         self._split(i)
         p[:] = 0.0
         square, last, gains = min(_LOOSE**2, float(self._residual[i])), np.inf, []
-        enough = _ENOUGH * self._target * max(float(self.certificate.peak[i]), float(self._strongest[i]))
+        # where a mean is held, the load that holds it is off, too, and what is left here does not tell by how much
+        allowed = self._target if self._held_mean is None else 0.0
+        enough = _ENOUGH * allowed * max(float(self.certificate.peak[i]), float(self._strongest[i]))
         for _ in range(_INNER_ITERATIONS):
             self._comply(row)
             norm = kernels.descent_norm(r, weight, own, result)

@@ -100,7 +100,7 @@ def test_a_load_that_makes_no_sense_is_refused_where_it_stands(name, tmp_path):
     change, expected = FAULTS[name]
     text = changed(SCENE, *change)
     if name == "beyond measure":
-        text = changed(changed(text, "youngs_modulus: 70 GPa", "youngs_modulus: 1e-30 Pa"), "1 mm", "1e-30")
+        text = changed(changed(text, "youngs_modulus: 70 GPa", "youngs_modulus: 1e-30 Pa"), "1 mm", "1e-30 m")
     load = gfmd_numba.solve if name == "beyond measure" else load_checked
     said = complaint(tmp_path, load, text)
     line = {"no length": 5, "on a map": 7}.get(name, 6)

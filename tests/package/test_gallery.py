@@ -39,6 +39,7 @@ CLAIMS = {"campaign": limit_is_that_of_finer_levels}
 
 
 @pytest.mark.long
+@pytest.mark.filterwarnings("ignore:.*this body is glassy")  # of rubber at high speeds, which shows just that
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_an_example_runs_and_draws_its_picture(path, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

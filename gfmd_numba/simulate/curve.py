@@ -315,7 +315,7 @@ def _at_loads(lines: list[tuple[float, str]], every: set[float], unit: str) -> s
     """Return one of the lines that differ in numbers alone, with the loads that say so, unless all say the same."""
     loads, different = {load for load, _ in lines}, {line for _, line in lines}
     load, line = lines[-1 if lines[0][1].startswith((FEW_NODES, NARROW_CONTACTS)) else 0]
-    if len(different) == 1 and loads == every:
+    if (len(different) == 1 and loads == every) or re.match(r"at \d", line):  # it says itself where it holds
         return line
     ends = dict.fromkeys(with_prefix(end, unit, 3).strip() for end in (min(loads), max(loads)))
     numbers = f" (numbers at {with_prefix(load, unit, 3).strip()})" if len(different) > 1 and len(ends) > 1 else ""

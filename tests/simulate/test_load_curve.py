@@ -281,11 +281,17 @@ def test_no_name_of_a_result_is_that_of_a_method_of_xarray():
 
 def test_what_speaks_against_any_load_is_said_once():
     said = curve._of_all(
-        [(3e6, "off by 1e-3\nat the edge\nsteep"), (2e6, "steep"), (1e6, "too coarse by 20 %\noff by 0.2\nsteep")], "Pa"
+        [
+            (3e6, "off by 1e-3\nat the edge\nsteep\nat 1 m/s glassy"),
+            (2e6, "steep"),
+            (1e6, "too coarse by 20 %\noff by 0.2\nsteep"),
+        ],
+        "Pa",
     )
     assert said.splitlines() == [
         "at 1 MPa to 3 MPa (numbers at 3 MPa): off by 1e-3",
         "at 3 MPa: at the edge",
         "steep",
+        "at 1 m/s glassy",
         "at 1 MPa: too coarse by 20 %",
     ]

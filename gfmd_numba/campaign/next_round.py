@@ -320,10 +320,7 @@ def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
     known, fitted = of_target.known, of_target.fitted
     now, target = state.now, state.goal.targets[known.fit.variable]
-    found, doubts = (
-        judge(known, fitted),
-        _doubts(of_target, max(1, len(now.levels))),
-    )
+    found, doubts = judge(known, fitted), _doubts(of_target, max(1, len(now.levels)))
     described = all(doubt.size < inf for doubt in doubts)
     expected = _was_to_reach(now, known.fit) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected

@@ -4,8 +4,7 @@ What has flowed moves the surface (`elasticity/eigenstrain.py`), and the pressur
 exceeds the yield stress, `kernels/return_mapping.py` takes it back to the yield surface. The map from plastic strains
 to those to which the yield surface returns the stress under them, with the contact in equilibrium, is a step of
 forward-backward splitting (Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two
-states apart. Anderson's method makes it fast. Strains are in g, stresses in g E*, thicknesses in
-L_x.
+states apart. Anderson's method makes it fast. Strains are in g, stresses in g E*, thicknesses in L_x.
 """
 
 import time

@@ -426,7 +426,8 @@ class TruncatedNewton:
         if self._yields is not None:  # which stop at the wall from behind
             stopped = self._nodes(trial)[-1]
             np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])
-        self._is_summed[i] = knows and not stops and self._yields is None
+        # sums drift while the load moves that holds a mean
+        self._is_summed[i] = knows and not stops and self._yields is None and self._held_mean is None
         if self._is_summed[i]:
             np.multiply(self._lifted, step, out=self._result[i])
             self._result[i] += self._elastic[i]

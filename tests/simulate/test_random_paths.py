@@ -34,7 +34,7 @@ def test_more_random_paths_are_solved(kind):
 
 def test_what_would_jump_open_and_shut_at_a_rigid_mean_is_solved():
     """The law softens nearly as fast as the shortest wave stiffens, so that volume moves node by node."""
-    assert hunt("rigid", (1132, 1161)) == ([], [])
+    assert hunt("rigid", (231, 318, 798, 1132, 1161)) == ([], [])
 
 
 def test_the_check_sees_a_wrong_displacement():

@@ -64,7 +64,8 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     from the table.
     """
     from gfmd_numba.scene.units import PRESSURE
-    from gfmd_numba.simulate.prony_fit import fit_relaxation, read_table
+    from gfmd_numba.simulate.dma_table import read_table
+    from gfmd_numba.simulate.prony_fit import fit_relaxation
 
     table = read_table(file, unit, poissons_ratio)
     for sentence in table.doubts():

@@ -390,6 +390,8 @@ class TruncatedNewton:
                 return True
             left = kernels.descent_update(p, result, pulled, weight, last / curve, descent)
             gains.append(last * last / curve)
+            if not gains[-1] > 0.0:  # which is too small a number
+                break
             falls = min(gains[-1] / gains[-2], 1.0) if gains[1:] else 1.0
             loose = falls * gains[-1] <= square * sum(gains)  # of what the next iteration would gain
             if left <= enough or (loose and not left < _NEAR * enough):

@@ -6,7 +6,8 @@ import yaml
 
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.scene import InputError, load_scene
-from gfmd_numba.simulate.prony_fit import Moduli, fit_relaxation, read_table
+from gfmd_numba.simulate.dma_table import Moduli, read_table
+from gfmd_numba.simulate.prony_fit import fit_relaxation
 from support.command_line import gfmd, unfolded
 
 FREQUENCY = np.geomspace(1e-2, 1e4, 31)

@@ -37,6 +37,10 @@ def test_what_would_jump_open_and_shut_at_a_rigid_mean_is_solved():
     assert hunt("rigid", (231, 318, 798, 1132, 1161)) == ([], [])
 
 
+def test_tractions_too_small_to_square_end_a_newton_step():
+    assert hunt("cohesive", (2020,)) == ([], [])
+
+
 def test_the_check_sees_a_wrong_displacement():
     scene = HUNT["random_scene"]("cohesive", 0)
     problem, _ = HUNT["read_contact"](*HUNT["load_scene"](scene)).reduced

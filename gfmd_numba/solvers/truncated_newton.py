@@ -129,6 +129,7 @@ _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the resi
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
 _OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
+_LOST = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
@@ -236,6 +237,7 @@ class TruncatedNewton:
         self.state = kernels.State(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts, self._is_summed = np.zeros((2, rows), dtype=np.bool_)
+        self._largest_summed = np.zeros(rows)  # restoring traction since one was made anew
         rooms = np.zeros((7, self._u.shape[1]))
         self._curvature, self._weight, self._unbalanced, self._direction, self._lifted, self._conjugate = rooms[:6]
         self._closing: Reals = rooms[6]
@@ -262,7 +264,7 @@ class TruncatedNewton:
             self._source[i], self._is_summed[i] = self._u[i], False
             self._products.restore(row)
             self._restoring[i] += self._result[i] - self._elastic[i]
-            self._elastic[i] = self._result[i]
+            self._elastic[i], self._largest_summed[i] = self._result[i], _largest(self._result[i])
             found[active == i] = look.look(self.state, row, n, self._strongest[row])
         if look.rigid_mean is not None:
             drift = look.rigid_mean.violation(self.state.u[:, -1], active, n)
@@ -428,12 +430,12 @@ class TruncatedNewton:
         if self._yields is not None:  # which stop at the wall from behind
             stopped = self._nodes(trial)[-1]
             np.maximum(stopped, self._punch[i], out=stopped, where=self._yields[i])
-        # sums drift while the load moves that holds a mean
-        self._is_summed[i] = knows and not stops and self._yields is None and self._held_mean is None
+        self._is_summed[i] = knows and not stops and self._yields is None
         if self._is_summed[i]:
             np.multiply(self._lifted, step, out=self._result[i])
             self._result[i] += self._elastic[i]
-        else:
+            self._is_summed[i] = _largest(self._result[i]) > _LOST * self._largest_summed[i]
+        if not self._is_summed[i]:
             self._products.restore(row)
         work, slope, scale = kernels.descent_work(
             u, trial, self._elastic[i], self._result[i], self._restoring[i], self._load[i], self._closing
@@ -451,7 +453,8 @@ class TruncatedNewton:
             u -= mean
             self._punch[i] -= mean
             self._level[i] += mean
-        self._elastic[i] = self._result[i]
+        self._elastic[i], largest = self._result[i], _largest(self._result[i])
+        self._largest_summed[i] = max(self._largest_summed[i], largest) if self._is_summed[i] else largest
         bound, ceiling = self._nodes(self._bound[i])[-1], self._nodes(self._ceiling[i])[-1]
         if self._law.reach > 0.0:
             near = np.asarray(self._punch[i] - u)
@@ -461,7 +464,7 @@ class TruncatedNewton:
             np.minimum(ceiling, near, out=bound)
         pull = self._pull(i)
         np.subtract(self._elastic[i], pull, out=self._restoring[i])
-        self._strongest[i] = max(pull.max(), -pull.min())
+        self._strongest[i] = _largest(pull)
         if self._floats:
             self.state.u[i] = self._components(self._u[i])
             self.state.u[i, -1] += self._level[i]
@@ -515,6 +518,10 @@ def starting_displacement(batch: Batch, traction: Callable[[Reals], Reals]) -> R
     with np.errstate(over="ignore"):
         crushed = -traction(punch - start) > batch.largest_pressure
     return np.where(crushed, np.minimum(start, punch), start)
+
+
+def _largest(values: Reals) -> float:
+    return max(float(values.max()), -float(values.min()))
 
 
 def _decreases(change: float, slope: float) -> bool:

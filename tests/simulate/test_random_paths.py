@@ -41,6 +41,12 @@ def test_tractions_too_small_to_square_end_a_newton_step():
     assert hunt("cohesive", (2020,)) == ([], [])
 
 
+def test_a_body_that_is_drawn_off_until_hardly_anything_acts_is_solved():
+    """Its restoring traction falls by 50 powers of ten, of which sums keep 16."""
+    assert hunt("exponential", (3069, 3305)) == ([], [])
+    assert hunt("other_law", (3141,)) == ([], [])
+
+
 def test_the_check_sees_a_wrong_displacement():
     scene = HUNT["random_scene"]("cohesive", 0)
     problem, _ = HUNT["read_contact"](*HUNT["load_scene"](scene)).reduced

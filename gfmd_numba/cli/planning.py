@@ -65,7 +65,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.goal import Goal
+    from gfmd_numba.campaign.file import target_of_run
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.campaign.plan import refused_limits
     from gfmd_numba.campaign.rounds import pilot_plan
@@ -80,7 +80,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     for differing, count in planned.shared.items():
         whose = " and ".join(differing) or "nothing"
         say("shared", f"{count} cases differ from another case only in {whose}, which changes no number", width=14)
-    if planned.campaign.target is not None and goal is None:
+    of_file = None if goal is not None else target_of_run(file)
+    if of_file:
         said = "what follows is the first round; from its results, the run chooses finer levels and more surfaces"
         bounds = "`gfmd run --budget TIME` bounds what it may take"
         say("levels", f"{said}; `gfmd plan --target` runs it and tells what comes next; {bounds}", width=14)
@@ -95,8 +96,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     if goal is not None:
         well = _show_decision(_run_pilot(file, goal, workers), workers)
     else:
-        of_file = planned.campaign.target
-        first = planned if of_file is None else pilot_plan(planned, Goal(targets=of_file))
+        first = pilot_plan(planned, goal_in(file, of_file, None)) if of_file else planned
         _show_size(first, workers)
         if pilot:
             _show_cost(first, workers, pilot)

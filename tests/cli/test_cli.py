@@ -79,3 +79,17 @@ def test_doctor_finds_a_wrong_pressure(monkeypatch):
     said = gfmd("doctor")
     assert said.exit_code == 3
     assert "failed: ArithmeticError" in said.output
+
+
+def test_the_command_alone_shows_its_help():
+    assert gfmd().output == gfmd("--help").output
+
+
+@pytest.mark.parametrize(("content", "place"), [("x [mm],z [um]\n0,1\n1,2\n", "1:1"), (b"z [\xb5m]\n1\n", "1:4")])
+def test_a_table_in_place_of_a_scene_is_told_from_it(tmp_path, content, place):
+    table = tmp_path / "profile.csv"
+    table.write_bytes(content if isinstance(content, bytes) else content.encode())
+    done = gfmd("check", table)
+    assert done.exit_code == 2
+    assert f"{table}:{place}: you gave" in done.stderr
+    assert "named by a YAML file, `roughness: {method: measured, file: profile.csv}`" in done.stderr

@@ -192,3 +192,20 @@ def test_a_campaign_without_limits_has_no_target(tmp_path):
 def test_a_target_without_a_name_is_that_of_what_is_fitted(tmp_path):
     path = campaign(tmp_path, **{"reference: {": "fit: {variable: kappa_r}\nreference: {"})
     assert goal_in(path, {"": 0.02}, None).targets == {"kappa_r": 0.02}
+
+
+def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path):
+    asked = COARSE | {"target": {"kappa": "90%"}}
+    path = written(tmp_path, asked)  # whose realisations are all that is asked for
+    assert "simulations 10 of 10 asked for" in unfolded(planned(path, "--pilot=0").stdout)
+    path = written(tmp_path, {name: value for name, value in asked.items() if name != "realisations"})
+    said = planned(path, "--pilot=0")
+    ran = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
+    assert ran.exit_code == 0, ran.output
+    assert "what follows is the first round" in unfolded(said.stdout)
+    first = rounds.read(tmp_path / "out").rounds[0].realisations
+    assert f"simulations {sum(first)} of {sum(first)} asked for" in unfolded(said.stdout)
+    assert sum(first) > 2 * len(first)
+    off = [line for line in said.stdout.splitlines() if line.startswith("off ")]
+    assert "friction" in unfolded(said.stdout)
+    assert len(off) == 2  # a line for each reason

@@ -9,7 +9,6 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
-from math import ceil
 from multiprocessing import resource_tracker
 from typing import Annotated, Any, Literal, Self
 
@@ -106,14 +105,6 @@ class Cluster(BaseModel):
     def lifetime(self) -> int:
         """Time in s after which a worker ends, so that it does so before the queueing system ends its job."""
         return int(self.walltime - min(_LONGEST_MARGIN, self.walltime / 4))
-
-    @property
-    def slurm_walltime(self) -> str:
-        """Walltime in the spelling of SLURM, days-hours:minutes:seconds."""
-        minutes, seconds = divmod(ceil(self.walltime), 60)
-        hours, minutes = divmod(minutes, 60)
-        days, hours = divmod(hours, 24)
-        return f"{days}-{hours:02}:{minutes:02}:{seconds:02}"
 
 
 def load_cluster(source: Source) -> Cluster:

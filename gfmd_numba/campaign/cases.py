@@ -11,7 +11,7 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, values_together, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact.contact_input import (
     pattern_of,
@@ -86,7 +86,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
     found: dict[Surface | None, MeasuredScene] = {}
     first: tuple[Measured, MeasuredSurface] | None = None
-    for values, locations in surfaces_of_grid(campaign.grid):
+    for values, locations in values_together(campaign.grid, "roughness"):
         scene = with_values(campaign.scene, values)
         record = scene.roughness
         assert isinstance(record, Measured)  # as the campaign's own

@@ -1,12 +1,19 @@
 """What a run takes in addition to its contacts: starting, workers, the results file, and the fit with its picture."""
 
+import json
 import subprocess
 import sys
-from dataclasses import dataclass
+import time
+from dataclasses import dataclass, replace
 
-from gfmd_numba.campaign.axes import DISCRETISATIONS
-from gfmd_numba.campaign.cases import groups
+import numpy as np
+import xarray as xr
+
+from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.campaign.cases import Case, groups
+from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import remember, remembered
+from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.plan import Plan
 
 UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
@@ -15,7 +22,8 @@ _IMPORTED = "distributed, matplotlib.figure, netCDF4, scipy.optimize, gfmd_numba
 _START = "start of a process"  # key of its run time
 # of the start of a process, which tells how fast a machine runs Python:
 _KERNELS, _WORKER, _RESULTS, _CASE, _PICTURE = 0.16, 1.6, 0.1, 7e-4, 0.4  # loading them, what one of the others takes
-_FIT, _VALUE = 0.012, 5e-7  # of a limit of a group, to a factor of 3 as exponents and levels are, and of a simulation
+_REHEARSED = 6  # groups
+_REALISATIONS = 20_000  # of a rehearsal at most: the time of a fit of more is proportional to them
 
 
 @dataclass(frozen=True)
@@ -39,14 +47,8 @@ class Overhead:
 def overhead(planned: Plan) -> Overhead:
     """Return what a run takes in addition to its contacts on this machine, with compiled kernels in the cache."""
     start = _start()
-    limits = len({case.limit for case in planned.cases} & set(DISCRETISATIONS))
-    fit, fitted = planned.campaign.fit, 0.0
-    if limits:
-        steps = (
-            1 if fit.is_of_path or fit.step is not None else 1 + len(planned.campaign.path)
-        )  # each of which is fitted
-        each = _FIT * limits * len(groups(planned.cases)) + _VALUE * planned.n_asked
-        fitted = (steps * each + _PICTURE) * start
+    extrapolated = any(case.limit != "reference" for case in planned.cases)
+    fitted = _rehearsed(planned) + _PICTURE * start if extrapolated else 0.0
     results = (_RESULTS + _CASE * len(planned.cases)) * start
     return Overhead((1 + _KERNELS) * start, _WORKER * start, results, fitted)
 
@@ -60,3 +62,38 @@ def _start() -> float:
         times[_START] = float(said.stdout)
         remember(times)
     return times[_START]
+
+
+def _rehearsed(planned: Plan) -> float:
+    """Return the seconds of the fit, from a fit of some groups of made-up results."""
+    members = groups(planned.cases)
+    cases = [case for group in members[:_REHEARSED] for case in group]
+    asked = max(case.realisations for case in cases)
+    fewer = [replace(case, realisations=min(case.realisations, _REALISATIONS)) for case in cases]
+    results = _made_up(fewer, planned.campaign)
+    fit = planned.campaign.fit
+    options = json.loads(fit.model_dump_json(exclude_none=True, exclude={"step"}))
+    steps = 1 if fit.is_of_path or fit.step is not None else 1 + len(planned.campaign.path)  # each of which is fitted
+    seconds: list[float] = []
+    try:
+        for _ in range(2):  # the first one imports
+            begun = time.thread_time()
+            fit_tfc(results, **options)
+            seconds.append(time.thread_time() - begun)
+    except UnusableDataError:
+        return 0.0
+    return steps * seconds[1] * len(members) / min(len(members), _REHEARSED) * asked / min(asked, _REALISATIONS)
+
+
+def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:
+    """Return results of the form of the cases': corrections with likely exponents, and scatter."""
+    rng = np.random.default_rng(0)
+    asked = np.array([case.realisations for case in cases])
+    shared = rng.standard_normal(asked.max())
+    values = 2.0 + 0.1 * shared + 0.03 * rng.standard_normal((len(cases), asked.max()))
+    for name, exponent in campaign.fit.fixed:
+        eps = np.array([getattr(case.discretisation, name) for case in cases])
+        values += 0.1 * (eps[:, np.newaxis] / eps.max()) ** np.mean(exponent or 1.0)
+    values[np.arange(asked.max()) >= asked[:, np.newaxis]] = np.nan
+    coordinates = described_coordinates(campaign.scene, cases)
+    return xr.Dataset({campaign.fit.variable: (("case", "realisation"), values)}, coordinates)

@@ -8,7 +8,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -118,12 +118,6 @@ def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
     if contents:
         path = path_of(directory, list(blocks))
         atomic_file.replace(path, b"".join(contents), _OURS[path.suffix])
-
-
-def check_names(directory: Path, names: Iterable[str]) -> None:
-    """Raise InputError if somebody else's file has the name of the file of a block."""
-    for name in names:
-        atomic_file.check(path_of(directory, [name]), _OURS[_SHARD])
 
 
 def remove_unreadable(directory: Path) -> None:

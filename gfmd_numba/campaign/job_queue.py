@@ -37,7 +37,6 @@ _ON_CLUSTER = OF_A_RUN | {
     "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
 }
 _PATIENCE = 120.0  # s, with a controller that is busy
-_UNREACHABLE = re.compile(r"configuration source|contact slurm controller", re.IGNORECASE)  # in sbatch's words
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
 _SECONDS_BETWEEN_LOOKS = 10.0  # at the queue, whose controller others ask, too
 _SECONDS_TO_FIRST_LOOK = 3.0
@@ -99,12 +98,11 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
-        if _UNREACHABLE.search(said):
-            raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
         raise InputError.of(
             "--cluster",
-            f"jobs that SLURM refuses ({said})",
-            "cores, memory, walltime, partition, account and directives that `sinfo` and your site's rules permit",
+            f"jobs that SLURM does not take ({said})",
+            "a SLURM that is up, and cores, memory, walltime, partition, account and directives that `sinfo` and your "
+            "site's rules permit",
         )
 
 

@@ -111,7 +111,7 @@ def test_jobs_that_end_before_their_workers_come_stop_the_run(tmp_path, slurm):
 
 def test_what_slurm_refuses_is_told_before_anything_is_made(tmp_path, slurm):
     with pytest.raises(
-        InputError, match=r"--cluster: you gave jobs that SLURM refuses \(.*invalid partition: nowhere\)"
+        InputError, match=r"--cluster: you gave jobs that SLURM does not take \(.*invalid partition: nowhere\)"
     ):
         gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"partition": "nowhere"})
     assert not (tmp_path / "out").exists()
@@ -129,9 +129,9 @@ def test_a_queue_that_does_not_answer_is_told(tmp_path, slurm, monkeypatch):
         check(workers_of(CLUSTER), tmp_path / "out")
 
 
-def test_a_slurm_that_is_not_there_is_no_fault_of_the_jobs(tmp_path, slurm):
+def test_what_sbatch_says_is_told(tmp_path, slurm):
     (slurm / "sbatch").write_text("#!/bin/sh\necho 'Could not establish a configuration source' >&2\nexit 1\n")
-    with pytest.raises(InputError, match=r"sbatch reaches no SLURM \(Could not .*\); gfmd needs a SLURM that is up"):
+    with pytest.raises(InputError, match=r"SLURM does not take \(Could not .*\); gfmd allows a SLURM that is up"):
         check(workers_of(CLUSTER), tmp_path / "out")
 
 

@@ -11,7 +11,7 @@ from itertools import islice, product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, values_together, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact.contact_input import (
     pattern_of,
@@ -34,11 +34,11 @@ from gfmd_numba.contact.scales import passing, reduced_step, steps_of
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
-from gfmd_numba.scene.document import Location, existing_file
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.scene_file import located
 
 PUNCH = ("roughness",)
@@ -86,7 +86,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
     found: dict[Surface | None, MeasuredScene] = {}
     first: tuple[Measured, MeasuredSurface] | None = None
-    for values, locations in surfaces_of_grid(campaign.grid):
+    for values, locations in values_together(campaign.grid, "roughness"):
         scene = with_values(campaign.scene, values)
         record = scene.roughness
         assert isinstance(record, Measured)  # as the campaign's own
@@ -95,7 +95,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = _read(record, located(placed, scene, ("scene",)), placed, read)
+        scene, surfaces = with_measured(located(placed, scene, ("scene",)), placed, read)
         first = first or (record, surfaces[PUNCH])
         unit, of_first = surfaces[PUNCH].unit, first[1].unit
         if unit != of_first:
@@ -137,33 +137,6 @@ def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[
         return given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
-
-
-def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurfaces]:
-    """Return the scene with the dimension and period of the file of its punch, and its measured surfaces.
-
-    An InputError names a value of the grid rather than the file, if the file can be used without that value.
-    """
-    file = ("scene", *FILE)
-    assert record.file is not None  # the campaign's promise
-    located = record.model_copy(update={"file": existing_file(document, file, record.file, ())})
-
-    def told(placed: Document, without: str = "") -> tuple[Scene, MeasuredSurfaces]:
-        roughness = located.model_copy(update={without: None} if without else {})
-        return with_measured(scene.model_copy(update={"roughness": roughness}), placed, read)
-
-    try:
-        return told(document)
-    except InputError:
-        for place, at in document.elsewhere.items():
-            if place in (file, file[:-1]):
-                continue
-            try:
-                told(document, without=str(place[-1]))
-            except InputError:
-                continue
-            told(replace(document, elsewhere={**document.elsewhere, file: at}))
-        raise
 
 
 def _refused(document: Document, given: str, allowed: str) -> InputError:

@@ -441,20 +441,12 @@ def _measure(
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
     """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for anything else."""
-    from pydantic_core import PydanticCustomError
-
-    from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.units import LENGTH
-
     in_metres = "x" not in contact.variables or contact["x"].attrs.get("units") != "1"
-    allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
-    number: object = plain_scalar(text.strip())
-    with suppress(PydanticCustomError):
-        if in_metres and not isinstance(number, (int, float)):
-            number = LENGTH.si_value(text)
-    if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
+    number, unit = _with_si_unit(text)
+    if number is None or unit not in ("", "m" if in_metres else "") or not isfinite(number):
+        allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
         raise InputError.of(f"--{option}", repr(text), allowed)
-    return float(number)
+    return number
 
 
 def largest_stress(dataset: xr.Dataset) -> str:

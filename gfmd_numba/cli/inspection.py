@@ -240,12 +240,12 @@ def schemas() -> dict[str, dict[str, Any]]:
 @click.argument("file", type=NEW_FILE, default="campaign.yaml")
 def init(file: Path) -> None:
     """Write an example campaign with comments to FILE."""
-    from gfmd_numba.storage.atomic_file import create
+    from gfmd_numba.storage.atomic_file import replace
+    from gfmd_numba.storage.mark import is_product
 
-    try:
-        create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
-    except FileExistsError:
-        raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name") from None
+    if file.exists() or file.is_symlink():
+        raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name")
+    replace(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes(), is_product)
     say("campaign", f"{file}: `gfmd plan {word(file)}` says what it costs, `gfmd run {word(file)}` runs it")
 
 

@@ -214,21 +214,20 @@ def _harmonic(heights: Reals, missing: Flags) -> Reals:
     from scipy.sparse import coo_array, csr_array, diags_array
     from scipy.sparse.linalg import spsolve
 
-    number = np.full(heights.shape, -1)
-    unknowns = int(missing.sum())
+    at, number = np.argwhere(missing), np.full(heights.shape, -1)
+    unknowns = len(at)
     number[missing] = np.arange(unknowns)
     neighbours, known = np.zeros(unknowns), np.zeros(unknowns)
     rows, columns = [], []
-    for axis in (0, 1):
-        one, other = np.moveaxis(number, axis, 0)[:-1], np.moveaxis(number, axis, 0)[1:]
-        low, high = np.moveaxis(heights, axis, 0)[:-1], np.moveaxis(heights, axis, 0)[1:]
-        for here, there, value in ((one, other, high), (other, one, low)):
-            asked = here >= 0
-            np.add.at(neighbours, here[asked], 1.0)
-            both, border = asked & (there >= 0), asked & (there < 0)
-            np.add.at(known, here[border], value[border])
-            rows.append(here[both])
-            columns.append(there[both])
+    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        next_to = at + step
+        here = np.flatnonzero(((next_to >= 0) & (next_to < heights.shape)).all(axis=1))
+        there = tuple(next_to[here].T)
+        neighbours[here] += 1.0
+        border = ~missing[there]
+        known[here[border]] += heights[there][border]
+        rows.append(here[~border])
+        columns.append(number[there][~border])
     row, column = np.concatenate(rows), np.concatenate(columns)
     coupling = coo_array((np.ones(len(row)), (row, column)), shape=(unknowns, unknowns))
     filled = heights.copy()

@@ -183,6 +183,12 @@ class Campaign(BaseModel):
                     raise broken_rule(("limits", CROSS, i, axis), f"a value other than the reference's, {value:.6g}")
 
     @model_validator(mode="after")
+    def _is_of_contacts(self) -> Self:
+        if not self.scene.has_punch:
+            raise broken_rule(("scene", "loading"), "a loading, and an interface, as campaigns are of contacts")
+        return self
+
+    @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):

@@ -34,7 +34,7 @@ from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
@@ -74,7 +74,7 @@ class Units:
     names: Mapping[str, str]
 
     @classmethod
-    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+    def of(cls, scene: Scene, rms_gradient: float = 1.0) -> "Units":
         """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
         scales = scales_of(scene)
         height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
@@ -133,7 +133,7 @@ def units_of(given: ContactInput) -> Units:
     return Units.of(given.file.scene, given.surfaces.rms_gradient)
 
 
-def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+def modulus_attributes(scene: Scene) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
         return {}

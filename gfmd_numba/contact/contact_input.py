@@ -4,7 +4,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
@@ -27,15 +26,12 @@ from gfmd_numba.elasticity import free_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content, read_values
-from gfmd_numba.scene import COMPONENTS, Boundary, BoundaryFile, Document, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
+from gfmd_numba.scene import COMPONENTS, Boundary, Document, Scene, SceneFile
+from gfmd_numba.scene.checks import arrays_of, check_nodes
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.units import in_unit_of
-
-Described = TypeVar("Described", Scene, LoadedBody, Scene | LoadedBody)
-Given = TypeVar("Given", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
 _FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
@@ -48,7 +44,7 @@ Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa a
 class LoadedBodyInput:
     """A file, what it prescribes, and its body if that is rough; `measured` are the surfaces read from files."""
 
-    file: BoundaryFile
+    file: SceneFile
     prescribed: Prescribed
     rough: RoughBody | None = None
     measured: tuple[MeasuredSurface, ...] = ()
@@ -89,19 +85,34 @@ class ContactInput:
         return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
 
 
-def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
-    """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
-    file, surfaces, measured = _with_surfaces(file, document)
-    rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
-    body, dimension = file.scene.body, file.scene.dimension
-    needed = arrays_of_a_loaded_body(dimension, file.slope_order)
+def read(file: SceneFile, document: Document) -> ContactInput | LoadedBodyInput:
+    """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
+    file, measured = with_measured_surfaces(file, document)
+    check_combination(document, file.scene, file.numerics, file.path)
+    return (_contact if file.scene.has_punch else _loaded_body)(file, measured, document)
+
+
+def read_contact(file: SceneFile, document: Document) -> ContactInput:
+    """As `read`, of a scene with a punch."""
+    given = read(file, document)
+    assert isinstance(given, ContactInput)  # of a punch
+    return given
+
+
+def _loaded_body(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> LoadedBodyInput:
+    """Raise InputError for what is over-determined, or does not fit or balance."""
+    is_rough, body, dimension = file.scene.follows_topography, file.scene.body, file.scene.dimension
+    bodies = pressed_surfaces(file, measured, document).bodies if is_rough else None
+    rough = None if bodies is None else bodies[0]
+    needed, boundary = arrays_of(file), file.scene.boundary
+    assert boundary is not None  # without a punch
     shape = None if file.points is None else (file.points,) * dimension
     if rough is not None:
         shape = rough.heights.shape
         check_nodes(document, ("scene", "body", "roughness"), rough.heights.size, needed)
     elif file.points is not None:
         check_nodes(document, ("points",), float(file.points) ** dimension, needed)
-    arrays = read_boundary(document, file.scene.boundary, dimension, shape)
+    arrays = read_boundary(document, boundary, dimension, shape)
     name, given = next(iter(arrays.items()))
     check_nodes(document, ("scene", "boundary", name), given.size, needed)
     if body.is_half_space:
@@ -115,15 +126,14 @@ def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
             ("scene", "boundary", "normal_displacement"),
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
-    return LoadedBodyInput(file, dict(arrays), rough, measured)
+    return LoadedBodyInput(file, dict(arrays), rough, tuple(measured.values()))
 
 
-def read_contact(file: SceneFile, document: Document) -> ContactInput:
-    """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
-    file, surfaces, measured = _with_surfaces(file, document)
-    assert surfaces is not None  # of a punch
+def _contact(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> ContactInput:
+    """Raise InputError for loads and tractions that surfaces and bodies do not bear, or laws that no grid resolves."""
+    surfaces = pressed_surfaces(file, measured, document)
     pattern = pattern_of(document, file.scene.interface, file.scene.dimension, surfaces.surface.shape)
-    given = ContactInput(file, surfaces, pattern=pattern, measured=measured)
+    given = ContactInput(file, surfaces, pattern=pattern, measured=tuple(measured.values()))
     control = file.scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
@@ -138,17 +148,7 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return given
 
 
-def _with_surfaces(
-    file: Given, document: Document
-) -> tuple[Given, PressedSurfaces | None, tuple[MeasuredSurface, ...]]:
-    """A file with what its measured surfaces tell, the surfaces that it describes, None if flat, and measured ones."""
-    file, measured = with_measured_surfaces(file, document)
-    check_combination(document, file.scene, file.numerics, file.path if isinstance(file, SceneFile) else ())
-    is_flat = isinstance(file, BoundaryFile) and not file.scene.follows_topography
-    return file, None if is_flat else pressed_surfaces(file, measured, document), tuple(measured.values())
-
-
-def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, MeasuredSurfaces]:
+def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
     """A file of a scene with the dimension and the period that its measured surfaces tell, and these surfaces.
 
     Raises InputError for surfaces that cannot be used or do not fit each other, and for what does not fit the period.
@@ -160,9 +160,7 @@ def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, Meas
     return file, measured
 
 
-def with_measured(
-    scene: Described, document: Document, read: Reader = read_content
-) -> tuple[Described, MeasuredSurfaces]:
+def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
     """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
     measured, length = measured_surfaces(scene, document, read)
     dimensions = {surface.heights.ndim for surface in measured.values()}

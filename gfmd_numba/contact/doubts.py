@@ -9,7 +9,7 @@ import xarray as xr
 
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
-from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.scales import longest_time, relaxation
@@ -63,13 +63,15 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     )
     own = (doubt(given, dataset) for doubt in each)
     short = _short_stretches(problem, dataset)
-    return "\n".join([*of_input(given, problem), *filter(None, (rough, *own, short))])
+    return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
 
 
-def of_input(given: ContactInput, problem: Problem) -> list[str]:
-    """Reasons to doubt a contact that are known before it is solved: of its surfaces, its load and its grid."""
+def of_input(given: ContactInput | LoadedBodyInput) -> list[str]:
+    """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
-    coarse = law_resolution.doubt(problem, given.file.discretisation)
+    if isinstance(given, LoadedBodyInput):
+        return found
+    coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 

@@ -50,7 +50,7 @@ def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
         displacement / scales.length,
         solver_options(file.numerics, able(["prescribed"])[0]),
         None if given.rough is None else given.rough.heights,
-        file.slope_order or 0,
+        file.numerics.slope_order(file.scene),
     )
 
 

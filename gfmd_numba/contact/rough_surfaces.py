@@ -18,10 +18,8 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import (
-    BoundaryFile,
     Discretisation,
     Document,
-    LoadedBody,
     Measured,
     Random,
     Scene,
@@ -72,7 +70,7 @@ class PressedSurfaces:
 
 
 def measured_surfaces(
-    scene: Scene | LoadedBody, document: Document, read: Reader = read_content
+    scene: Scene, document: Document, read: Reader = read_content
 ) -> tuple[dict[Place, MeasuredSurface], float | None]:
     """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
 
@@ -90,9 +88,9 @@ def measured_surfaces(
     return surfaces, length
 
 
-def pressed_surfaces(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
-    if isinstance(file, BoundaryFile) or file.scene.follows_topography:
+    if file.scene.follows_topography:
         order = file.numerics.slope_order(file.scene)
         summed, bodies = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
         drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
@@ -125,7 +123,7 @@ def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float,
 
 
 def random_surface(
-    record: Random, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int
+    record: Random, scene: Scene, discretisation: Discretisation | None, seed: int
 ) -> tuple[RandomSurface, float]:
     """Ensemble that a record of a scene describes at a discretisation, and the rms gradient asked of it.
 
@@ -150,9 +148,9 @@ def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] 
     return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
 
 
-def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
+def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | None:
     """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
-    if isinstance(scene, LoadedBody) or scene.form is None:
+    if scene.form is None:
         return None
     if shape is None:
         assert scene.form.points is not None  # the promise of a scene without roughness
@@ -183,7 +181,7 @@ def _of_the_punch(
 
 
 def ensemble_of_rough_bodies(
-    scene: Scene | LoadedBody,
+    scene: Scene,
     discretisation: Discretisation | None,
     seed: int,
     order: int,
@@ -229,7 +227,7 @@ def ensemble_of_rough_bodies(
 
 
 def check_drawn(
-    scene: Scene | LoadedBody, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
+    scene: Scene, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
 ) -> tuple[RoughBody, ...]:
     """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
     places = list(scene.surfaces)
@@ -274,7 +272,7 @@ def _points(shape: tuple[int, ...]) -> str:
 
 
 def _random(
-    place: Place, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int, document: Document
+    place: Place, scene: Scene, discretisation: Discretisation | None, seed: int, document: Document
 ) -> tuple[RandomSurface, float]:
     """Ensemble of the record at a place, and the rms gradient asked of it."""
     record = scene.surfaces[place]
@@ -289,7 +287,7 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 
 
 def _measured(
-    field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
+    field: Field, scene: Scene, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
     record = field.record
     dimension = scene.dimension if "dimension" in scene.model_fields_set else None

@@ -16,7 +16,7 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries, in_series
 from gfmd_numba.kernels import Hardening
-from gfmd_numba.scene import Body, Interface, LoadedBody, Scene
+from gfmd_numba.scene import Body, Interface, Scene
 from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
 from gfmd_numba.scene.loading import Step
@@ -77,7 +77,7 @@ class Scales:
     shares: tuple[float, ...]
 
 
-def scales_of(scene: Scene | LoadedBody) -> Scales:
+def scales_of(scene: Scene) -> Scales:
     """Return the scales of a scene."""
     return _scales(scene.deformable, scene.length, scene.has_moduli)
 

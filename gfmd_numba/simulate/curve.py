@@ -26,7 +26,7 @@ from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
-from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
+from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
 from gfmd_numba.scene.quantities import (
@@ -111,9 +111,7 @@ class LoadCurve:
     realisations: int
 
 
-def read_curve(
-    file: SceneFile | BoundaryFile, document: Document, over: Over, values: object, realisations: object
-) -> LoadCurve:
+def read_curve(file: SceneFile, document: Document, over: Over, values: object, realisations: object) -> LoadCurve:
     """Check a scene and the loads, the times in s since its load began to act, or the speeds of its punch.
 
     Raises InputError, by the names of these arguments, for what makes no sense.
@@ -145,9 +143,9 @@ def read_curve(
     return curve
 
 
-def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
+def _without_path(file: SceneFile, document: Document) -> SceneFile:
     """A scene file with its measured surfaces; raises InputError for one with a path, or without a punch."""
-    if isinstance(file, BoundaryFile):
+    if not file.scene.has_punch:
         raise document.fault(("scene",), "a loaded body without a punch", "a contact, with a loading")
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
@@ -322,9 +320,7 @@ def _at_loads(lines: list[tuple[float, str]], every: set[float], unit: str) -> s
     return f"at {' to '.join(ends)}{numbers}: {line}"
 
 
-def curve_of(
-    file: SceneFile | BoundaryFile, document: Document, given: Mapping[Over, object], realisations: object
-) -> xr.Dataset:
+def curve_of(file: SceneFile, document: Document, given: Mapping[Over, object], realisations: object) -> xr.Dataset:
     """Observables over `prescribed_load`, `time` or `speed` in SI units; raises InputError as `read_curve` does.
 
     One of loads, times and speeds is `given`. The `status` says which runs failed.

@@ -10,7 +10,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.scene import BoundaryFile, Numerics, Scene
+from gfmd_numba.scene import Numerics, Scene, SceneFile
 from support.coupled_bodies import NX, X, flat
 
 
@@ -29,7 +29,7 @@ def test_a_file_in_si_units_is_the_same_problem(tmp_path):
     one = gfmd_numba.solve(plain)
     assert int(one["status"]) == 0
     assert one["normal_traction"].units == one["x"].units == "1"
-    for same in (plain["scene"], BoundaryFile.model_validate(plain)):
+    for same in (plain["scene"], SceneFile.model_validate(plain)):
         np.testing.assert_array_equal(gfmd_numba.solve(same)["normal_traction"], one["normal_traction"])
     length, young = 1e-4, 70e9
     modulus = young / (1 - 0.3**2)

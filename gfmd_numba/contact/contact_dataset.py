@@ -447,9 +447,9 @@ def _add_followed(
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
-    scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
+    of_path, of_steps = record.of_path(), record.of_steps()
     found = {}
-    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
+    for name, row in recorded_along(given.file.scene, given.surfaces.order).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
         found[name] = units_of(given).variable(dims, row.unit, row.long_name, values[name])
     return found

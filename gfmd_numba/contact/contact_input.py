@@ -20,9 +20,8 @@ from gfmd_numba.contact.rough_surfaces import (
     measured_surfaces,
     pressed_surfaces,
 )
-from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
+from gfmd_numba.contact.scales import Scales, Sliding, reduced_load, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.elasticity import free_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content, read_values
@@ -78,11 +77,8 @@ class ContactInput:
     @cached_property
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
-        file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
-        problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
-        problem = patterned(problem, self.pattern)
-        path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
-        return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
+        file = self.file
+        return reduce(file.scene, self.surfaces, file.numerics, file.path, self.tractions, self.pattern)
 
 
 def read(file: SceneFile, document: Document) -> ContactInput | LoadedBodyInput:
@@ -138,9 +134,8 @@ def _contact(file: SceneFile, measured: MeasuredSurfaces, document: Document) ->
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
     if file.scene.boundary is not None:
-        shape, gradient = surfaces.surface.shape, surfaces.rms_gradient
-        arrays = read_boundary(document, file.scene.boundary, file.scene.dimension, shape)
-        given = replace(given, tractions=tractions_on_the_body(document, file.scene, arrays, shape, gradient))
+        arrays = read_boundary(document, file.scene.boundary, file.scene.dimension, surfaces.surface.shape)
+        given = replace(given, tractions=tractions_on_the_body(document, file.scene, arrays, surfaces))
     if file.scene.interface.reaches_across:
         check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
     displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
@@ -187,14 +182,6 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
             raise document.refused(place, str(error)) from None
 
 
-def patterned(problem: Problem, pattern: Reals | None) -> Problem:
-    """Problem whose law of the gap has a pattern `[(y,) x]`, if there is one."""
-    if pattern is None:
-        return problem
-    padded = free_body.padded_shape(pattern.shape, problem.ends)
-    return replace(problem, interface=problem.interface.patterned(pattern, padded))
-
-
 def pattern_of(document: Document, interface: Interface, dimension: int, shape: tuple[int, ...]) -> Reals | None:
     """Share of the work of adhesion at each node; raises InputError for one that is no share of anything."""
     laws = interface.laws.items()
@@ -220,8 +207,7 @@ def check_room(
     held = not any(scene.ends)  # around a window there is room
     rigid_mean = held and all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
     # at higher orders a body that is pressed moves what its topography takes up, too
-    is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
-    if scene.loading.displacement is None or not rigid_mean or not is_known:
+    if scene.loading.displacement is None or not rigid_mean or surfaces.order > 0:
         return
     surface, gradient, one = surfaces.surface, surfaces.rms_gradient, range(file.realisation, file.realisation + 1)
     if isinstance(surface, SummedSurface):
@@ -236,9 +222,9 @@ def check_room(
 
 
 def tractions_on_the_body(
-    document: Document, scene: Scene, arrays: Mapping[str, Reals], shape: tuple[int, ...], rms_gradient: float
+    document: Document, scene: Scene, arrays: Mapping[str, Reals], surfaces: PressedSurfaces
 ) -> Tractions:
-    """Tractions of what `read_boundary` has read, with a punch whose rms gradient they are divided by.
+    """Tractions of what `read_boundary` has read, over the rms gradient of the surfaces that are pressed together.
 
     Raises InputError for a mean traction that nothing holds, or that the loading decides already.
     """
@@ -249,7 +235,7 @@ def tractions_on_the_body(
         arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
     for name in tangential if scene.body.is_half_space and not is_held else ():
         arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = rms_gradient * scales_of(scene).modulus
+    scale, shape = surfaces.rms_gradient * scales_of(scene).modulus, surfaces.surface.shape
     found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
     return Tractions.of(np.stack(found[:-1]), found[-1])
 

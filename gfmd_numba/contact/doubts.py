@@ -44,8 +44,8 @@ THICKNESS = 0.01  # change of a film's thickness, over the thickness, above whic
 
 def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
-    rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
+    bodies = given.surfaces.bodies
+    rough = "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, dataset)
     each = (
         _coarse_times,
         _coarse_steps,

@@ -15,7 +15,6 @@ from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
-from gfmd_numba.text.input_error import brief
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
 Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file
@@ -63,7 +62,7 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
         if first.setdefault(location, refusal).because == "without effect" != refusal.because:
             first[location] = refusal  # what it lacks would not help
     if first:
-        raise InputError(*(document.line(at, brief(document.value(at)), row.allowed) for at, row in first.items()))
+        raise InputError(*(document.told(at, row.allowed) for at, row in first.items()))
 
 
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:

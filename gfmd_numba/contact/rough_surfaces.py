@@ -68,6 +68,11 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
     rough: RoughBodies | None = None
 
+    @property
+    def order(self) -> int:
+        """Order in the slope to which the topographies of bodies are followed; 0 of smooth bodies."""
+        return 0 if self.rough is None else self.rough.order
+
 
 def measured_surfaces(
     scene: Scene, document: Document, read: Reader = read_content
@@ -96,7 +101,7 @@ def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Docu
         drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
         return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
-    return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+    return punch_on_its_form(file.scene, rough, document)
 
 
 def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
@@ -133,21 +138,6 @@ def random_surface(
     return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
 
 
-def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
-    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
-
-    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
-    """
-    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
-    if smooth is None:
-        assert rough is not None  # a scene has one of the two
-        return rough
-    if rough is None:
-        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
-        return SummedSurface((smooth,), gradient), gradient
-    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
-
-
 def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | None:
     """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
     if scene.form is None:
@@ -161,13 +151,22 @@ def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | Non
 
 def punch_on_its_form(
     scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
-) -> tuple[Surface, float]:
-    """Surface of a rigid punch and its rms gradient g, as `rigid_punch` has it; raises InputError."""
+) -> PressedSurfaces:
+    """Surface of a rigid punch in units of its rms gradient g: its roughness, if any, on its form, if any.
+
+    g is that of the roughness, and of a form alone its own. Raises InputError for a form that is flat but for rounding.
+    """
+    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
+    if smooth is None:
+        assert rough is not None  # a scene has one of the two
+        return PressedSurfaces(*rough)
+    if rough is not None:
+        return PressedSurfaces(SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1])
     try:
-        return rigid_punch(scene, rough)
+        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
     except ValueError as error:
-        place = ("scene", "form")
-        raise document.error(place, document.value(place), f"a form that is not flat, not {error}") from None
+        raise document.refused(("scene", "form"), f"a form that is not flat, not {error}") from None
+    return PressedSurfaces(SummedSurface((smooth,), gradient), gradient)
 
 
 def _of_the_punch(

@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import Any, Literal
+from types import GenericAlias
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -29,18 +30,7 @@ from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
-from gfmd_numba.scene.quantities import (
-    RECORD,
-    REDUCED_PRESSURE,
-    Duration,
-    Force,
-    LineLoad,
-    Pressure,
-    ReducedPressure,
-    SignedLength,
-    Speed,
-    check_scales,
-)
+from gfmd_numba.scene.quantities import RECORD, REDUCED_PRESSURE, check_scales
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.solvers import status
 from gfmd_numba.text.input_error import brief
@@ -75,15 +65,6 @@ _SHORT = 1e-3  # of a load, or of the range of displacements: the step over whic
 
 
 _TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
-_VALUES: dict[str, Any] = {  # types, by what is prescribed
-    "reduced_pressure": tuple[ReducedPressure, ...],
-    "pressure": tuple[Pressure, ...],
-    "line_load": tuple[LineLoad, ...],
-    "force": tuple[Force, ...],
-    "displacement": tuple[SignedLength, ...],
-    _TIME: tuple[Duration, ...],
-    _SPEED: tuple[Speed, ...],
-}
 Over = Literal["loads", "times", "speeds"]
 _OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads, or one that `gfmd relaxation` finds from DMA"
 _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
@@ -93,7 +74,8 @@ _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its 
 def _record(over: Over, prescribed: str) -> type[BaseModel]:
     """Record of the values that a curve is over, and of its number of realisations."""
     many = Field(min_length=1, max_length=10_000, strict=False)
-    fields: dict[str, Any] = {over: (_VALUES[prescribed], many)}
+    kind, _ = get_args(Loading.model_fields["duration" if prescribed == _TIME else prescribed].annotation)  # or None
+    fields: dict[str, Any] = {over: (GenericAlias(tuple, (kind, ...)), many)}
     return create_model("_Curve", __config__=RECORD, realisations=(int, Field(1, ge=1, le=1_000_000)), **fields)
 
 

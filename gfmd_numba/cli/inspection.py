@@ -145,8 +145,8 @@ def _check_cluster(document: Document) -> tuple[str, str]:
 
 
 def _check_surface(document: Document) -> tuple[str, str]:
-    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.scene import Measured
+    from gfmd_numba.scene.plausible_numbers import implausible
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import made_surface
 
@@ -156,9 +156,9 @@ def _check_surface(document: Document) -> tuple[str, str]:
 
 
 def _check_scene(document: Document) -> tuple[str, str]:
-    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.contact.refusal import check_combination
     from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.plausible_numbers import implausible
 
     file, document = load_scene(document)
     doubts: list[str] = []

@@ -24,7 +24,6 @@ from gfmd_numba.contact.observables import (
     Observable,
     recorded_along,
 )
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
 from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
@@ -36,6 +35,7 @@ from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.measured_record import AXES
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,

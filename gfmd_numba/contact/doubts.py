@@ -9,7 +9,7 @@ import xarray as xr
 
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
-from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
+from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.scales import longest_time, relaxation
@@ -61,15 +61,15 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _overlap,
         _closer_than_known,
     )
-    own = (doubt(given, dataset) for doubt in each)
+    own = (reason(given, dataset) for reason in each)
     short = _short_stretches(problem, dataset)
     return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
 
 
-def of_input(given: ContactInput | LoadedBodyInput) -> list[str]:
+def of_input(given: Input) -> list[str]:
     """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
-    if isinstance(given, LoadedBodyInput):
+    if not isinstance(given, ContactInput):
         return found
     coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]

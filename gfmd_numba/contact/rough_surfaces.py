@@ -96,8 +96,8 @@ def measured_surfaces(
 def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
-        order = file.numerics.slope_order(file.scene)
-        summed, bodies = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
+        draws = file.discretisation, file.seed, file.slope_order
+        summed, bodies = ensemble_of_rough_bodies(file.scene, *draws, measured, document)
         drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
         return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
@@ -207,7 +207,7 @@ def ensemble_of_rough_bodies(
         if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise document.fault(("scene", *place), f"{_points(part.surface.shape)} heights", allowed)
-    ends, smooth = ends_of(scene.periodic, scene.dimension), smooth_part(scene, shape)
+    ends, smooth = scene.ends, smooth_part(scene, shape)
     gradient = _asked_for(asked, parts, ends)
     if smooth is not None:
         parts["form",] = smooth

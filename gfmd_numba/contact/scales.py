@@ -84,13 +84,13 @@ def scales_of(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
+    elastic = tuple(elastic_body(body, length) for body in bodies)
     own = [effective_modulus(body, in_pascal) for body in bodies]
     modulus, stiffness = own[0], bodies[0].stiffness_scale
     if len(bodies) > 1:
         modulus = 1.0 / sum(1.0 / each for each in own)
         softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in bodies)
         stiffness = rounded(modulus * softness)
-    elastic = tuple(elastic_body(body, length) for body in bodies)
     return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
 
 

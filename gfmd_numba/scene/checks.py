@@ -49,7 +49,7 @@ def arrays_of(file: SceneFile) -> int:
     """
     scene, dimension = file.scene, file.scene.dimension
     if not scene.has_punch:
-        rough = arrays_of_topography(dimension, 1 + file.numerics.slope_order(scene)) if scene.follows_topography else 0
+        rough = arrays_of_topography(dimension, 1 + file.slope_order) if scene.follows_topography else 0
         return _ARRAYS_OF_A_LOADED_BODY[dimension] + rough
     laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
     arrays = arrays_per_realisation(dimension, laws, scene.ends)

@@ -422,6 +422,11 @@ class SceneFile(BaseModel):
         (), strict=False, description="Loadings after the first one, each begun where the last one ended"
     )
 
+    @property
+    def slope_order(self) -> int:
+        """Order in the slope to which the topographies of its scene are followed."""
+        return self.numerics.slope_order(self.scene)
+
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
         surfaces = self.scene.surfaces.values()

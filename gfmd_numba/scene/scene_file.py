@@ -7,7 +7,7 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from gfmd_numba.scene.checks import arrays_of, check_anisotropy_fits, check_discretisation, check_surfaces
+from gfmd_numba.scene.checks import arrays_of, check_anisotropy_fits, check_discretisation, check_nodes, check_surfaces
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
 from gfmd_numba.scene.quantities import FILES
 from gfmd_numba.scene.records import Boundary, Discretisation, Scene, SceneFile
@@ -88,6 +88,8 @@ def _check_grid(file: SceneFile, document: Document) -> None:
             if anisotropy is not None and scene.dimension == 2 and checked:
                 check_anisotropy_fits(document, anisotropy, ("scene", *place, "anisotropy"), file.discretisation)
     check_surfaces(document, scene, arrays)
+    if file.points is not None:
+        check_nodes(document, ("points",), float(file.points) ** scene.dimension, arrays)
 
 
 def located(document: Document, record: Record, at: Location) -> Record:

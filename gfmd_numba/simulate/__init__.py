@@ -24,11 +24,12 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     `status`.
     """
     given = read(file, document)
-    if isinstance(given, LoadedBodyInput):
+    if isinstance(given, ContactInput):
+        dataset = solve_contact(given, tell)
+    else:
+        assert isinstance(given, LoadedBodyInput)  # the other of the two
         problem = reduce_loaded_body(given)
         dataset = loaded_body_dataset(given, problem, solve_boundary_value_problem(problem))
-    else:
-        dataset = solve_contact(given, tell)
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset

@@ -23,13 +23,13 @@ from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_ro
 from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import RECORD, REDUCED_PRESSURE, check_scales
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.solvers import status

@@ -28,7 +28,6 @@ from gfmd_numba.elasticity.fields import (
 from gfmd_numba.scene import COMPONENTS, Body, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import beyond_memory
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.records import ends_of
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
@@ -152,7 +151,7 @@ def body_fields(
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
-    ends = ends_of(scene.periodic, scene.dimension)
+    ends = scene.ends
     inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), ends)
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
@@ -335,7 +334,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene, int]:
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
         raise InputError.of("contact", "no results of a contact", "what `gfmd solve` leaves")
     file = _recorded(contact)
-    scene, order = file.scene, file.numerics.slope_order(file.scene)
+    scene, order = file.scene, file.slope_order
     if scene.creeps:
         raise InputError.of("contact", "one of a viscoelastic body", "elastic bodies, as this is not built yet")
     if scene.body.plasticity is not None:

@@ -8,8 +8,8 @@ import pytest
 from pydantic import BaseModel
 
 import gfmd_numba
-from gfmd_numba.contact.plausible_numbers import COMMON, LOADS, implausible
 from gfmd_numba.scene import SceneFile, load_scene
+from gfmd_numba.scene.plausible_numbers import COMMON, LOADS, implausible
 from gfmd_numba.scene.surface_file import SurfaceFile, load_surface
 from gfmd_numba.scene.units import quantities
 from support.command_line import gfmd, unfolded

@@ -272,14 +272,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
         raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
-    dimension = campaign.scene.dimension
-    boundary = () if campaign.scene.boundary is None else ("boundary",)
-    laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = checks.arrays_per_realisation(dimension, laws, campaign.scene.ends) + checks.arrays_of_memory(
-        campaign.scene
-    )
-    if campaign.scene.follows_topography:
-        arrays = max(arrays, checks.arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
+    arrays = checks.arrays_of(campaign.scene, campaign.numerics.slope_order(campaign.scene))
     checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):

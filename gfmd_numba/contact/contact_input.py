@@ -121,7 +121,7 @@ def _on_a_body(document: Document, file: SceneFile, arrays: dict[str, Reals]) ->
     body = file.scene.body
     name, given = next(iter(arrays.items()))
     place = ("scene", "boundary", name) if body.roughness is None else ("scene", "body", "roughness")
-    check_nodes(document, place, given.size, arrays_of(file))
+    check_nodes(document, place, given.size, arrays_of(file.scene, file.slope_order))
     is_rigid = body.is_incompressible and not body.is_half_space
     if is_rigid and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.refused(

@@ -5,7 +5,7 @@ from math import prod
 
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.interface_records import LAWS_OF_THE_GAP
-from gfmd_numba.scene.records import Discretisation, Scene, SceneFile
+from gfmd_numba.scene.records import Discretisation, Scene
 
 # of the size of a realisation that solving it takes, as measured on a dense contact (`benchmarks/memory.py`)
 _ARRAYS = {1: 72, 2: 24}
@@ -42,18 +42,20 @@ def arrays_of_topography(dimension: int, order: int) -> int:
     return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER[dimension] + more
 
 
-def arrays_of(file: SceneFile) -> int:
-    """Return how many arrays of its size solving a scene takes.
+def arrays_of(scene: Scene, order: int, steps: int = 0) -> int:
+    """Return how many arrays of its size solving a scene takes, at an order in the slope, along so many steps.
 
-    Without a punch, a rough body takes most to tell what the next order in the slope would add.
+    Without a punch, a rough body takes most to tell what the next order would add.
     """
-    scene, dimension = file.scene, file.scene.dimension
+    dimension = scene.dimension
     if not scene.has_punch:
-        rough = arrays_of_topography(dimension, 1 + file.slope_order) if scene.follows_topography else 0
+        rough = arrays_of_topography(dimension, 1 + order) if scene.follows_topography else 0
         return _ARRAYS_OF_A_LOADED_BODY[dimension] + rough
     laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
-    arrays = arrays_per_realisation(dimension, laws, scene.ends)
-    return arrays + arrays_of_path(dimension, laws, len(file.path)) + arrays_of_memory(scene)
+    arrays = arrays_per_realisation(dimension, laws, scene.ends) + arrays_of_memory(scene)
+    if scene.follows_topography:
+        arrays = max(arrays, arrays_of_topography(dimension, order))
+    return arrays + arrays_of_path(dimension, laws, steps)
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:

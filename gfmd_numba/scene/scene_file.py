@@ -78,7 +78,7 @@ def _checked(file: SceneFile, document: Document) -> SceneFile:
 
 
 def _check_grid(file: SceneFile, document: Document) -> None:
-    scene, arrays = file.scene, arrays_of(file)
+    scene, arrays = file.scene, arrays_of(file.scene, file.slope_order, len(file.path))
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
         check_discretisation(document, file.discretisation, locations, (), scene.dimension, arrays)

@@ -24,7 +24,6 @@ from gfmd_numba.contact.observables import (
     Observable,
     recorded_along,
 )
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
 from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
@@ -34,8 +33,9 @@ from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.measured_record import AXES
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -74,7 +74,7 @@ class Units:
     names: Mapping[str, str]
 
     @classmethod
-    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+    def of(cls, scene: Scene, rms_gradient: float = 1.0) -> "Units":
         """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
         scales = scales_of(scene)
         height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
@@ -133,7 +133,7 @@ def units_of(given: ContactInput) -> Units:
     return Units.of(given.file.scene, given.surfaces.rms_gradient)
 
 
-def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+def modulus_attributes(scene: Scene) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
         return {}
@@ -447,9 +447,9 @@ def _add_followed(
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
-    scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
+    of_path, of_steps = record.of_path(), record.of_steps()
     found = {}
-    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
+    for name, row in recorded_along(given.file.scene, given.surfaces.order).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
         found[name] = units_of(given).variable(dims, row.unit, row.long_name, values[name])
     return found

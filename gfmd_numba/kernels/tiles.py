@@ -188,9 +188,8 @@ def near_pressure(
 ) -> None:
     """Pressure on the listed nodes of some tiles, from the first to the last but one, by a stencil `[3, 3]`.
 
-    It is even along y and x. The displacement `u` `[m + 1, TILE, TILE]` is zero on all other nodes. Add up the pressures
-    that displacements of the `isolated` nodes cause in blocks. Of each of the `tiles` are given those around it, as in
-    `surround`, and its block.
+    It is even along y and x. The displacement `u` `[m + 1, TILE, TILE]` is zero on all other nodes. Add up in blocks
+    what the `isolated` nodes resist. Of each of the `tiles` are given those around it, as in `surround`, and its block.
     """
     around, blocks = tiles
     own, above, left, corner = stencil[1, 1], stencil[0, 1], stencil[1, 0], stencil[0, 0]
@@ -232,7 +231,7 @@ def surrounded(values: Reals, tile: int, around: Indices, halo: Reals) -> None:
 
 @jit
 def soften_nodes(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
-    """Take the displacement that the block of a tile shares, times what an `isolated` node resists, off the pressures."""
+    """Take the displacement that the block of a tile shares off the pressures, times what `isolated` nodes resist."""
     for k in range(nodes.size):
         p[k] -= isolated[k] * shared[blocks[nodes[k] // TILE**2]]
 
@@ -249,7 +248,7 @@ def convolve_few(load: Reals, rows: Indices, columns: Indices, kernel: Reals, pr
 
 @jit
 def block_direction(r: Reals, z: Reals, last: float, direction: Reals, unsmoothed: Reals) -> float:
-    """Make the direction z conjugate to the last one, and what it is smoothed of, r; their energy r z, `last` before."""
+    """Make the direction z, smoothed of r, conjugate to the last one, and follow what it is smoothed of; energy r z."""
     energy = 0.0
     for k in range(r.size):
         energy += r[k] * z[k]

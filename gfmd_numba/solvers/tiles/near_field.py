@@ -101,7 +101,9 @@ class Blocks:
         if where.size**2 < _PAIRS * stiff.size:  # the others need not be known
             few, found, (r, z) = np.divmod(where, self.shape[1]), np.zeros(n), np.empty((2, where.size))
             r[:] = load.reshape(-1)[where]
-            found[where] = _solved(lambda: kernels.convolve_few(r, *few, self._kernel, z), r, z, stiff.reshape(-1)[where])
+            found[where] = _solved(
+                lambda: kernels.convolve_few(r, *few, self._kernel, z), r, z, stiff.reshape(-1)[where]
+            )
             return found.reshape(self.shape)
         r, z = self._field.sources[0][0, :n], self._field.result[0, :n]
         r[:] = load.ravel()

@@ -312,15 +312,20 @@ class MapContact:
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
-        _, overlap = kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])
+        overlap = self._wrong_gaps()[1]
         if self.count == 0:
             return np.inf if overlap > self._rounding else 0.0
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
+    def _wrong_gaps(self) -> tuple[float, float]:
+        """Largest size of a gap in contact, and largest overlap elsewhere."""
+        open_by, overlap = kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])
+        return float(open_by), float(overlap)
+
     def bound(self) -> float:
         """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
-        wrong = max(kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1]))
-        return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
+        peak = max(float(self.pressure.max()), np.finfo(np.float64).tiny)
+        return max(self._wrong_gaps()) * self._level.largest_traction / peak
 
     def _zeros(self) -> Reals:
         return np.zeros((self.tiles.size + 1, TILE, TILE))

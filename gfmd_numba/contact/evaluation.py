@@ -287,8 +287,8 @@ def rms_gradient_contact(contact: Contact) -> Reals:
             share -= bias * (elastic & ~beside(contact, now, side, axis))
     square = np.zeros(contact.heights.shape)
     for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
-        square += gradient**2
-    return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
+        square += np.square(gradient, out=gradient)
+    return np.asarray(np.sqrt(np.multiply(square, share, out=square).sum(axis=axes) / share.sum(axis=axes)))
 
 
 @once

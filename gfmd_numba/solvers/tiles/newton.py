@@ -119,7 +119,7 @@ class MapContact:
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
-        self.pressure, self._gap = self._zeros(), self._zeros()
+        self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
 
@@ -219,10 +219,9 @@ class MapContact:
         self.coarse_transforms += self._level.transforms() - before
 
     def _open_on_tiles(self) -> None:
-        walls = self._zeros()
         self._soften(self.pressure, self._gap)
-        self._take(self.wall, walls)
-        self._gap += walls
+        self._take(self.wall, self._moved)
+        self._gap += self._moved
 
     def _sharpen(self) -> None:
         """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
@@ -294,9 +293,8 @@ class MapContact:
         """Problem of the pressure that closes the gap on the nodes in contact."""
         nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
         inverse.factor(nodes, self.tiles, self._around)
-        direction, displacement = self._zeros(), self._zeros()
-        iterate = kernels.Iterate(*(_flat(each) for each in (self.pressure, self._gap, direction, displacement)))
-        soften, room = partial(self._soften, direction, displacement), np.empty((2, nodes.size))
+        iterate = kernels.Iterate(*map(_flat, (self.pressure, self._gap, self._direction, self._moved)))
+        soften, room = partial(self._soften, self._direction, self._moved), np.empty((2, nodes.size))
         # uniform pressures take off what changes the load
         return Closing(iterate, nodes, inverse, soften, np.ones(nodes.size), self._rounding, self.free_mean, room)
 
@@ -328,7 +326,8 @@ class MapContact:
         return max(self._wrong_gaps()) * self._level.largest_traction / peak
 
     def _zeros(self) -> Reals:
-        return np.zeros((self.tiles.size + 1, TILE, TILE))
+        """Room on the tiles for pressure, gap, and what an iteration moves: memory is taken where it is touched."""
+        return np.zeros((4, self.tiles.size + 1, TILE, TILE))
 
     def _retile(self) -> None:
         """Take pressure and contact to the tiles now marked."""
@@ -336,7 +335,7 @@ class MapContact:
         self.tiles, self._places = listed(self._marks)
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
         kernels.surround(self.tiles, self._places, *self._level.tiles_each_way, self._level.ends, self._around)
-        self.pressure, self._gap = self._zeros(), self._zeros()
+        self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         self.pressure[:-1], self.contact[:-1] = pressure[before[self.tiles]], contact[before[self.tiles]]
 

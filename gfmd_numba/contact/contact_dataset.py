@@ -223,20 +223,10 @@ def path_dataset(
 ) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The path ends at its first step that is not ok, as it does in campaigns: the next one would begin there. The
-    attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
     """
-    file = given.file
-    record, steps = PathRecord(), []
-    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
-        steps.append(step_dataset(given, at_load, contact))
-        is_ok = bool(steps[-1]["status"] == Status.ok)
-        if file.path:
-            record.add(at_load, contact, is_ok)
-        if contact.followed is not None:
-            _add_followed(steps[-1], given, at_load, contact, contact.followed)
-        if not is_ok:
-            break
+    file, (steps, record) = given.file, _steps(given, problem, solved)
+    del solved  # and with it the last contact: doubts need its memory
     joined = steps[0]
     if file.path:
         how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
@@ -254,6 +244,24 @@ def path_dataset(
         "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
     }
     return dataset
+
+
+def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> tuple[list[xr.Dataset], PathRecord]:
+    """Datasets of the steps of a path, and what is recorded of it.
+
+    It ends at its first step that is not ok, as it does in campaigns: the next one would begin there.
+    """
+    record, steps = PathRecord(), []
+    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
+        steps.append(step_dataset(given, at_load, contact))
+        is_ok = bool(steps[-1]["status"] == Status.ok)
+        if given.file.path:
+            record.add(at_load, contact, is_ok)
+        if contact.followed is not None:
+            _add_followed(steps[-1], given, at_load, contact, contact.followed)
+        if not is_ok:
+            break
+    return steps, record
 
 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
@@ -279,11 +287,12 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
+    rows = recorded_of(problem)  # measured before fields are copied, as both take memory
+    measures = {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
     variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
     if problem.plasticity is not None:
         variables |= _inside(contact, unit, dims)
-    rows = recorded_of(problem)
-    variables |= {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
+    variables |= measures
     if contact.equilibrium.growing_wave is not None:
         attributes = cf_attributes("index of the wave that grew most before it was unstable")
         variables["growing_wave"] = ((), contact.equilibrium.growing_wave[0], attributes)

@@ -231,7 +231,6 @@ def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_pat
     assert all(counts[1][case] >= counts[0][case] for case in before.cases)
 
 
-@pytest.mark.long
 @pytest.mark.parametrize(
     ("sizes", "finer", "futile"),
     [

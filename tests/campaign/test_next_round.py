@@ -1,0 +1,306 @@
+"""What a run does next, where errors follow from numbers of surfaces in closed form."""
+
+from dataclasses import replace
+from math import inf, nan
+
+import numpy as np
+import pytest
+
+from gfmd_numba.analysis import UnusableDataError
+from gfmd_numba.campaign import next_round
+from gfmd_numba.campaign.limits import finer_levels
+from gfmd_numba.campaign.next_round import Judgement, after, decide, judge
+from support.closed_form_rounds import HELD, LEVELS, VALUE, Pilot, fitted, known, state
+
+pytestmark = pytest.mark.usefixtures("in_closed_form")
+
+
+@pytest.fixture
+def in_closed_form(monkeypatch):
+    monkeypatch.setattr(next_round, "Pilot", Pilot)
+
+
+MET = Judgement(error=0.1, sampling=0.1, factor=1.0, predicted=0.1)
+MISSED = Judgement(error=0.16, sampling=0.16, factor=1.0, predicted=0.1)
+HARD = {"exponents": 0.08, "scatter": 2.0}
+
+
+# target, price allowed and what else is so; then surfaces of each case (least, most), whether the round is to be the
+# last one, and the surfaces by which the target is expected. An error of e needs 1 / e^2 surfaces
+@pytest.mark.parametrize(
+    ("target", "most", "given", "surfaces", "is_last", "expected"),
+    [
+        (0.08, inf, {}, (157, 157), True, 157),
+        (0.05, inf, {}, (400, 400), True, 400),  # four times the price of all before, and no more at once
+        (0.02, inf, {}, (385, 400), False, 2500),
+        (0.02, 300 / HELD, {}, (290, 300), True, 2500),  # all that the budget allows
+        (0.06, 300 / HELD, {}, (278, 278), True, 278),
+        (0.095, inf, {}, (125, 155), True, ...),  # no round is smaller than a quarter of all before
+        (0.08, inf, {"group": {"caution": 1.25}}, (157, 157), True, 157),
+        (0.08, inf, {"found": MISSED, "after_pilot": True}, (157, 157), True, 157),
+        (0.08, inf, {"found": MISSED}, (400, 400), True, 400),  # 1.6 times what was expected, and so may be the next
+        (0.08, inf, {"found": replace(MISSED, predicted=0.2)}, (157, 157), True, 157),
+        (0.2, inf, {"found": MISSED}, (125, 155), True, ...),
+        (0.08, inf, {"found": replace(MISSED, error=inf)}, (157, 157), True, 157),
+        (0.075, inf, {"group": HARD}, (249, 249), False, None),  # twice the target is all that can be promised
+        (0.05, inf, {"groups": ({}, {"scatter": 0.5})}, ((400, 100), (400, 100)), True, 500),
+        (0.05, inf, {"groups": ({}, {"scatter": 0.5, "twin": 0})}, ((400, 400), (400, 400)), True, 400),
+    ],
+)
+def test_a_round_has_as_many_surfaces_as_the_target_needs(target, most, given, surfaces, is_last, expected):
+    found = known(given.get("groups", (given.get("group", {}),)))
+    spent = found.whole_price(found.held)
+    each = spent / HELD / len({group.problems for group in found.groups})
+    judged, first = given.get("found", MET), given.get("after_pilot", False)
+    another = decide(found, judged, target, most * spent, after_pilot=first)
+    least, largest = (np.repeat(end, len(another.realisations) // np.size(end)) for end in surfaces)
+    assert (least <= another.realisations).all()
+    assert (another.realisations <= largest).all()
+    assert another.is_last is is_last
+    assert another.price == pytest.approx(found.whole_price(np.array(another.realisations)))
+    assert another.predicted_error == max(one.error for one in found.predictions(np.array(another.realisations)))
+    if expected is not ...:
+        assert another.target_price == (None if expected is None else pytest.approx(expected * each))
+
+
+def test_a_round_that_hardly_adds_is_none():
+    found = known()
+    spent = found.whole_price(found.held)
+    assert decide(found, MET, 0.05, 1.2 * spent) is None
+    assert decide(found, MET, 0.05, 1.26 * spent) is not None
+
+
+@pytest.mark.parametrize(
+    ("target", "group", "why"),
+    [
+        (0.0007, {}, r"it would take more than 1000000 realisations of a level; .*further from the reference"),
+        (0.01, {"interactions": 0.05}, r"leave an error of 5%, as no cross level tells"),
+        (0.01, {"exponents": 0.05}, r"leave an error of 5%, as the exponents are not known better than that"),
+        (0.01, {"exponents": 0.04, "interactions": 0.03}, r"as the exponents are not known"),
+        (0.01, {"exponents": 0.03, "interactions": 0.04}, r"as no cross level tells"),
+        (
+            0.01,
+            {"scatter": 50.0, "exponents": 0.02},
+            r"leave an error of 5.4%; .*, or levels further from the reference",
+        ),
+    ],
+)
+def test_a_target_out_of_reach_says_why(target, group, why):
+    with pytest.raises(UnusableDataError, match=why):
+        decide(known((group,)), MET, target)
+
+
+def test_the_group_whose_target_is_out_of_reach_is_named():
+    groups = ({"hurst": 0.3}, {"hurst": 0.8, "exponents": 0.05})
+    for found, said in ((known(groups), "^hurst = 0.8: 1000000 real"), (known(groups[1:]), "^1000000 real")):
+        with pytest.raises(UnusableDataError, match=said):
+            decide(found, MET, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("fixed", "advised"),
+    [
+        ({}, r"in our campaigns, `fit: \{fixed: \{eps_f: \[0.3, 2\]\}\}`$"),
+        ({"eps_t": 1.0}, r"in our campaigns, `fit: \{fixed: \{eps_f: \[0.3, 2\]\}\}`$"),
+        ({"eps_f": (0.3, 2.0)}, r"or narrower ranges under `fit: \{fixed: ...\}`$"),
+    ],
+)
+def test_ranges_of_exponents_are_advised_where_none_are_given(fixed, advised):
+    with pytest.raises(next_round.UnknownExponentsError, match=advised):
+        decide(known(({"exponents": 0.05, "hurst": 0.8},), fixed=fixed), MET, 0.01)
+
+
+@pytest.mark.parametrize(
+    ("errors", "sampling", "factor", "worst"),
+    [
+        ((0.04, 0.05), (0.04, 0.05), 1.2, (0.05, 0.06, 1.2)),  # all from surfaces: the factor holds for all of it
+        ((0.05, 0.05), (0.03, 0.0), 1.2, (0.05, np.sqrt(0.05**2 + 0.44 * 0.03**2), None)),
+        ((0.05, nan), (0.03, nan), 1.2, (inf, inf, 1.2)),  # refused
+        ((0.0,), (0.0,), 1.2, (0.0, 0.0, 1.2)),
+    ],
+)
+def test_an_error_that_holds_counts_that_of_surfaces_with_its_factor(errors, sampling, factor, worst):
+    found = known(({"factor": factor},) * len(errors))
+    judged = judge(found, fitted(found, errors, sampling=sampling).fitted)
+    assert (judged.error, judged.sure_error) == pytest.approx(worst[:2])
+    assert judged.sure_factor == pytest.approx(worst[2] or judged.sure_error / judged.error)
+    assert judged.predicted == 0.1
+
+
+PLANNED = {"is_last": True}
+WAYS = {"eps_f": 1 / 256, "eps_c": 1 / 4, "eps_t": 1 / 8}  # finer levels
+
+
+# errors of 4 %, where 100 surfaces lead to expect 10 %. `laws` is what the distance in each limit leaves open
+@pytest.mark.parametrize(
+    ("target", "fit", "now", "next_one"),
+    [
+        (0.05, {}, PLANNED, "reached"),
+        (0.10, {}, {}, "reached"),
+        (0.05, {}, {}, 400),  # luck, which a round has to confirm
+        (0.099, {"errors": (0.104,)}, {}, 125),
+        (0.05, {"laws": {"eps_f": 0.02}}, PLANNED, "reached"),
+        (0.03, {"laws": {"eps_f": 0.04, "eps_t": 0.03}}, {}, "leaves 5.00% open, mostly that of eps_f, however many"),
+        (0.03, {"laws": {"eps_f": 0.01, "eps_t": 0.03}}, {}, "leaves 3.16% open, mostly that of eps_t, however many"),
+        (0.03, {"rivals": 0.04}, {}, "leaves 4.00% open, mostly that of eps_f"),
+        (0.05, {"misfit": 1.6}, PLANNED, "no law of the limits describes the means; gfmd needs finer levels"),
+        (0.05, {"misfit": 1.4}, PLANNED, "reached"),
+        (0.05, {"fit_status": "refused", "message": "no exponent\nno idea"}, PLANNED, "refused, no exponent; no idea"),
+        (0.05, {"contradiction": -0.04}, {}, "contradict the fixed eps_f: 0.7; gfmd allows the range"),
+        (0.05, {"errors": (0.6,), "rounds": 3}, {}, "the limit of kappa is 0 within two standard errors"),
+        (0.05, {"rounds": 11}, {}, "10 rounds did not suffice"),
+        (0.05, {"rounds": 11}, PLANNED, "reached"),
+        (0.05, {"budget": 1.2}, {}, "the budget is too small for another round"),
+        (0.005, {"group": {"exponents": 0.05}}, {}, "`fit: {fixed: {eps_f: [0.45, 2]}}`$"),
+        (0.005, {"group": {"interactions": 0.05}}, {}, "under `limits: {cross: ...}`$"),
+    ],
+)
+def test_a_run_with_levels_of_the_user(target, fit, now, next_one):
+    """Surfaces (of each case, as far as they are one number), or how the run ends."""
+    done = told(target, fit, now)
+    if isinstance(next_one, str):
+        assert done.ended.startswith("reached" if next_one == "reached" else "not reached: ")
+        assert next_one.strip("$") in done.ended
+        assert done.ended.endswith(next_one.strip("$")) or not next_one.endswith("$")
+    else:
+        assert done.ended == ""
+        assert next_one <= min(done.now.realisations) == max(done.now.realisations) <= 1.25 * next_one
+
+
+LEVELS_OF = {limit: finer_levels(LEVELS, limit, 4.0) for limit in ("eps_c", "eps_f", "eps_t")}
+LEVELS_OF["half eps_f"] = finer_levels(LEVELS, "eps_f", 2.0)
+
+
+@pytest.mark.parametrize(
+    ("target", "fit", "now", "next_one"),
+    [
+        (0.05, {}, {}, "reached"),  # whatever was planned: levels are no luck
+        (0.05, {"errors": (0.06,), "laws": {"eps_f": 0.04}}, {}, "half eps_f"),
+        (0.05, {"errors": (0.09,), "laws": {"eps_f": 0.08}}, {}, "eps_f"),  # half of it is above 70 % of the target
+        (0.05, {"errors": (0.06,), "laws": {"eps_c": 0.04, "eps_f": 0.03}}, {}, "eps_c"),
+        (0.05, {"errors": (0.06,), "laws": {"eps_t": 0.04, "eps_f": 0.03}}, {}, "eps_t"),
+        (
+            0.05,
+            {"errors": (0.06,), "laws": {"eps_t": 0.03}, "rivals": 0.04},
+            {},
+            "eps_f",
+        ),  # fits that differ, however fine
+        (0.05, {"misfit": 2.0}, {}, "eps_f"),
+        (0.05, {"fit_status": "refused"}, PLANNED, "eps_f"),
+        (0.05, {"errors": (0.11,), "laws": {"eps_c": 0.03}}, {}, "eps_c"),  # for less than half of the surfaces' price
+        (0.1, {"errors": (0.11,), "laws": {"eps_c": 0.03}}, {}, 125),
+        (0.1, {"errors": (0.11,)}, {}, 125),
+        (0.05, {"errors": (0.06,), "laws": {"eps_f": 0.04}, "budget": 1.1}, {}, "too small for the finer levels that"),
+        (0.05, {"contradiction": -0.04, "errors": (0.06,), "laws": {"eps_f": 0.04}}, {}, "contradict the fixed eps_f"),
+    ],
+)
+def test_a_run_that_may_refine(target, fit, now, next_one):
+    """Surfaces of each case, the limit with finer levels, or how the run ends."""
+    done = told(target, fit, now, (LEVELS,), may_refine=True)
+    if next_one in LEVELS_OF:
+        assert done.now.levels == (tuple(LEVELS_OF[next_one]),)
+        assert (done.now.is_last, done.now.predicted_error, done.ended) == (False, None, "")
+        old = dict(zip(done.now.cases, done.now.realisations, strict=True))
+        assert all(old[0, level] >= HELD for level in LEVELS)
+    elif isinstance(next_one, str):
+        assert next_one in done.ended
+    else:
+        assert (done.now.levels, done.ended) == ((LEVELS,), "")
+        assert min(done.now.realisations) >= next_one
+
+
+def told(target, fit, now, levels=(), may_refine=False, groups=None):
+    fit = {"errors": (0.04,), **fit}
+    found = known(groups or (fit.pop("group", {}),), fixed={"eps_f": 0.7} if "contradiction" in fit else None)
+    rounds, budget = fit.pop("rounds", 1), fit.pop("budget", None)
+    if budget:
+        budget *= found.whole_price(found.held)
+    for name in ("misfit", "fit_status", "message"):
+        if name in fit:
+            fit[name] = np.array([fit[name]] * len(fit["errors"]), dtype=object if name != "misfit" else float)
+    if "contradiction" in fit:
+        fit["contradiction"] = [[0.0, fit["contradiction"] * VALUE, 0.0]] * len(fit["errors"])
+    given = fitted(found, fit.pop("errors"), bridged=fit.pop("laws", {}), **fit)
+    before = state(found, {"kappa": target}, levels, budget, rounds, **now)
+    return after(before, [given], may_refine)
+
+
+def test_finer_levels_are_priced_by_their_grids_and_the_transforms_of_the_reference():
+    """Problems that two groups share count once, levels that stay cost what they have cost."""
+    fit = {"errors": (0.06,) * 2, "laws": {"eps_f": 0.04}}
+    of_1024, of_2048, of_256 = (40.0 * (n * np.log2(n) + 2**15) for n in (1024, 2048, 256))
+    for groups, one in ((({}, {"twin": 0}), 1), (({}, {}), 2)):
+        done = told(0.05, dict(fit), {}, (LEVELS,) * 2, may_refine=True, groups=groups)
+        finest, *rest = done.now.realisations[:3]
+        assert (finest, rest) == (20, [HELD, HELD])
+        assert done.now.price == pytest.approx(one * (20 * of_2048 + HELD * (of_1024 + of_256)))
+
+
+@pytest.mark.parametrize(
+    ("error", "budget", "surfaces"),
+    [(0.11, None, (400, 400)), (0.11, 1.5, (170, 190)), (0.11, 1.1, (100, 100))]  # 400: an error of 0.04 needs more
+    + [(0.04, None, (100, 100)), (inf, None, (100, 100))],
+)
+def test_groups_that_keep_their_levels_get_surfaces_in_the_same_round(error, budget, surfaces):
+    """As many as leave, with the part of their laws, the target; none for what is met or what no surface mends."""
+    groups = ({}, {"scatter": 0.8})
+    fit = {"errors": (0.06, error), "laws": {"eps_f": (0.04, 0.03)}}
+    done = told(0.05, fit | ({"budget": budget} if budget else {}), {}, (LEVELS,) * 2, may_refine=True, groups=groups)
+    assert done.now.levels == (tuple(LEVELS_OF["half eps_f"]), LEVELS)
+    counts = {done.now.realisations[done.now.cases.index((1, level))] for level in LEVELS}
+    assert surfaces[0] <= min(counts) == max(counts) <= surfaces[1]
+    assert done.now.price <= (budget or inf) * done.rounds[0].price
+
+
+def of_variables(targets, errors):
+    found = [known(variable=name) for name in targets]
+    fits = [fitted(one, (error,), name) for one, name, error in zip(found, targets, errors, strict=True)]
+    return after(state(found[0], targets, (LEVELS,)), fits, may_refine=True)
+
+
+def test_the_target_that_is_furthest_away_decides():
+    for first, second in ((0.02, 0.05), (0.05, 0.02)):
+        done = of_variables({"kappa": first, "mean_gap": second}, (0.06, 0.06))
+        assert done.now.variable == ("kappa" if first < second else "mean_gap")
+        assert {name: error.reached for name, error in done.rounds[0].errors.items()} == {
+            "kappa": False,
+            "mean_gap": False,
+        }
+    done = of_variables({"kappa": 0.07, "mean_gap": 0.05}, (0.06, 0.06))
+    assert {name: error.reached for name, error in done.rounds[0].errors.items()} == {"kappa": True, "mean_gap": False}
+    assert done.now.variable == "mean_gap"
+    assert of_variables({"kappa": 0.07, "mean_gap": 0.07}, (0.06, 0.06)).ended == "reached"
+
+
+def test_the_variable_that_ends_a_run_is_named_where_there_are_several():
+    groups = ({"exponents": 0.05},)
+    ends = []
+    for names in (("kappa",), ("kappa", "mean_gap")):
+        found = [known(groups, fixed={"eps_f": (0.5, 1.0)}, variable=name) for name in names]
+        budget = {name: 0.05 for name in ("eps_f", "eps_t")[: len(names)]}
+        fits = [fitted(one, (0.06,), name, **budget) for one, name in zip(found, names, strict=True)]
+        ends.append(after(state(found[0], dict.fromkeys(names, 0.01)), fits).ended)
+    assert ends[0].startswith("not reached: 1000000 realisations")
+    assert ends[0].endswith("`fit: {fixed: ...}` (above all that of eps_f)")
+    assert ends[1].startswith("not reached: kappa: 1000000 realisations")
+
+
+def test_what_a_round_took_is_noted_with_it():
+    done = told(0.05, {}, {})
+    first = done.rounds[0]
+    assert (first.cpu_seconds, first.errors["kappa"].error) == (3.0, pytest.approx(0.04))
+    found = known()
+    assert first.price == pytest.approx(found.whole_price(found.held))
+
+
+def test_the_price_of_a_realisation_is_that_of_its_transforms():
+    """Those of runs that failed do not count, and a case without any good one costs what others do."""
+    transforms = np.array([[10.0, 1e6], [20.0, 40.0], [5.0, 5.0]])
+    status = np.array([[0, 5], [0, 0], [5, 5]])
+    levels = (*LEVELS, (1 / 2, 1 / 8, 1 / 4))
+    dims = ("case", "realisation")
+    found = known(levels=levels, n_transforms=(dims, transforms), status=(dims, status))
+    of = [n * np.log2(n) + 2**15 for n in (1024, 256, 128)]
+    assert found.price == pytest.approx([10 * of[0], 30 * of[1], 20 * of[2]])
+    with pytest.raises(UnusableDataError, match="you gave no good realisation"):
+        known(levels=levels, status=(dims, status + 1)).price  # noqa: B018

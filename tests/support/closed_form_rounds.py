@@ -1,6 +1,6 @@
 """Rounds of a run whose errors are known in closed form: nothing is solved, nothing is fitted."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import ceil, hypot
 
 import numpy as np
@@ -24,16 +24,16 @@ VALUE = -2.0  # of the limit
 class Pilot:
     """An error of `scatter` over the root of the fewest surfaces, and parts that no surfaces mend."""
 
-    scatter: float
-    exponents: float
-    interactions: float
-    factor: float
-    caution: float
+    scatter: float = 1.0
+    exponents: float = 0.0
+    interactions: float = 0.0
+    factor: float = 1.0
+    caution: float = 1.0
+    steps: float = 1.0  # of a path
 
     @classmethod
     def of(cls, cases, variable, fixed):
-        told = {name: float(cases[name].values[0]) for name in cls.__dataclass_fields__ if name in cases}
-        return cls(**{"scatter": 1.0, "exponents": 0.0, "interactions": 0.0, "factor": 1.0, "caution": 1.0} | told)
+        return cls(**{each.name: float(cases[each.name].values[0]) for each in fields(cls) if each.name in cases})
 
     @property
     def floor(self):
@@ -41,7 +41,7 @@ class Pilot:
 
     def predictions(self, counts):
         error = hypot(self.scatter / np.sqrt(min(counts)), self.floor)
-        return [Prediction(error, self.exponents, self.interactions, self.factor, self.caution)]
+        return [Prediction(error, self.exponents, self.interactions, self.factor, self.caution)] * int(self.steps)
 
     def cheapest_design(self, price, target):
         left = (target / self.caution) ** 2 - self.floor**2
@@ -57,10 +57,9 @@ def known(groups=({},), held=HELD, fixed=None, levels=LEVELS, variable="kappa", 
     hurst = np.repeat([group.get("hurst", 0.1 * i) for i, group in enumerate(groups)], len(levels))
     identity = [f"{group.get('twin', i)}-{j}" for i, group in enumerate(groups) for j in range(len(levels))]
     names = {name for group in groups for name in group} - {"hurst", "twin"}
-    usual = {"scatter": 1.0, "factor": 1.0, "caution": 1.0}
     coords = {name: ("case", np.array([level[i] for level in levels] * len(groups))) for i, name in enumerate(LIMITS)}
     coords |= {
-        name: ("case", np.repeat([group.get(name, usual.get(name, 0.0)) for group in groups], len(levels)))
+        name: ("case", np.repeat([group.get(name, getattr(Pilot, name)) for group in groups], len(levels)))
         for name in names
     }
     coords |= {

@@ -76,6 +76,12 @@ def test_a_round_that_hardly_adds_is_none():
         (0.0007, {}, r"it would take more than 1000000 realisations of a level; .*further from the reference"),
         (0.01, {"interactions": 0.05}, r"leave an error of 5%, as no cross level tells"),
         (0.01, {"exponents": 0.05}, r"leave an error of 5%, as the exponents are not known better than that"),
+        (
+            0.01,
+            {"exponents": 0.05, "steps": 2},
+            r"leave an error of 5%, as the exponents are not known better than that",
+        ),
+        (0.07, {"exponents": 0.08}, r"leave an error of 8%, as the exponents"),  # and twice the target is nothing new
         (0.01, {"exponents": 0.04, "interactions": 0.03}, r"as the exponents are not known"),
         (0.01, {"exponents": 0.03, "interactions": 0.04}, r"as no cross level tells"),
         (
@@ -164,11 +170,12 @@ def so(**given):
         (so(laws={"eps_f": 0.02}, is_last=True), "reached"),
         (so(target=0.03, laws={"eps_f": 0.04, "eps_t": 0.03}), "leaves 5.00% open, mostly that of eps_f, however many"),
         (so(target=0.03, laws={"eps_f": 0.01, "eps_t": 0.03}), "leaves 3.16% open, mostly that of eps_t, however many"),
-        (so(target=0.03, rivals=0.04), "leaves 4.00% open, mostly that of eps_f"),
+        (so(target=0.03, rivals=0.04, laws={"eps_f": 0.03}), "leaves 5.00% open, mostly that of eps_f"),
         (so(laws={"eps_f": (0.01, 0.05)}, **BOTH), "leaves 5.00% open, mostly that of eps_f"),
         (so(laws={"eps_f": 0.06}, misfit=(1.0, 2.0), **BOTH), "leaves 6.00% open, mostly that of eps_f"),
         (so(target=0.1, errors=(0.11,), laws={"eps_f": 0.06}), (157, 0.1)),  # 8 % of surfaces, with 6 % of laws
         (so(target=0.1, errors=(0.11,) * 2, laws={"eps_f": (0.01, 0.06)}, groups=({}, {})), (157, 0.1)),
+        (so(target=0.1, errors=(0.13,), sampling=0.1, laws={"eps_f": 0.06}, rounds=2), (157, 0.1)),
         (so(target=0.1, errors=(0.13,), laws={"eps_f": 0.08}), (157, 0.113)),  # no better than the laws
         (so(misfit=1.6, is_last=True), "no law of the limits describes the means; gfmd needs finer levels"),
         (so(misfit=(1.6, 1.0), is_last=True, **BOTH), "no law of the limits describes the means"),
@@ -267,17 +274,13 @@ def test_levels_of_a_group_that_became_finer_twice_in_vain_end_a_run(finer, misf
     """Each of `finer` names the groups whose levels a round has made finer."""
     levels = [(LEVELS, LEVELS)]
     for groups in finer:
-        levels.append(tuple((*of_group, *LEVELS[:1] * (group in groups)) for group, of_group in enumerate(levels[-1])))
-    found = known(({}, {}))
-    given = fitted(found, (0.06, 0.06), misfit=("group", np.array(misfit))[1])
-    now = state(found, {"kappa": 0.05}, (LEVELS, LEVELS))
-    earlier = [now.now.model_copy(update={"levels": each}) for each in levels[: len(finer)]]
-    # the last round has the levels that the results have
-    last = now.now.model_copy(update={"levels": levels[-1]})
-    why = next_round._indescribable((*earlier, last), given.fitted, next_round._doubts(given, 2))
-    assert why.startswith("no law of the limits describes the means (misfit 2), although" if ends else "") == (
-        ends or not why
-    )
+        levels.append(tuple((*of_group, *LEVELS[-1:] * (group in groups)) for group, of_group in enumerate(levels[-1])))
+    found = known([{"levels": of_group} for of_group in levels[-1]])
+    now = state(found, {"kappa": 0.05}, levels[-1])
+    rounds = tuple(now.now.model_copy(update={"levels": each}) for each in levels)
+    given = fitted(found, (0.06, 0.06), misfit=np.array(misfit))
+    ended = after(now.model_copy(update={"rounds": rounds}), [given], may_refine=True).ended
+    assert ("no law of the limits describes the means (misfit 2), although the levels became finer" in ended) is ends
 
 
 def test_finer_levels_are_priced_by_their_grids_and_the_transforms_of_the_reference():
@@ -334,16 +337,16 @@ def test_the_target_that_is_furthest_away_decides():
 
 
 def test_the_variable_that_ends_a_run_is_named_where_there_are_several():
-    groups = ({"exponents": 0.05},)
+    groups = ({"exponents": 0.05, "twin": 0},) * 2
     ends = []
     for names in (("kappa",), ("kappa", "mean_gap")):
         found = [known(groups, fixed={"eps_f": (0.5, 1.0)}, variable=name) for name in names]
-        budget = {name: 0.05 for name in ("eps_f", "eps_t")[: len(names)]}
-        fits = [fitted(one, (0.06,), name, **budget) for one, name in zip(found, names, strict=True)]
+        budget = {"eps_f": (0.05, 0.0), "eps_t": (0.03, 0.03)}
+        fits = [fitted(one, (0.06,) * 2, name, **budget) for one, name in zip(found, names, strict=True)]
         ends.append(after(state(found[0], dict.fromkeys(names, 0.01)), fits).ended)
-    assert ends[0].startswith("not reached: 1000000 realisations")
+    assert ends[0].startswith("not reached: hurst = 0: 1000000 realisations")
     assert ends[0].endswith("`fit: {fixed: ...}` (above all that of eps_f)")
-    assert ends[1].startswith("not reached: kappa: 1000000 realisations")
+    assert ends[1].startswith("not reached: kappa: hurst = 0: 1000000 realisations")
 
 
 def test_what_a_round_took_is_noted_with_it():
@@ -360,8 +363,9 @@ def test_the_price_of_a_realisation_is_that_of_its_transforms():
     status = np.array([[0, 5], [0, 0], [5, 5]])
     levels = (*LEVELS, (1 / 2, 1 / 8, 1 / 4))
     dims = ("case", "realisation")
-    found = known(levels=levels, n_transforms=(dims, transforms), status=(dims, status))
-    of = [n * np.log2(n) + 2**15 for n in (1024, 256, 128)]
+    on_maps = {"nx": ("case", np.array([32, 16, 8])), "dimension": ("case", np.full(3, 2))}
+    found = known(levels=levels, n_transforms=(dims, transforms), status=(dims, status), **on_maps)
+    of = [n * np.log2(n) + 2**15 for n in (32**2, 16**2, 8**2)]
     assert found.price == pytest.approx([10 * of[0], 30 * of[1], 20 * of[2]])
     with pytest.raises(UnusableDataError, match="you gave no good realisation"):
         known(levels=levels, status=(dims, status + 1)).price  # noqa: B018

@@ -29,7 +29,7 @@ class Pilot:
     interactions: float = 0.0
     factor: float = 1.0
     caution: float = 1.0
-    steps: float = 1.0  # of a path
+    steps: float = 1.0  # of a path, whose first one has the largest error
 
     @classmethod
     def of(cls, cases, variable, fixed):
@@ -40,8 +40,9 @@ class Pilot:
         return hypot(self.exponents, self.interactions)
 
     def predictions(self, counts):
-        error = hypot(self.scatter / np.sqrt(min(counts)), self.floor)
-        return [Prediction(error, self.exponents, self.interactions, self.factor, self.caution)] * int(self.steps)
+        whole = hypot(self.scatter / np.sqrt(min(counts)), self.floor), self.exponents, self.interactions
+        parts = ([each / step for each in whole] for step in range(1, int(self.steps) + 1))
+        return [Prediction(*part, self.factor, self.caution) for part in parts]
 
     def cheapest_design(self, price, target):
         left = (target / self.caution) ** 2 - self.floor**2
@@ -53,21 +54,17 @@ class Pilot:
 
 def known(groups=({},), held=HELD, fixed=None, levels=LEVELS, variable="kappa", **more):
     """What a round has found; each group says how its error differs from 10 % at 100 surfaces."""
-    n = len(groups) * len(levels)
-    hurst = np.repeat([group.get("hurst", 0.1 * i) for i, group in enumerate(groups)], len(levels))
-    identity = [f"{group.get('twin', i)}-{j}" for i, group in enumerate(groups) for j in range(len(levels))]
-    names = {name for group in groups for name in group} - {"hurst", "twin"}
-    coords = {name: ("case", np.array([level[i] for level in levels] * len(groups))) for i, name in enumerate(LIMITS)}
+    each = [(i, group, level) for i, group in enumerate(groups) for level in group.get("levels", levels)]
+    first = [group.get("levels", levels)[0] for _, group, _ in each]
+    n, names = len(each), {field.name for field in fields(Pilot)} & {name for group in groups for name in group}
+    coords = {name: ("case", [level[i] for *_, level in each]) for i, name in enumerate(LIMITS)}
+    coords |= {name: ("case", [group.get(name, getattr(Pilot, name)) for _, group, _ in each]) for name in names}
     coords |= {
-        name: ("case", np.repeat([group.get(name, getattr(Pilot, name)) for group in groups], len(levels)))
-        for name in names
-    }
-    coords |= {
-        "hurst": ("case", hurst, {"axis": "physics", "rank": 0}),
-        "case_id": ("case", identity),
-        "limit": ("case", [limit_of(levels[0], level) for level in levels] * len(groups)),
+        "hurst": ("case", [group.get("hurst", 0.1 * i) for i, group, _ in each], {"axis": "physics", "rank": 0}),
+        "case_id": ("case", [f"{group.get('twin', i)}-{level}" for i, group, level in each]),
+        "limit": ("case", [limit_of(reference, level) for reference, (*_, level) in zip(first, each, strict=True)]),
         "realisations": ("case", np.full(n, held)),
-        "nx": ("case", [nodes_of(level, 1) for level in levels] * len(groups)),
+        "nx": ("case", [nodes_of(level, 1) for *_, level in each]),
         "dimension": ("case", np.ones(n, dtype=int)),
     }
     ran = {

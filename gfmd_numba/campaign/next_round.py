@@ -246,7 +246,7 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:
     """Return which ranges of exponents to give, in full if some have none."""
     limits = [name for name in LIMITS if name in cases["limit"].values]
-    hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
+    hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
     usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
     if fit.fixed.keys() >= set(limits):
         return "narrower ranges under `fit: {fixed: ...}`"

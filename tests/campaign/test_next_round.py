@@ -8,7 +8,7 @@ import pytest
 
 from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.campaign import next_round
-from gfmd_numba.campaign.limits import finer_levels
+from gfmd_numba.campaign.limits import finer_levels, nodes_of
 from gfmd_numba.campaign.next_round import Judgement, after, decide, judge
 from support.closed_form_rounds import HELD, LEVELS, VALUE, Pilot, fitted, known, state
 
@@ -177,6 +177,11 @@ def so(**given):
         (so(target=0.1, errors=(0.11,) * 2, laws={"eps_f": (0.01, 0.06)}, groups=({}, {})), (157, 0.1)),
         (so(target=0.1, errors=(0.13,), sampling=0.1, laws={"eps_f": 0.06}, rounds=2), (157, 0.1)),
         (so(target=0.1, errors=(0.13,), laws={"eps_f": 0.08}), (157, 0.113)),  # no better than the laws
+        (so(target=0.08, errors=(0.1,), groups=({"factor": 1.5},)), (157, 0.08)),
+        (
+            so(target=0.08, errors=(0.1,), groups=({"factor": 1.5},), rounds=2),
+            (352, 0.0533),
+        ),  # to make up for the factor
         (so(misfit=1.6, is_last=True), "no law of the limits describes the means; gfmd needs finer levels"),
         (
             so(misfit=(1.6, 1.0), is_last=True, errors=(0.04, 0.04), groups=({}, {})),
@@ -265,7 +270,7 @@ def test_each_step_of_a_path_has_the_factor_of_its_group():
     ("finer", "misfit", "ends"),
     [
         (((0, 1), (0, 1)), (2.0, 1.0), True),
-        (((0,), (0,)), (2.0, 1.0), True),
+        (((0,), (0,)), (2.0, 2.0), True),
         (((0, 1), (0, 1), ()), (2.0, 1.0), False),
         (((1,), (1,)), (2.0, 1.0), False),
         (((0,), (1,)), (2.0, 1.0), False),
@@ -317,6 +322,8 @@ def test_groups_that_keep_their_levels_get_surfaces_in_the_same_round(errors, bu
     counts = {done.now.realisations[done.now.cases.index((1, level))] for level in LEVELS}
     assert surfaces[0] <= min(counts) == max(counts) <= surfaces[1]
     assert done.now.price <= (budget or inf) * done.rounds[0].price
+    nodes = np.array([nodes_of(level, 1) for _, level in done.now.cases])
+    assert done.now.price == pytest.approx(done.now.realisations @ (40.0 * (nodes * np.log2(nodes) + 2**15)))
 
 
 def of_variables(targets, errors):

@@ -36,13 +36,15 @@ HARD = {"exponents": 0.08, "scatter": 2.0}
         (0.02, 300 / HELD, {}, (290, 300), True, 2500),  # all that the budget allows
         (0.06, 300 / HELD, {}, (278, 278), True, 278),
         (0.095, inf, {}, (125, 155), True, ...),  # no round is smaller than a quarter of all before
-        (0.08, inf, {"group": {"caution": 1.25}}, (157, 157), True, 157),
+        (0.08, inf, {"group": {"caution": 1.25, "steps": 2}}, (157, 157), True, 157),
         (0.08, inf, {"found": MISSED, "after_pilot": True}, (157, 157), True, 157),
         (0.08, inf, {"found": MISSED}, (400, 400), True, 400),  # 1.6 times what was expected, and so may be the next
         (0.08, inf, {"found": replace(MISSED, predicted=0.2)}, (157, 157), True, 157),
+        (0.06, inf, {"found": MISSED}, (385, 400), True, 712),  # of which 400 may do
         (0.2, inf, {"found": MISSED}, (125, 155), True, ...),
         (0.08, inf, {"found": replace(MISSED, error=inf)}, (157, 157), True, 157),
         (0.075, inf, {"group": HARD}, (249, 249), False, None),  # twice the target is all that can be promised
+        (0.075, inf, {"group": HARD | {"scatter": 5.0}}, (385, 400), False, None),
         (0.06, inf, {"groups": ({}, {"scatter": 0.5})}, ((278, 100), (278, 100)), True, 378),
         (0.05, inf, {"groups": ({}, {"scatter": 0.5, "twin": 0})}, ((400, 400), (400, 400)), True, 400),
     ],
@@ -302,26 +304,30 @@ def test_finer_levels_are_priced_by_their_grids_and_the_transforms_of_the_refere
 
 
 @pytest.mark.parametrize(
-    ("errors", "budget", "surfaces"),
+    ("errors", "given", "surfaces"),
     [
-        ((0.06, 0.11), None, (157, 157)),  # 4 % of surfaces, with 3 % of laws
-        ((0.06, 0.11), 1.5, (157, 157)),
-        ((0.06, 0.11), 1.25, (125, 135)),
-        ((0.06, 0.11), 1.1, (100, 100)),
-        ((0.06, 0.04), None, (100, 100)),
-        ((0.06, inf), None, (100, 100)),
-        ((0.06, 0.04, 0.06, 0.11), None, (157, 157)),  # at two steps of a path
+        ((0.06, 0.11), {}, (157, 157)),  # 4 % of surfaces, with 3 % of laws
+        ((0.06, 0.11), {"rounds": 2}, (310, 320)),  # which have to make up for their factor
+        ((0.06, 0.11), {"budget": 1.5}, (157, 157)),
+        ((0.06, 0.11), {"budget": 1.25}, (125, 135)),
+        ((0.06, 0.11), {"budget": 1.1}, (100, 100)),
+        ((0.06, 0.04), {}, (100, 100)),
+        ((0.06, inf), {}, (100, 100)),
+        ((0.06, 0.11, 0.11), {"laws": (0.04, 0.03, 0.01)}, (157, 157)),
+        ((0.06, 0.04, 0.06, 0.11), {"laws": (0.04, 0.03) * 2, "steps": 2}, (157, 157)),
     ],
 )
-def test_groups_that_keep_their_levels_get_surfaces_in_the_same_round(errors, budget, surfaces):
+def test_groups_that_keep_their_levels_get_surfaces_in_the_same_round(errors, given, surfaces):
     """As many as leave, with the part of their laws, the target; none for what is met or what no surface mends."""
-    steps = len(errors) // 2
-    groups, laws = ({"steps": steps}, {"steps": steps, "scatter": 0.5}), {"eps_f": (0.04, 0.03) * steps}
-    done = told(errors=errors, laws=laws, budget=budget, may_refine=True, groups=groups)
-    assert done.now.levels == (tuple(LEVELS_OF["half eps_f"]), LEVELS)
-    counts = {done.now.realisations[done.now.cases.index((1, level))] for level in LEVELS}
+    budget, steps, rounds = (given.get(name) for name in ("budget", "steps", "rounds"))
+    kept = {"steps": steps or 1, "scatter": 0.5, "factor": 1.1}
+    groups = ({"steps": steps or 1}, *[kept] * (len(errors) // (steps or 1) - 1))
+    laws = {"eps_f": given.get("laws", (0.04, 0.03))}
+    done = told(errors=errors, laws=laws, budget=budget, may_refine=True, groups=groups, rounds=rounds or 1)
+    assert done.now.levels == (tuple(LEVELS_OF["half eps_f"]), *[LEVELS] * (len(groups) - 1))
+    counts = [number for (group, _), number in zip(done.now.cases, done.now.realisations, strict=True) if group]
     assert surfaces[0] <= min(counts) == max(counts) <= surfaces[1]
-    assert done.now.price <= (budget or inf) * done.rounds[0].price
+    assert done.now.price <= (budget or inf) * done.rounds[-2].price
     nodes = np.array([nodes_of(level, 1) for _, level in done.now.cases])
     assert done.now.price == pytest.approx(done.now.realisations @ (40.0 * (nodes * np.log2(nodes) + 2**15)))
 

@@ -41,8 +41,8 @@ class Pilot:
 
     def predictions(self, counts):
         whole = hypot(self.scatter / np.sqrt(min(counts)), self.floor), self.exponents, self.interactions
-        parts = ([each / step for each in whole] for step in range(1, int(self.steps) + 1))
-        return [Prediction(*part, self.factor, self.caution) for part in parts]
+        steps = range(1, int(self.steps) + 1)
+        return [Prediction(*(each / step for each in whole), self.factor, step * self.caution) for step in steps]
 
     def cheapest_design(self, price, target):
         left = (target / self.caution) ** 2 - self.floor**2

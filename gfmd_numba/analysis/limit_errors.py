@@ -120,7 +120,7 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str
 def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
     steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
-    if not steep or any(choice.laws["eps_f"].whole for choice in choices):
+    if not steep or choices[0].laws["eps_f"].whole:  # there is one law alone near H = 1
         return []
     return [
         f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f), as kappa does: a power of eps_f may fit, but its "

@@ -1,11 +1,13 @@
 """Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
-from math import ceil, dist, inf, pi, sqrt
+from math import ceil, dist, inf, nan, pi, sqrt
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
@@ -42,6 +44,9 @@ _UNKNOWN_EDGES = 0.05  # of the contact area
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 
 
+Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are those of the nodes
+
+
 def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
     bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
@@ -61,9 +66,25 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _overlap,
         _closer_than_known,
     )
-    own = (doubt(given, dataset) for doubt in each)
-    short = _short_stretches(problem, dataset)
+    found = {str(name): variable.values for name, variable in dataset.variables.items()}
+    own = (doubt(given, found) for doubt in each)
+    short = _short_stretches(problem, found)
     return "\n".join([*of_input(given, problem), *filter(None, (rough, *own, short))])
+
+
+def _nodes(given: ContactInput) -> tuple[int, ...]:
+    """Axes of the nodes of each field."""
+    return tuple(range(-given.file.scene.dimension, 0))
+
+
+def _largest(values: NDArray[Any]) -> float:
+    """Return the largest of the values that are known, nan if none is."""
+    return float(np.max(values, where=~np.isnan(values), initial=-inf)) if not np.isnan(values).all() else nan
+
+
+def _smallest(values: NDArray[Any]) -> float:
+    """Return the smallest of the values that are known, nan if none is."""
+    return -_largest(-values)
 
 
 def of_input(given: ContactInput, problem: Problem) -> list[str]:
@@ -98,13 +119,13 @@ def _mirrored_load(given: ContactInput) -> str:
     )
 
 
-def _few_contacts(given: ContactInput, dataset: xr.Dataset) -> str:
+def _few_contacts(given: ContactInput, found: Found) -> str:
     """Return a warning about a measured surface of which few asperities touch, nothing for others."""
-    scene, counts = given.file.scene, dataset["n_segments"]
+    scene, counts = given.file.scene, found["n_segments"]
     designs = [is_design(surface.heights) for surface in given.measured]
-    is_rough = False in designs and "nayak" in dataset and float(dataset["nayak"].max()) > _ROUGH
-    least = float(counts.where(counts > 0).min()) / _copies(given)
-    closed = float(dataset["contact_area_fraction_counted"].max()) > _MOSTLY_CLOSED
+    is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
+    least = _smallest(np.where(counts > 0, counts, nan)) / _copies(given)
+    closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
     if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:
         return ""
     return (
@@ -113,10 +134,10 @@ def _few_contacts(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
+def _coarse_times(given: ContactInput, found: Found) -> str:
     """Return a warning about steps in time whose divisions do not reach the tolerance, nothing for others."""
     tolerance = given.file.numerics.time_tolerance or TIME_TOLERANCE
-    error = float(dataset["time_error"].max()) if "time_error" in dataset else 0.0
+    error = _largest(found["time_error"]) if "time_error" in found else 0.0
     if not error > tolerance:
         return ""
     return (
@@ -125,16 +146,16 @@ def _coarse_times(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
+def _coarse_steps(given: ContactInput, found: Found) -> str:
     """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
-    laws, jump = given.file.scene.interface, next((name for name in dataset if str(name).startswith("jump_")), None)
+    laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
-    lost = dataset["energy_lost"].fillna(0.0)
-    whole, apart = float(lost.sum()), float(lost.where(np.isnan(dataset[jump]), 0.0).sum())
-    forces, ways = abs(dataset["mean_pressure"]), abs(dataset["mean_gap"].diff("step"))
-    if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * float(forces.max() * ways.sum())):
+    lost = np.nan_to_num(found["energy_lost"])
+    whole, apart = lost.sum(), lost[np.isnan(found[jump])].sum()
+    work = _largest(abs(found["mean_pressure"])) * np.nansum(abs(np.diff(found["mean_gap"])))
+    if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * work):
         return ""
     return (
         f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump, where forces "
@@ -142,75 +163,76 @@ def _coarse_steps(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _coarse_flow(given: ContactInput, dataset: xr.Dataset) -> str:
+def _coarse_flow(given: ContactInput, found: Found) -> str:
     """Return warnings about plastic flow that leaves its layer, or that sublayers or increments do not resolve."""
-    if "equivalent_plastic_strain" not in dataset:
+    if "equivalent_plastic_strain" not in found:
         return ""
-    flows = dataset["equivalent_plastic_strain"] > 0.0
-    deep, error = int(flows.sum("depth").max()), float(dataset["increment_error"].max())
-    found = []
-    if bool(flows.isel(depth=-1).any()):
-        found.append(
+    flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
+    deep, error = int(flows.sum(0).max()), _largest(found["increment_error"])
+    told = []
+    if flows[-1].any():
+        told.append(
             "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth, "
             "or none"
         )
     if 0 < deep < FEWEST_SUBLAYERS:
-        found.append(
+        told.append(
             f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
     if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
-        found.append(
+        told.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
         )
-    strain = float(dataset["largest_plastic_strain"].max())
+    strain = _largest(found["largest_plastic_strain"])
     if strain > LARGEST_STRAIN:
-        found.append(
+        told.append(
             f"the largest plastic strain is {strain:.2g}, where strains are taken to be small: stresses and residual "
             "displacements next to it are off by about this share"
         )
-    return "\n".join(found)
+    return "\n".join(told)
 
 
-def _short_stretches(problem: Problem, dataset: xr.Dataset) -> str:
+def _short_stretches(problem: Problem, found: Found) -> str:
     """Return a warning about contacts of few nodes on a thin body, whose edges are not known; else nothing."""
     shape = problem.surface.shape
     short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
-    across = _mean_width(dataset, shape)
-    unknown = float((2.0 * len(shape) * short / across**2).max())
+    across = _mean_width(found, shape)
+    unknown = _largest(2.0 * len(shape) * short / across**2)
     if not unknown > _UNKNOWN_EDGES:
         return ""
     return (
-        f"contacts are {float(across.min()):.2g} node spacings wide on average, on a body thin against these: the "
+        f"contacts are {_smallest(across):.2g} node spacings wide on average, on a body thin against these: the "
         f"correction for their edges leaves {100.0 * unknown:.2g} % of the contact area unknown, so refine the grid"
     )
 
 
-def _mean_width(dataset: xr.Dataset, shape: tuple[int, ...]) -> xr.DataArray:
-    """Mean width of the stretches or clusters of touching nodes of each step, in nodes; nan where none touch."""
-    touching = dataset["contact_area_fraction_counted"] * np.prod(shape)
-    width: xr.DataArray = (touching / dataset["n_segments"].where(touching > 0)) ** (1.0 / len(shape))
-    return width
+def _mean_width(found: Found, shape: tuple[int, ...]) -> NDArray[Any]:
+    """Mean width of touching stretches or clusters of each step, in nodes: inf where all touch, nan where none do."""
+    touching = found["contact_area_fraction_counted"] * np.prod(shape)
+    counts = found["n_segments"]
+    areas: NDArray[Any] = np.divide(touching, counts, out=np.where(touching > 0, inf, nan), where=counts > 0)
+    return areas ** (1.0 / len(shape))
 
 
-def _narrow(given: ContactInput, dataset: xr.Dataset) -> str:
+def _narrow(given: ContactInput, found: Found) -> str:
     """Return a warning about contacts of a rough surface that are hardly wider than a node, nothing for others.
 
     Few contacts of a profile lie anywhere within a node; of many narrow ones the mean correction for edges is too
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
-    if scene.interface.reaches_across or not scene.surfaces or _few_nodes(given, dataset):
+    if scene.interface.reaches_across or not scene.surfaces or _few_nodes(given, found):
         return ""
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    width = float(_mean_width(dataset, tuple(dataset.sizes[dim] for dim in nodes)).min())
-    # of maps unknown
-    uncertain = float((dataset["contact_area_fraction_error"] / dataset["contact_area_fraction"]).fillna(0.0).max())
+    width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
+    areas = found["contact_area_fraction"]
+    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(found["contact_area_fraction_error"])  # of maps unknown
+    uncertain = float(np.max(found["contact_area_fraction_error"][known] / areas[known], initial=0.0))
     off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
     if not off > LEAST_OFF:
         return ""
-    finer = f"points: {2 * dataset.sizes['x']} or more of the measured surface, or a larger cutoff"
+    finer = f"points: {2 * found['x'].size} or more of the measured surface, or a larger cutoff"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
     return (
@@ -219,21 +241,21 @@ def _narrow(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
+def _beyond_small_strains(given: ContactInput, found: Found) -> str:
     """Return a warning where the pressure or the slope of much of the contact is beyond the theory of small strains.
 
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
-    scene, nodes = given.file.scene, ["y", "x"] if "y" in dataset.dims else ["x"]
-    name = "relaxed_pressure" if "relaxed_pressure" in dataset else "pressure"  # fast pressures strain less
-    ratios = dataset[name].where(np.isfinite(dataset[name])) / given.scales.modulus
-    touching = dataset["gap"] <= 0.0
-    steep = _slopes(dataset, nodes, scene.ends).where(touching, 0.0)
+    scene, nodes = given.file.scene, _nodes(given)
+    name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
+    ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
+    touching = found["gap"] <= 0.0
+    steep = np.where(touching, _slopes(found, scene.ends), 0.0)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
-    share, peak, slope = (float(each.max()) for each in (shares, ratios, steep))
+    share, peak, slope = _largest(shares), _largest(ratios), _largest(steep)
     has_scale = scene.length is not None or scene.has_moduli
-    if not (float(ratios.mean(nodes).max()) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
+    if not (_largest(np.nan_to_num(ratios).mean(nodes)) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
         return ""
     return (
         f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the {name} exceeds "
@@ -242,7 +264,7 @@ def _beyond_small_strains(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
+def _outside_branches(given: ContactInput, found: Found) -> str:
     """Return warnings about times and rates far outside the relaxation times of the body, nothing for others.
 
     Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
@@ -263,10 +285,10 @@ def _outside_branches(given: ContactInput, dataset: xr.Dataset) -> str:
             f"before some {shortest:.2g} s this body is glassy, and the load acts for {min(dwells):.3g} s at first: if "
             f"it should relax by then, measure frequencies above {_hertz(shortest)}"
         )
-    if not speeds or "nayak" not in dataset or scene.form is not None:
+    if not speeds or "nayak" not in found or scene.form is not None:
         return "\n".join(told)
-    peaks, gradient = _distance_of_peaks(dataset), float(dataset["rms_gradient"].max()) / scene.dimension**0.5
-    waves = 2.0 * np.pi * float(dataset["height"].std(dataset["height"].dims[-scene.dimension :]).max()) / gradient
+    peaks, gradient = _distance_of_peaks(given, found), _largest(found["rms_gradient"]) / scene.dimension**0.5
+    waves = 2.0 * np.pi * _largest(found["height"].std(_nodes(given))) / gradient
     unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
     for wave, speed, end, how, where in (
         (waves, min(speeds), 1.0 / longest, "relaxed", "below"),
@@ -310,7 +332,7 @@ def _hertz(time: float) -> str:
     return f"{1.0 / (2.0 * np.pi * time):.3g} Hz"
 
 
-def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
+def _few_nodes(given: ContactInput, found: Found) -> str:
     """Return a warning about a contact that is a single node, or narrow under a form, with a grid that would do.
 
     Where a law acts across the gap, the nodes that touch say little, and `law_resolution` tells what the grid resolves.
@@ -318,19 +340,21 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     scene, discretisation = given.file.scene, given.file.discretisation
     if scene.interface.reaches_across:
         return ""
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    bears = (dataset["pressure"] > 0.0) & (dataset["status"] == Status.ok)  # else it is where a step failed
+    nodes = _nodes(given)
+    sound = np.expand_dims(found["status"] == Status.ok, nodes)  # else it is where a step failed
+    bears = (found["pressure"] > 0.0) & sound
     counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
-        extents = [bears.any([other for other in nodes if other != dim]).sum(dim) for dim in nodes]
-        across = xr.concat(extents, "axis").min("axis")
+        across = np.min([bears.any(tuple({*nodes} - {axis})).sum(-1) for axis in nodes], axis=0)
     else:  # a disc of as many nodes
         across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5
-    fewest = float(across.where(counts > 0).max())  # of a path where it is widest: each contact begins with a node
+    fewest = _largest(
+        np.where(counts > 0, across, nan)
+    )  # of a path where it is widest: each contact begins with a node
     least = FEWEST if scene.form is not None else 1.5
     if not fewest < least:
         return ""
-    points = ceil(dataset.sizes["x"] * FEWEST / fewest)
+    points = ceil(found["x"].size * FEWEST / fewest)
     finer = f"at least {points} points" + (" both ways" if len(nodes) == 2 else "")
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(points / (2 * discretisation.cut_off_index))} or finer ({finer})"
@@ -340,13 +364,13 @@ def _few_nodes(given: ContactInput, dataset: xr.Dataset) -> str:
     return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
 
 
-def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
+def _at_the_edge(given: ContactInput, found: Found) -> str:
     """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
-    dims = ["y", "x"] if "y" in dataset.dims else ["x"]
-    nodes = [dim for dim, end in zip(dims, given.file.scene.ends, strict=True) if end]
-    touching = dataset["gap"] <= 0.0
-    ends = sum(int(touching.isel({dim: [0, -1]}).sum()) for dim in nodes)
-    if ends == 0:
+    touching = found["gap"] <= 0.0
+    outermost = (
+        touching.take((0, -1), axis) for axis, end in zip(_nodes(given), given.file.scene.ends, strict=True) if end
+    )
+    if not any(each.any() for each in outermost):
         return ""
     return (
         "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface goes "
@@ -354,41 +378,42 @@ def _at_the_edge(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _slopes(dataset: xr.Dataset, nodes: list[str], ends: tuple[bool, ...]) -> xr.DataArray:
+def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
     """Size of the gradient of the heights between the neighbours of each node."""
-    height = dataset["height"]
-    squares = [
-        ((height.roll({dim: -1}) - height.roll({dim: 1})) / (2.0 * float(dataset[dim][1]))) ** 2
-        if not end
-        else height.differentiate(dim) ** 2
-        for dim, end in zip(nodes, ends, strict=True)
-    ]
-    found: xr.DataArray = sum(squares[1:], squares[0]) ** 0.5
-    return found
+    height, along = found["height"], []
+    for axis, dim, end in zip(range(-len(ends), 0), "yx"[-len(ends) :], ends, strict=True):
+        if end:
+            along.append(np.gradient(height, found[dim][1], axis=axis))
+        else:
+            along.append((np.roll(height, -1, axis) - np.roll(height, 1, axis)) / (2.0 * found[dim][1]))
+    steepness: NDArray[Any] = np.linalg.norm(along, axis=0)
+    return steepness
 
 
-def _distance_of_peaks(dataset: xr.Dataset) -> float:
+def _distance_of_peaks(given: ContactInput, found: Found) -> float:
     """Mean distance of the peaks of a random profile, 2 pi (m2 / m4)^(1/2).
 
     Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
     """
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    profile_gradient = float(dataset["rms_gradient"].max()) / sqrt(len(nodes))
-    wide = float((dataset["height"].std(nodes) / dataset["nayak"] ** 0.5).max())
+    nodes = _nodes(given)
+    profile_gradient = _largest(found["rms_gradient"]) / sqrt(len(nodes))
+    wide = _largest(found["height"].std(nodes) / found["nayak"] ** 0.5)
     return 2.0 * pi * wide / profile_gradient
 
 
-def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
+def _past_asperities(given: ContactInput, found: Found) -> str:
     """Return a warning about sliding so far that asperities would meet others, nothing for less."""
-    if not {"sliding", "tangential_displacement", "nayak"} <= dataset.variables.keys():
+    if not {"sliding", "tangential_displacement", "nayak"} <= found.keys():
         return ""
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
-    ends = ("", "_y")[: len(nodes)]
-    ways = [abs(dataset[f"sliding{end}"] - dataset[f"tangential_displacement{end}"]) for end in ends]
-    touching = dataset["gap"] <= 0.0
-    apart = sum(way**2 for way in ways) ** 0.5
-    slid = float(apart.where(touching | ~touching.any(nodes)).max())
-    distance = _distance_of_peaks(dataset)
+    nodes = _nodes(given)
+    ways = [
+        np.expand_dims(found[f"sliding{end}"], nodes) - found[f"tangential_displacement{end}"]
+        for end in ("", "_y")[: len(nodes)]
+    ]
+    touching = found["gap"] <= 0.0
+    counts = touching | ~touching.any(nodes, keepdims=True)
+    slid = _largest(np.where(counts, np.linalg.norm(ways, axis=0), nan))
+    distance = _distance_of_peaks(given, found)
     if not slid > FARTHEST * distance:
         return ""
     unit = "m" if given.file.scene.length else "L_x"
@@ -400,9 +425,9 @@ def _past_asperities(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _closer_than_known(given: ContactInput, dataset: xr.Dataset) -> str:
+def _closer_than_known(given: ContactInput, found: Found) -> str:
     """Return a warning about surfaces so close that the pole of their law has been cut off, nothing for others."""
-    law, nearest = given.file.scene.interface.law_of_the_gap, float(dataset["gap"].min())
+    law, nearest = given.file.scene.interface.law_of_the_gap, _smallest(found["gap"])
     if law is None or not nearest < law.known_from * law.range:
         return ""
     return (
@@ -411,13 +436,13 @@ def _closer_than_known(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _weak_interface(given: ContactInput, dataset: xr.Dataset) -> str:
+def _weak_interface(given: ContactInput, found: Found) -> str:
     """Return a warning about a shear strength that is hardly above what the residual leaves open, nothing for others.
 
     The residual counts in the largest pressure.
     """
     friction, residual = given.file.scene.interface.friction, given.file.numerics.residual
-    peak = float(dataset["pressure"].max())
+    peak = _largest(found["pressure"])
     if friction is None or friction.limit is None or not friction.limit < RESOLVED_LIMIT * residual * peak:
         return ""
     return (
@@ -426,10 +451,10 @@ def _weak_interface(given: ContactInput, dataset: xr.Dataset) -> str:
     )
 
 
-def _overlap(given: ContactInput, dataset: xr.Dataset) -> str:
+def _overlap(given: ContactInput, found: Found) -> str:
     """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
     law = given.file.scene.interface.cohesive
-    deepest = 0.0 if law is None else -float(dataset["gap"].min()) / law.normal_length
+    deepest = 0.0 if law is None else -_smallest(found["gap"]) / law.normal_length
     if not deepest > 1.0:
         return ""
     return (

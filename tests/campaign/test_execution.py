@@ -85,7 +85,7 @@ def test_poison_kills_no_other_task(tmp_path, sound):
 def test_poison_in_this_process_fails_its_own_block_only(tmp_path, sound, monkeypatch):
     monkeypatch.setattr(Poison, "heights", lambda self, realisations: time.sleep(60))
     bad = poisoned(sound[0][0].problem, ["endless"])
-    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=5.0)
+    failures = perform_all([*bad, *sound], tmp_path, Workers(0), timeout=2.0)
     assert {name: failure.status for name, failure in failures.items()} == {bad[0][0].name: "timeout"}
     assert all(Finished(tmp_path).is_sound(block.name) for task in sound for block in task)
 

@@ -139,7 +139,6 @@ def _all_effects(
     return (Effect("stiffness scale", "on", wrong), *effects)
 
 
-@lru_cache
 def _options(numerics: Numerics, scene: Scene, abilities: tuple[str, ...]) -> Options:
     needs = *abilities, *(() if scene.loading.speed is None else ("speed",))
     return solver_options(numerics, automatic(scene.dimension, needs))

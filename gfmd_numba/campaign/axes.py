@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hi
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Discretisation, Document, Random, Scene
 from gfmd_numba.scene.document import Location, allowed_at, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,

@@ -64,6 +64,15 @@ def test_a_power_is_that_of_thesis_4_3():
     assert (free.low, free.high, free.is_free, free.logarithmic) == (0.1, 5.0, True, True)
 
 
+def test_without_a_usual_value_all_of_a_range_are_as_likely():
+    """Or their logarithms; the variance is that of a uniform distribution."""
+    even, octaves = Parameter("eps_c", 1.0, 4.0), Parameter("eps_c", 1.0, 4.0, logarithmic=True)
+    assert (even.middle, even.variance) == pytest.approx((2.5, 0.75))
+    assert (octaves.middle, octaves.variance) == pytest.approx((2.0, np.log(4.0) ** 2 / 12.0))
+    assert even.log_density(np.array([1.0, 3.0])) == pytest.approx([-np.log(3.0)] * 2)
+    assert Parameter("eps_c", 2.0, 2.0).log_density(np.array([2.0])) == [0.0]
+
+
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
 

@@ -32,15 +32,16 @@ def slurm(tmp_path, monkeypatch):
     folder = tmp_path / "slurm"
     folder.mkdir()
     fake_slurm(folder, monkeypatch)
-    monkeypatch.setattr(job_queue, "_SECONDS_BETWEEN_LOOKS", 0.3)
-    monkeypatch.setattr(job_queue, "_SECONDS_TO_FIRST_LOOK", 0.3)
-    monkeypatch.setattr(job_queue, "_INTERVAL", "0.3s")
+    monkeypatch.setattr(job_queue, "_SECONDS_BETWEEN_LOOKS", 0.2)
+    monkeypatch.setattr(job_queue, "_SECONDS_TO_FIRST_LOOK", 0.2)
+    monkeypatch.setattr(job_queue, "_INTERVAL", "0.2s")
     yield folder
     deadline = time.monotonic() + 5.0
     while jobs_of(folder):
         assert time.monotonic() < deadline, "a job outlived its run"
         time.sleep(0.1)
-    gc.collect()  # what a run has left open fails its own test
+    if (tmp_path / "out").exists():
+        gc.collect()  # what a run has left open fails its own test
 
 
 @pytest.mark.long

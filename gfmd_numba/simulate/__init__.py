@@ -25,7 +25,9 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     """
     given = read(file, document)
     if isinstance(given, ContactInput):
-        dataset = solve_contact(given, tell)
+        problem, effects = given.reduced
+        with shared_by(file.numerics.threads):
+            dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
     else:
         assert isinstance(given, LoadedBodyInput)  # the other of the two
         dataset = loaded_body_dataset(given, solve_loaded_body(given))
@@ -44,13 +46,3 @@ def solve_in_processes(file: SceneFile, document: Document, communicator: Commun
     problem, effects = given.reduced
     found = solve_in_slabs(problem, file.realisation, communicator)
     return None if found is None else path_dataset(given, problem, effects, [found])
-
-
-def solve_contact(given: ContactInput, tell: Tell = lambda more: None) -> xr.Dataset:
-    """Fields `height, pressure, displacement, gap` over `x` and the scalars of one contact, in SI units.
-
-    A run that fails says so in `status`.
-    """
-    problem, effects = given.reduced
-    with shared_by(given.file.numerics.threads):
-        return path_dataset(given, problem, effects, solve_path(problem, given.file.realisation, tell))

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hi
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Discretisation, Document, Random, Scene
 from gfmd_numba.scene.document import Location, allowed_at, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -361,42 +361,46 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
         at = ("grid", axis.name)
         if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
             raise document.refused(at, lack)
-    for axis, location, varied in varied_scenes(scene, grid):
-        if not axis.of_surface and (fault := _fault(varied)):
-            raise document.refused(location, fault[1])
     for record in dict.fromkeys(axis.record for axis in OF_THE_SCENE if not axis.of_surface):
-        axes = [axis for axis in OF_THE_SCENE if axis.record == record and values_of(grid, axis.name)]
-        if len(axes) < 2:
-            continue
-        for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
-            values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
-            if fault := _fault(with_values(scene, values)):
-                raise document.refused(("grid", axes[-1].name, chosen[-1][0]), fault[1])
+        _check_together(document, scene, grid, record, _fault)
 
 
 def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
-    """Raise InputError for values of a grid that, taken together, make no surface or one that does not fit its period.
+    """Raise InputError for values of a grid that together make no surface, or one that does not fit its period."""
+
+    def fault(varied: Scene) -> tuple[str, str] | None:
+        surface = varied.roughness
+        return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
+
+    _check_together(document, scene, grid, "roughness", fault)
+
+
+def _check_together(
+    document: Document, scene: Scene, grid: Grid, record: str, fault_of: Callable[[Scene], tuple[str, str] | None]
+) -> None:
+    """Raise InputError, at the value to blame, for values of the axes of a record that have a fault together.
 
     A value of the grid takes the place of the scene's, so that each value is checked with the grid's others.
     """
-    for values, locations in surfaces_of_grid(grid):
-        fault = _surface_fault(scene, values)
+    for values, locations in values_together(grid, record):
+        fault = fault_of(with_values(scene, values)) if values else None
         if fault is None:
             continue
-        place: Place = ("roughness", fault[0])
-        allowed = fault[1]
-        if place not in values:
-            if getattr(scene.roughness, fault[0], None) is not None:
-                allowed = f"a value for which {fault[0]} is {allowed}"
-            to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
+        key, allowed = fault
+        *parts, _ = place = next(iter(values))
+        if (*parts, key) in values:
+            place = (*parts, key)
+        else:
+            if getattr(attrgetter(record)(scene), key, None) is not None:
+                allowed = f"a value for which {key} is {allowed}"
+            to_blame = (each for each, value in values.items() if fault_of(with_values(scene, {each: value})))
             place = next(to_blame, list(values)[-1])
-        location = locations[place]
-        raise document.refused(location, allowed)
+        raise document.refused(locations[place], allowed)
 
 
-def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
-    """Yield the values of each surface of a grid by their places in the scene, and where each stands in the file."""
-    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
+def values_together(grid: Grid, record: str) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
+    """Yield the values of the axes of a record by their places in the scene, and where each stands in the file."""
+    axes = [axis for axis in OF_THE_SCENE if axis.record == record and values_of(grid, axis.name)]
     for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
         values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
         yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
@@ -417,12 +421,6 @@ def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
     for axis in axes:
         said = said.replace(f"{dotted(in_fields(scene, axis.place))} is ", f"grid.{axis.name} is ")
     return said
-
-
-def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
-    """Return the `_fault` of the surface of a scene with other values, or of a length that does not fit the period."""
-    surface = with_values(scene, values).roughness
-    return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
 
 
 def _fault(record: BaseModel) -> tuple[str, str] | None:

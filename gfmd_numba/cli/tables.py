@@ -129,13 +129,13 @@ def _units(dataset: xr.Dataset, name: str, free: str) -> str:
     return free if found == "1" else str(found)
 
 
-def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[str]]:
+def column(dataset: xr.Dataset, name: str) -> tuple[str, list[str]]:
     """Return heading, with the unit, and cells of a variable: numbers, with their standard error where it is known."""
     factor, shown = _suited(dataset, name)
     errors = dataset.get(f"{name}_standard_error")
     values = dataset[name].values.ravel().tolist()
     deviations = [nan] * len(values) if errors is None else errors.values.ravel().tolist()
-    cells = [with_error(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
+    cells = [with_error(factor * v, factor * e) for v, e in zip(values, deviations, strict=True)]
     return f"{words(name)} ({shown})" if shown else words(name), cells
 
 

@@ -123,6 +123,7 @@ def _without_a_period() -> Iterator[Refusal]:
         yield Refusal(
             "no period", feature, f"without a period only {allowed}: the rest is not built yet", "not built yet"
         )
+    yield Refusal("prescribed", "no period", "true without a punch: the rest is not built yet", "not built yet")
     yield Refusal(
         "dimension 1",
         "period along one axis",

@@ -10,7 +10,6 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_input import LoadedBodyInput
 from gfmd_numba.contact.reduction import solver_options
-from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import COMPONENTS
@@ -38,7 +37,7 @@ class BoundaryValueProblem:
 
 def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
     """Dimensionless problem of what is prescribed."""
-    file, prescribed, scales = given.file, given.prescribed, scales_of(given.file.scene)
+    file, prescribed, scales = given.file, given.prescribed, given.scales
     free, components = np.full(next(iter(prescribed.values())).shape, np.nan), COMPONENTS[file.scene.dimension]
     traction, displacement = (
         np.stack([prescribed.get(component.key(quantity), free) for component in components])
@@ -50,7 +49,7 @@ def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
         displacement / scales.length,
         solver_options(file.numerics, able(["prescribed"])[0]),
         None if given.rough is None else given.rough.heights,
-        file.slope_order or 0,
+        file.slope_order,
     )
 
 

@@ -177,6 +177,8 @@ class SpectralResponse:
 
     def with_mean(self, stiffness: float) -> "SpectralResponse":
         """The same with another stiffness of the mean normal displacement: with 0 it follows the load freely."""
+        if self.normal.flat[0] == stiffness:
+            return self
         elements = self.elements.copy()
         elements[-1].flat[0] = stiffness
         return SpectralResponse(elements, self.window)

@@ -295,6 +295,11 @@ class Interface(BaseModel):
         return {name: law for name, law in self if isinstance(law, Law)}
 
     @property
+    def keeps_apart(self) -> bool:
+        """Whether something keeps the bodies apart."""
+        return any(law.keeps_apart for law in self.laws.values())
+
+    @property
     def law_of_the_gap(self) -> LawOfTheGap | None:
         """The law of the gap alone that acts."""
         return next((law for law in self.laws.values() if isinstance(law, LawOfTheGap)), None)
@@ -322,14 +327,7 @@ class Interface(BaseModel):
 
     @model_validator(mode="after")
     def _laws_agree(self) -> Self:
-        laws = self.laws
-        if not any(law.keeps_apart for law in laws.values()):
-            raise broken_rule(
-                (),
-                "hard_wall: {}, cohesive, lennard_jones, or an exponential or power law that repels: something must "
-                "keep the bodies apart",
-            )
-        for name, law in laws.items():
+        for name, law in self.laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
                 raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
             if isinstance(law, LawOfTheGap) and law.pattern is not None and self.hard_wall is None:

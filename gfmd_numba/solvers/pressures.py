@@ -133,10 +133,11 @@ class Closing(NamedTuple):
             last = energy
             self.soften()
             step = kernels.newton_update(iterate, energy, nodes, count, r, self.free_mean)
-            self._open(step)
+            self.open(step)
         return most
 
-    def _open(self, step: float) -> None:
+    def open(self, step: float) -> None:
+        """Add what a step along the direction opens to the gap."""
         gap, opened = self.iterate.gap, self.iterate.st
         team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
 

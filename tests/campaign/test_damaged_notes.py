@@ -88,8 +88,13 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     for command in ("status", "collect"):
         assert gfmd(command, out).exit_code == 0
     assert int((gfmd_numba.open_campaign(out)["status"] == Ending.unfinished).sum()) == 2
-    assert_kept(out, out / "shards" / f"{block.name}.failed")
+    note = out / "shards" / f"{block.name}.failed"
+    content_of_it = note.read_bytes()
     gfmd_numba.run(out / "campaign.yaml", out)
+    assert note.read_bytes() == content_of_it
+    said = gfmd("verify", out)
+    assert said.exit_code == (3 if content_of_it else 0)
+    note.unlink()
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
 

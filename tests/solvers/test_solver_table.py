@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.rough_surfaces import PressedSurfaces
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
@@ -26,8 +27,8 @@ SCENE = {
 
 
 def identity(**numerics):
-    asked = Scene.model_validate(SCENE), RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01, Numerics(**numerics)
-    return reduce(*asked)[0].identity
+    surfaces = PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
+    return reduce(Scene.model_validate(SCENE), surfaces, Numerics(**numerics))[0].identity
 
 
 def test_tables_are_data():

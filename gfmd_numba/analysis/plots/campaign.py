@@ -31,7 +31,6 @@ _DASHES = ("-", "--", ":", "-.")
 Key = tuple[float, ...]  # parameters of a group
 Look = dict[str, Any]
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
-_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 _OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
@@ -218,7 +217,7 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Fig
     accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
     if not accepted.sizes["group"]:
         raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
-    label = style.with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
+    label = style.with_unit(f"{style.symbol(variable)} in the TFC limit", fit[f"{variable}_tfc"])
     return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label, width)
 
 

@@ -58,12 +58,11 @@ def reduce(
     ValueError for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot
     carry.
     """
-    surface, rms_gradient, rough = pressed.surface, pressed.rms_gradient, pressed.rough
+    rms_gradient, rough = pressed.rms_gradient, pressed.rough
     scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
     displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
-    is_tilted = pressed.order > 0
-    may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
+    may_slip = pressed.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
     interface, interactions = _interface(
         scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient, longest_time(scene)
     )
@@ -75,21 +74,16 @@ def reduce(
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
     body, elasticity = _body(scales.bodies[0], interface, mean_matters, needs_nu, tolerance)
-    needs = *interface.abilities, *(() if scene.loading.speed is None else ("speed",))
-    options = _options(numerics, scene.dimension, needs)
-    counter = None
-    if facing is not None:
-        other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
-        counter = CounterBody(other, facing.share)
-        dropped = (effect for effect in others if effect.state == "dropped")
-        elasticity += tuple(replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped)
+    options = _options(numerics, scene, interface.abilities)
+    counter, dropped = _counter_body(facing, interface, displacement is not None, tolerance)
+    elasticity += dropped
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
     steps = tuple(reduced_step(*step, rms_gradient) for step in islice(steps_of(scene, path), 1, None))
     if pattern is not None:
         interface = interface.patterned(pattern, free_body.padded_shape(pattern.shape, scene.ends))
     problem = Problem(
-        surface,
+        pressed.surface,
         body,
         interface,
         pressure,
@@ -112,6 +106,19 @@ def reduce(
     return problem, _all_effects(elasticity, effects, tractions is not None, scales.stiffness)
 
 
+def _counter_body(
+    facing: CounterBody | None, interface: Interactions, mean_matters: bool, tolerance: float
+) -> tuple[CounterBody | None, tuple[Effect, ...]]:
+    """Counter body, None without one, and what of its elasticity is dropped."""
+    if facing is None:
+        return None, ()
+    body, effects = _body(facing.body, interface, mean_matters, False, tolerance)
+    dropped = (effect for effect in effects if effect.state == "dropped")
+    return CounterBody(body, facing.share), tuple(
+        replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped
+    )
+
+
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
     asked = {
         "relaxation": scene.creeps or None,
@@ -132,9 +139,9 @@ def _all_effects(
     return (Effect("stiffness scale", "on", wrong), *effects)
 
 
-@lru_cache
-def _options(numerics: Numerics, dimension: int, needs: tuple[str, ...]) -> Options:
-    return solver_options(numerics, automatic(dimension, needs))
+def _options(numerics: Numerics, scene: Scene, abilities: tuple[str, ...]) -> Options:
+    needs = *abilities, *(() if scene.loading.speed is None else ("speed",))
+    return solver_options(numerics, automatic(scene.dimension, needs))
 
 
 @lru_cache

@@ -21,11 +21,11 @@ scene = {
         "loading": {"pressure": "1 MPa"},
     },
     "path": [{"sliding": f"{distance} m"} for distance in distances],
-    "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 64, "eps_t": 1 / 4},
-    "numerics": {"time_tolerance": 1e-2},
+    "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 64, "eps_t": 1 / 2},
+    "numerics": {"time_tolerance": 0.1},
     "seed": 1,
 }
-surfaces = [gfmd_numba.solve(scene | {"realisation": i}) for i in range(20)]
+surfaces = [gfmd_numba.solve(scene | {"realisation": i}) for i in range(10)]
 
 figure = Figure((11, 7), layout="constrained")
 profile, heights, kappa, peak = figure.subplots(2, 2).flat
@@ -40,7 +40,7 @@ for colour, step in zip(colours, (0, 3, 5, 6), strict=True):
     density, edges = np.histogram(every, 60, (-2.5, 2.5), density=True)
     heights.stairs(density, edges, color=colour, lw=1.5, label=label)
 profile.set(xlabel="Position (mm)", ylabel="Height of the punch (µm)")
-heights.set(xlabel="Height of the punch (µm)", ylabel="Density of 20 surfaces (1/µm)")
+heights.set(xlabel="Height of the punch (µm)", ylabel="Density of 10 surfaces (1/µm)")
 for axis, name, unit, label in (
     (kappa, "kappa", 1.0, "Area-load coefficient κ"),
     (peak, "peak_pressure", 1e-6, "Peak pressure (MPa)"),

@@ -207,6 +207,7 @@ def test_the_limit_of_what_has_worn_off_is_that_of_archard(tmp_path):
     fixed = {"eps_c": 2.0}
     campaign = {key: WEAR[key] for key in ("scene", "path", "seed")} | {"name": "wear", "realisations": 3}
     campaign |= {"reference": CREEP["discretisation"], "limits": {"eps_c": [1 / 2, 1 / 8]}}
+    campaign |= {"numerics": {"time_tolerance": 0.1}}
     results = gfmd_numba.run(campaign | {"fit": {"fixed": fixed, "variable": "mean_worn_depth"}}, tmp_path / "wear")
     found = gfmd_numba.fit_tfc(results, "mean_worn_depth", fixed=fixed, step=1)
     assert float(found["mean_worn_depth_tfc"][0]) == pytest.approx(1e-8 * 20e3 * 5e-3, rel=1e-8, abs=0.0)

@@ -1,5 +1,6 @@
 """What all tests share: processes and their threads, pictures that nobody looks at, laws that hold."""
 
+import gc
 import io
 import os
 from pathlib import Path
@@ -26,6 +27,9 @@ def pytest_ignore_collect(collection_path, config):
     if config.option.markexpr == "long" and collection_path.match("test_*.py"):
         return "mark.long" not in collection_path.read_text(encoding="utf-8") or None
     return None
+
+
+gc.set_threshold(2_000, 10, 100)  # among the objects of thousands of tests a full search for garbage takes 0.2 s
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -9,5 +9,4 @@ Reals = npt.NDArray[np.float64]
 Complexes = npt.NDArray[np.complex128]
 Flags = npt.NDArray[np.bool_]
 Indices = npt.NDArray[np.int64]
-Shorts = npt.NDArray[np.int32]
 Numbers = TypeVar("Numbers", Reals, Complexes)

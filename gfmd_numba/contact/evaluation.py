@@ -293,6 +293,9 @@ def rms_gradient(contact: Contact) -> Reals:
 @once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
+    square = np.zeros(contact.heights.shape)
+    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
+        square += np.square(gradient, out=gradient)
     now = touching(contact)
     axes = tuple(range(1, now.ndim))
     bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
@@ -301,10 +304,7 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     for axis in axes:
         for side in (1, -1):
             share -= bias * (elastic & ~beside(contact, now, side, axis))
-    square = np.zeros(contact.heights.shape)
-    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
-        square += gradient**2
-    return np.asarray(np.sqrt((share * square).sum(axis=axes) / share.sum(axis=axes)))
+    return np.asarray(np.sqrt(np.multiply(square, share, out=square).sum(axis=axes) / share.sum(axis=axes)))
 
 
 @once

@@ -6,7 +6,7 @@ Rows of a transform's memory may be longer than those of the map.
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Indices, Reals, Shorts
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
 
 TILE = 8  # nodes along each side
@@ -124,23 +124,21 @@ def spread(
     """
     wide = weights.shape[1]
     before = (wide - per_tile - 1) // 2
-    half = np.zeros((TILE, wide))
+    half = np.empty((wide, TILE))
     coarse[:] = 0.0
     for k in range(tiles.size):
         up, left = tiles[k] // tiles_across * per_tile - before, tiles[k] % tiles_across * per_tile - before
+        half[:] = 0.0
         for y in range(TILE):
-            for a in range(wide):
-                half[y, a] = 0.0
-            for x in range(TILE):
-                v = values[k, y, x]
-                for a in range(wide):
-                    half[y, a] += v * weights[x, a]
+            for b in range(wide):
+                for x in range(TILE):  # a row of the tile, several at once
+                    half[b, x] += weights[y, b] * values[k, y, x]
         for b in range(wide):
             row = coarse[(up + b) % down]
             for a in range(wide):
                 total = 0.0
-                for y in range(TILE):
-                    total += weights[y, b] * half[y, a]
+                for x in range(TILE):
+                    total += weights[x, a] * half[b, x]
                 row[(left + a) % across] += total
 
 
@@ -178,71 +176,64 @@ def gather_back(
 
 
 @jit
-def list_neighbours(
-    nodes: Indices,
-    tiles: Indices,
-    around: Indices,
-    tiles_across: int,
-    blocks_across: int,
-    numbers: Shorts,
-    neighbours: Shorts,
-    blocks: Shorts,
-) -> None:
-    """Fill the numbers of the eight nodes around each listed one `[node, 8]`, and how many there are where none is.
-
-    Also the block of 2 x 2 tiles `[node]` that holds each. `numbers` `[m + 1, TILE, TILE]` is room; tiles around tiles
-    are those of `surround`.
-    """
-    numbers[:] = nodes.size
-    flat = numbers.reshape(-1)
-    for k in range(nodes.size):
-        flat[nodes[k]] = k
-    for k in range(nodes.size):
-        node, found = nodes[k], neighbours[k]
-        y, x, tile = node // TILE % TILE, node % TILE, tiles[node // TILE**2]
-        blocks[k] = tile // tiles_across // 2 * blocks_across + tile % tiles_across // 2
-        if 0 < y < TILE - 1 and 0 < x < TILE - 1:
-            found[0], found[1], found[2] = flat[node - TILE - 1], flat[node - TILE], flat[node - TILE + 1]
-            found[3], found[4] = flat[node - 1], flat[node + 1]
-            found[5], found[6], found[7] = flat[node + TILE - 1], flat[node + TILE], flat[node + TILE + 1]
-            continue
-        for j in range(8):
-            of_nine = j if j < 4 else j + 1
-            down, right = y + of_nine // 3 - 1, x + of_nine % 3 - 1
-            place = around[node // TILE**2, 4 + 3 * (down // TILE) + right // TILE]
-            found[j] = numbers[place, down % TILE, right % TILE]
-
-
-@jit
 def near_pressure(
     u: Reals,
-    neighbours: Shorts,
-    stencil: Reals,
+    nodes: Indices,
     some: tuple[int, int],
+    tiles: tuple[Indices, Indices],
+    stencil: Reals,
     isolated: Reals,
-    blocks: Shorts,
     p: Reals,
     sums: Reals,
 ) -> None:
-    """Pressure on some of the nodes, from the first to the last but one, by a stencil `[3, 3]` of their displacements.
+    """Pressure on the listed nodes of some tiles, from the first to the last but one, by a stencil `[3, 3]`.
 
-    `u` has a 0 behind the last one. Add up the pressures that displacements of the `isolated` nodes cause in `blocks`.
+    It is even along y and x. The displacement `u` `[m + 1, TILE, TILE]` is zero on all other nodes. Add up in blocks
+    what the `isolated` nodes resist. Of each of the `tiles` are given those around it, as in `surround`, and its block.
     """
-    w = stencil.reshape(-1)
-    for k in range(some[0], some[1]):
-        j = neighbours[k]
-        total = w[4] * u[k]
-        for i in range(4):
-            total += w[i] * u[j[i]] + w[5 + i] * u[j[4 + i]]
-        p[k] = total
-        sums[blocks[k]] += isolated[k] * u[k]
+    around, blocks = tiles
+    own, above, left, corner = stencil[1, 1], stencil[0, 1], stencil[1, 0], stencil[0, 0]
+    wide = np.uint64(TILE + 2)  # without a sign, indices need no look at what is negative
+    halo = np.empty((TILE + 2, TILE + 2))
+    flat = halo.reshape(-1)
+    k = np.searchsorted(nodes, TILE**2 * some[0])
+    for t in range(some[0], some[1]):
+        end, total = TILE**2 * (t + 1), 0.0
+        if k < nodes.size and nodes[k] < end:
+            surrounded(u, t, around[t], halo)
+        while k < nodes.size and nodes[k] < end:
+            y, x = np.uint64(nodes[k] // TILE % TILE), np.uint64(nodes[k] % TILE)
+            a = y * wide + x  # the upper left one of nine
+            b, c = a + wide, a + wide + wide
+            i, j = np.uint64(1), np.uint64(2)
+            corners = flat[a] + flat[a + j] + flat[c] + flat[c + j]
+            sides = above * (flat[a + i] + flat[c + i]) + left * (flat[b] + flat[b + j])
+            p[k] = own * flat[b + i] + sides + corner * corners
+            total += isolated[k] * flat[b + i]
+            k += 1
+        sums[blocks[t]] += total
 
 
 @jit
-def soften_nodes(p: Reals, isolated: Reals, blocks: Shorts, shared: Reals) -> None:
-    """Take the displacement that a block shares, times what an `isolated` node resists, off the pressures."""
-    for k in range(blocks.size):
-        p[k] -= isolated[k] * shared[blocks[k]]
+def surrounded(values: Reals, tile: int, around: Indices, halo: Reals) -> None:
+    """Fill `[TILE + 2, TILE + 2]` with the values of a tile and of the nodes next to it, on the nine tiles `around`."""
+    end = TILE - 1
+    up, down, left, right = values[around[1]], values[around[7]], values[around[3]], values[around[5]]
+    for x in range(TILE):
+        halo[0, x + 1], halo[TILE + 1, x + 1] = up[end, x], down[0, x]
+    for y in range(TILE):
+        halo[y + 1, 0], halo[y + 1, TILE + 1] = left[y, end], right[y, 0]
+        for x in range(TILE):
+            halo[y + 1, x + 1] = values[tile, y, x]
+    halo[0, 0], halo[0, TILE + 1] = values[around[0], end, end], values[around[2], end, 0]
+    halo[TILE + 1, 0], halo[TILE + 1, TILE + 1] = values[around[6], 0, end], values[around[8], 0, 0]
+
+
+@jit
+def soften_nodes(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
+    """Take the displacement that the block of a tile shares off the pressures, times what `isolated` nodes resist."""
+    for k in range(nodes.size):
+        p[k] -= isolated[k] * shared[blocks[nodes[k] // TILE**2]]
 
 
 @jit
@@ -253,6 +244,31 @@ def convolve_few(load: Reals, rows: Indices, columns: Indices, kernel: Reals, pr
         for j in range(rows.size):
             total += kernel[abs(rows[k] - rows[j]), abs(columns[k] - columns[j])] * load[j]
         product[k] = total
+
+
+@jit
+def block_direction(r: Reals, z: Reals, last: float, direction: Reals, unsmoothed: Reals) -> float:
+    """Make the direction z, smoothed of r, conjugate to the last one, and follow what it is smoothed of; energy r z."""
+    energy = 0.0
+    for k in range(r.size):
+        energy += r[k] * z[k]
+    share = energy / last if last > 0.0 else 0.0
+    for k in range(r.size):
+        direction[k] = z[k] + share * direction[k]
+        unsmoothed[k] = r[k] + share * unsmoothed[k]
+    return energy
+
+
+@jit
+def block_step(y: Reals, r: Reals, energy: float, stiff: Reals, direction: Reals, unsmoothed: Reals) -> None:
+    """Line search along the direction of conjugate gradients between blocks."""
+    curvature = 0.0
+    for k in range(r.size):
+        curvature += direction[k] * (unsmoothed[k] + stiff[k] * direction[k])
+    step = energy / curvature
+    for k in range(r.size):
+        y[k] += step * direction[k]
+        r[k] -= step * (unsmoothed[k] + stiff[k] * direction[k])
 
 
 @jit
@@ -275,6 +291,41 @@ def take_tiles(rows: Reals, tiles: Indices, nx: int, values: Reals) -> None:
         for y in range(TILE):
             for x in range(TILE):
                 values[k, y, x] = rows[top + y, left + x]
+
+
+@jit
+def gaps_in_contact(wall: Reals, displacement: Reals, tiles: Indices, contact: Flags) -> tuple[int, float, float]:
+    """Count the nodes in contact on the listed tiles of a map; mean and variance of their gaps."""
+    across = wall.shape[1] // TILE
+    count = 0
+    first = total = squares = 0.0
+    for k in range(tiles.size):
+        top, left = tiles[k] // across * TILE, tiles[k] % across * TILE
+        for y in range(TILE):
+            for x in range(TILE):
+                if contact[k, y, x]:
+                    gap = wall[top + y, left + x] + displacement[top + y, left + x]
+                    if count == 0:
+                        first = gap
+                    count += 1
+                    total += gap - first  # as differences: a sum of gaps almost alike would lose digits
+                    squares += (gap - first) ** 2
+    mean = total / max(count, 1)
+    return count, first + mean, max(squares / max(count, 1) - mean**2, 0.0)
+
+
+@jit
+def wrong_gaps_of_tiles(gap: Reals, contact: Flags) -> tuple[float, float]:
+    """Largest size of a gap in contact, and largest overlap elsewhere."""
+    open_by = overlap = 0.0
+    for k in range(gap.shape[0]):
+        for y in range(TILE):
+            for x in range(TILE):
+                if contact[k, y, x]:
+                    open_by = max(open_by, abs(gap[k, y, x]))
+                else:
+                    overlap = max(overlap, -gap[k, y, x])
+    return open_by, overlap
 
 
 @jit

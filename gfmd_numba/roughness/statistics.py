@@ -3,6 +3,7 @@
 `lengths` are the periods, (L_x,) of profiles and (L_y, L_x) of maps; heights share their unit.
 """
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 
 UNIT = (1.0,)
+_ROWS = 64  # that are differentiated at once: a map may fill a good part of the memory
 
 
 def power(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -70,27 +72,29 @@ def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
 
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
-    nx = heights.shape[-1]
-    waves = grid.coefficients(heights)
-    if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
-        waves[..., -1] = 0.0
-    return grid.signal(grid.derivative(waves), nx) / length
+    nx, found = heights.shape[-1], np.empty(heights.shape)
+    given, filled = np.atleast_2d(heights), np.atleast_2d(found)
+    for first in range(0, given.shape[-2], _ROWS):
+        some = ..., slice(first, first + _ROWS), slice(None)
+        waves = grid.coefficients(given[some])
+        if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
+            waves[..., -1] = 0.0
+        filled[some] = grid.signal(grid.derivative(waves), nx) / length
+    return found
 
 
-def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> list[Reals]:
+def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Iterator[Reals]:
     """Derivatives along each axis from the last, spectral, or of a spline along (y,) x where that `ends`.
 
     The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends.
     """
-    found = []
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
         if not (ends and ends[axis]):
-            found.append(gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1))
+            yield gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1)
             continue
         along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
         slopes = _spline_slopes(along.reshape(len(along), -1)).reshape(along.shape)
-        found.append(np.moveaxis(slopes, 0, axis) * (len(along) / length))
-    return found
+        yield np.moveaxis(slopes, 0, axis) * (len(along) / length)
 
 
 def _spline_slopes(heights: Reals) -> Reals:
@@ -152,16 +156,14 @@ def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals
     return sums[0] / count, sums[1] / count
 
 
-def spectral_density(
-    heights: Reals, lengths: tuple[float, ...] = UNIT, bins_per_decade: int = 10
-) -> tuple[Reals, Reals, Reals]:
-    """Wave numbers, spectral density C and number of independent waves of each logarithmic bin, means over the batch.
+def spectral_density(heights: Reals, lengths: tuple[float, ...] = UNIT) -> tuple[Reals, Reals, Reals]:
+    """Wave numbers, spectral density C and number of independent waves of each tenth of a decade, means over the batch.
 
     C is in height^2 length^d, two-sided, and integrates to w^2 over all of q-space; bins without waves are left out.
     """
     q, squares, weight = _waves(heights, lengths)
     q_min = q.min()
-    which = np.floor(np.log10(q / q_min * (1.0 + 1e-9)) * bins_per_decade).astype(np.int64)
+    which = np.floor(np.log10(q / q_min * (1.0 + 1e-9)) * 10).astype(np.int64)
     total = np.bincount(which, weight)
     full = total > 0
     mean_q = np.exp(np.bincount(which, weight * np.log(q))[full] / total[full])

@@ -124,41 +124,61 @@ def test_loaded_nodes_are_convolved_with_a_kernel_of_some_tiles(kernel, short, e
     np.testing.assert_allclose(product[: TILES.size], expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("kernel", both(kernels.list_neighbours))
-def test_neighbours_are_those_around_a_node_of_a_period(kernel, rng):
-    nodes = np.flatnonzero(rng.random((TILES.size, SIDE, SIDE)) < 0.5)
-    numbers, neighbours = np.empty((TILES.size + 1, SIDE, SIDE), np.int32), np.empty((nodes.size, 8), np.int32)
-    blocks = np.empty(nodes.size, np.int32)
-    kernel(nodes, TILES, surroundings(), ACROSS, 2, numbers, neighbours, blocks)
-    y, x = np.divmod(TILES[nodes // SIDE**2], ACROSS)
-    np.testing.assert_array_equal(blocks, 2 * (y // 2) + x // 2)
-    number = np.full((TILES.size + 1) * SIDE**2, nodes.size)
-    number[nodes] = np.arange(nodes.size)
-    image = joined(number.reshape(-1, SIDE, SIDE) - nodes.size) + nodes.size
-    shifts = [(y, x) for y in (1, 0, -1) for x in (1, 0, -1) if (y, x) != (0, 0)]
-    expected = [cut(np.roll(image, shift, axis=(0, 1)))[TILES].reshape(-1)[nodes] for shift in shifts]
-    np.testing.assert_array_equal(neighbours, np.transpose(expected))
-
-
 @pytest.mark.parametrize("kernel", both(kernels.near_pressure))
 def test_a_node_feels_its_neighbours_and_blocks_their_sums(kernel, rng):
-    some, u, stencil, isolated = (3, 17), np.append(rng.random(20), 0.0), rng.random((3, 3)), rng.random(20)
-    neighbours, blocks = rng.integers(0, 21, (20, 8), np.int32), rng.integers(0, 4, 20, np.int32)
-    p, sums = np.zeros(20), np.zeros(4)
-    kernel(u, neighbours, stencil, some, isolated, blocks, p, sums)
-    first = slice(*some)
-    expected = stencil[1, 1] * u[:-1] + u[neighbours] @ np.delete(stencil.ravel(), 4)
-    np.testing.assert_allclose(p[first], expected[first])
-    assert not np.delete(p, np.arange(20)[first]).any()
-    np.testing.assert_allclose(sums, np.bincount(blocks[first], (isolated * u[:-1])[first], minlength=4))
+    """Of the tiles from the second to the last but one, against shifted maps of a period."""
+    some, stencil, blocks = (1, TILES.size - 1), rng.random((3, 3)), rng.integers(0, 4, TILES.size)
+    stencil += stencil[::-1]
+    stencil += stencil[:, ::-1]
+    nodes = np.flatnonzero(rng.random((TILES.size, SIDE, SIDE)) < 0.5)
+    u, isolated, p, sums = (
+        np.zeros((TILES.size + 1, SIDE, SIDE)),
+        rng.random(nodes.size),
+        np.zeros(nodes.size),
+        np.zeros(4),
+    )
+    u.flat[nodes] = rng.random(nodes.size)
+    kernel(u, nodes, some, (surroundings(), blocks), stencil, isolated, p, sums)
+    image = sum(stencil[1 + y, 1 + x] * np.roll(joined(u), (y, x), axis=(0, 1)) for y in (-1, 0, 1) for x in (-1, 0, 1))
+    tile = nodes // SIDE**2
+    inside = (tile >= some[0]) & (tile < some[1])
+    np.testing.assert_allclose(p[inside], cut(image)[TILES].flat[nodes[inside]])
+    assert not p[~inside].any()
+    moved = (isolated * u.flat[nodes])[inside]
+    np.testing.assert_allclose(sums, np.bincount(blocks[tile[inside]], moved, minlength=4))
+
+
+@pytest.mark.parametrize("kernel", both(kernels.surrounded))
+def test_a_tile_is_surrounded_by_the_nodes_next_to_it(kernel, rng):
+    values, around, halo = random_values(rng), surroundings(), np.empty((SIDE + 2, SIDE + 2))
+    image = np.pad(joined(values), 1, mode="wrap")
+    for k, tile in enumerate(TILES):
+        y, x = tile // ACROSS * SIDE, tile % ACROSS * SIDE
+        kernel(values, k, around[k], halo)
+        np.testing.assert_array_equal(halo, image[y : y + SIDE + 2, x : x + SIDE + 2])
 
 
 @pytest.mark.parametrize("kernel", both(kernels.soften_nodes))
 def test_what_a_block_shares_is_taken_off(kernel, rng):
-    p, isolated, shared, blocks = rng.random(20), rng.random(20), rng.random(4), rng.integers(0, 4, 20, np.int32)
-    expected = p - isolated * shared[blocks]
-    kernel(p, isolated, blocks, shared)
+    nodes = np.sort(rng.permutation(5 * SIDE**2)[:20])
+    p, isolated, shared, blocks = rng.random(20), rng.random(20), rng.random(4), rng.integers(0, 4, 5)
+    expected = p - isolated * shared[blocks[nodes // SIDE**2]]
+    kernel(p, nodes, isolated, blocks, shared)
     np.testing.assert_allclose(p, expected)
+
+
+@pytest.mark.parametrize("direction_of", both(kernels.block_direction))
+@pytest.mark.parametrize("step", both(kernels.block_step))
+def test_steps_between_blocks_solve_as_conjugate_gradients_do(direction_of, step, rng):
+    """In as many steps as there are blocks, against a dense solve."""
+    half = rng.random((5, 5))
+    soft, stiff, load = half @ half.T + np.eye(5), rng.random(5), rng.random(5)
+    (y, direction, unsmoothed), r, energy = np.zeros((3, 5)), load.copy(), 0.0
+    for _ in range(5):
+        energy = direction_of(r, soft @ r, energy, direction, unsmoothed)
+        np.testing.assert_allclose(soft @ unsmoothed, direction, rtol=1e-8)
+        step(y, r, energy, stiff, direction, unsmoothed)
+    np.testing.assert_allclose(y, np.linalg.solve(np.linalg.inv(soft) + np.diag(stiff), load), rtol=1e-8)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.convolve_few))
@@ -185,6 +205,23 @@ def test_tiles_are_taken_from_a_map(kernel, rng):
     kernel(rows, TILES, NX, values)
     np.testing.assert_array_equal(values[:-1], cut(rows)[TILES])
     assert not values[-1].any()
+
+
+@pytest.mark.parametrize("kernel", both(kernels.gaps_in_contact))
+def test_gaps_in_contact_have_a_mean_and_a_variance(kernel, rng):
+    wall, rows, contact = rng.random((NY, NX)), rng.random((NY, PADDED)), rng.random((TILES.size + 1, SIDE, SIDE)) < 0.3
+    contact[-1] = False
+    gaps = (wall + rows[:, :NX])[joined(contact)]
+    np.testing.assert_allclose(kernel(wall, rows, TILES, contact), (gaps.size, gaps.mean(), gaps.var()))
+    assert kernel(wall, rows, TILES, np.zeros_like(contact)) == (0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.wrong_gaps_of_tiles))
+def test_wrong_gaps_are_those_in_contact_and_overlaps_elsewhere(kernel, rng):
+    gap = rng.normal(size=(TILES.size, SIDE, SIDE))
+    contact = rng.random(gap.shape) < 0.5
+    assert kernel(gap, contact) == (abs(gap[contact]).max(), -gap[~contact].min())
+    assert kernel(abs(gap), np.zeros_like(contact)) == (0.0, 0.0)
 
 
 @pytest.mark.parametrize("kernel", both(kernels.open_map))

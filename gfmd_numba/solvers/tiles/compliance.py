@@ -217,6 +217,7 @@ class TileField:
         self.stiffest = float(stencil.max())  # of a node between its neighbours
         self._across = tiles_across
         self._nodes = self._tiles = np.empty(0, dtype=np.int64)
+        self._isolated = np.empty(0)  # pressure that a uniform displacement takes
 
     @property
     def transforms(self) -> int:
@@ -232,39 +233,34 @@ class TileField:
         """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
         if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
             return
-        self._nodes, self._tiles = nodes, tiles
-        self._neighbours, self._places, self._isolated = np.empty((0, 8), np.int32), np.empty(0, np.int32), np.empty(0)
-        down, across = self._blocks.shape
-        first = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
-        self._ends = np.searchsorted(nodes, TILE**2 * first)
-        numbers = np.empty((tiles.size + 1, TILE, TILE), dtype=np.int32)
-        self._neighbours, self._places = (np.empty((nodes.size, *each), dtype=np.int32) for each in ((8,), ()))
-        kernels.list_neighbours(nodes, tiles, around, self._across, across, numbers, self._neighbours, self._places)
-        uniform = np.append(np.ones(nodes.size), 0.0)
-        self._isolated, isolated = uniform, np.empty(nodes.size)
-        self._near(uniform, isolated)
-        stiff = np.bincount(self._places, isolated, self.nodes).astype(np.float64)
-        self._isolated, self._stiff = isolated, stiff.reshape(self._blocks.shape)
+        self._nodes, self._tiles, (down, across) = nodes, tiles, self._blocks.shape
+        self._ends = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
+        self._of_tiles = around, tiles // self._across // 2 * across + tiles % self._across // 2
+        self._image = np.zeros((tiles.size + 1, TILE, TILE))
+        self._isolated = np.empty(nodes.size)
+        self._stiff = self._near(np.ones(nodes.size), self._isolated)  # what is summed up is filled just before
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
-        """Fill the pressure on the nodes in contact that about causes the displacement there, which ends with a 0."""
+        """Fill the pressure on the nodes in contact that about causes the displacement there."""
         sums = self._near(displacement, pressure)
         if self._blocks.useful:
             shared = self._blocks.shared(sums, self._stiff).reshape(-1)
+            nodes, isolated, blocks = self._nodes, self._isolated, self._of_tiles[1]
 
             def some(_: int, a: int, b: int) -> None:
-                kernels.soften_nodes(pressure[a:b], self._isolated[a:b], self._places[a:b], shared)
+                kernels.soften_nodes(pressure[a:b], nodes[a:b], isolated[a:b], blocks, shared)
 
-            team().share(some, self._places.size, self._places.size)
+            team().share(some, nodes.size, nodes.size)
 
     def _near(self, displacement: Reals, pressure: Reals) -> Reals:
         """Fill the pressure by near neighbours, and return the sums of it over blocks."""
         sums = np.zeros(self._blocks.shape)
-        each = displacement, self._neighbours, self._stencil
+        self._image.reshape(-1)[self._nodes] = displacement
 
         def some(_: int, first: int, last: int) -> None:
-            nodes = self._ends[first], self._ends[last]
-            kernels.near_pressure(*each, nodes, self._isolated, self._places, pressure, sums.reshape(-1))
+            tiles = self._ends[first], self._ends[last]
+            each = self._of_tiles, self._stencil, self._isolated
+            kernels.near_pressure(self._image, self._nodes, tiles, *each, pressure, sums.reshape(-1))
 
-        team().share(some, self._blocks.shape[0], self._neighbours.size)
+        team().share(some, self._blocks.shape[0], self._image.size)
         return sums

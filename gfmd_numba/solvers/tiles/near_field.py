@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 
@@ -97,50 +97,46 @@ class Blocks:
 
     def shared(self, load: Reals, stiff: Reals) -> Reals:
         """Displacement y of blocks with S^-1 y + stiff y = load."""
-        where = np.flatnonzero(stiff)
+        where, n = np.flatnonzero(stiff), self._field.n
         if where.size**2 < _PAIRS * stiff.size:  # the others need not be known
-            among, found = partial(self._soft_among, np.divmod(where, self.shape[1])), np.zeros(stiff.size)
-            found[where] = _solved(among, load.reshape(-1)[where], stiff.reshape(-1)[where])
+            few, found, (r, z) = np.divmod(where, self.shape[1]), np.zeros(n), np.empty((2, where.size))
+            r[:] = load.reshape(-1)[where]
+            found[where] = _solved(
+                lambda: kernels.convolve_few(r, *few, self._kernel, z), r, z, stiff.reshape(-1)[where]
+            )
             return found.reshape(self.shape)
-        return _solved(self._soft, load, stiff)
+        r, z = self._field.sources[0][0, :n], self._field.result[0, :n]
+        r[:] = load.ravel()
+        return _solved(self._soften, r, z, stiff.ravel()).reshape(self.shape)
+
+    def _soften(self) -> None:
+        self._field.apply(self._compliance, _ONE, source=0)
 
     @cached_property
     def _kernel(self) -> Reals:
         """Displacement of all blocks under the pressure of the first one."""
-        one = np.zeros(self.shape)
-        one[0, 0] = 1.0
-        return self._soft(one)
-
-    def _soft_among(self, where: tuple[Indices, Indices], load: Reals) -> Reals:
-        found = np.empty_like(load)
-        kernels.convolve_few(load, *where, self._kernel, found)
-        return found
-
-    def _soft(self, load: Reals) -> Reals:
-        field = self._field
-        field.sources[0][0, : field.n] = load.ravel()
-        field.apply(self._compliance, _ONE, source=0)
-        return field.result[0, : field.n].reshape(self.shape).copy()
+        one = self._field.sources[0][0]
+        one[:] = 0.0
+        one[0] = 1.0
+        self._soften()
+        return self._field.result[0, : self._field.n].reshape(self.shape).copy()
 
 
-def _solved(soft: Callable[[Reals], Reals], load: Reals, stiff: Reals) -> Reals:
-    """Displacement y of blocks with S^-1 y + stiff y = load, by conjugate gradients preconditioned by S, or `soft`.
+def _solved(soften: Callable[[], None], r: Reals, z: Reals, stiff: Reals) -> Reals:
+    """Displacement y of blocks with S^-1 y + stiff y = r, by conjugate gradients preconditioned by S.
 
-    S^-1 of a direction is the sum that the direction is of the residuals, so it is never applied.
+    `soften` makes z that of the load r, which is lost. S^-1 of a direction is the sum that the direction is of the
+    residuals, so it is never applied.
     """
-    y, r = np.zeros_like(load), load
-    z = soft(r)
-    energy = first = float((r * z).sum())
-    direction, unsmoothed = z, r
-    for _ in range(_ITERATIONS):
+    y, direction, unsmoothed = np.zeros((3, r.size))
+    first = energy = 0.0
+    for iteration in range(_ITERATIONS):
+        soften()
+        energy = kernels.block_direction(r, z, energy, direction, unsmoothed)
+        first = first if iteration else energy
         if energy <= _TOLERANCE**2 * first:
             break
-        reaction = unsmoothed + stiff * direction
-        step = energy / float((direction * reaction).sum())
-        y, r = y + step * direction, r - step * reaction
-        z, last = soft(r), energy
-        energy = float((r * z).sum())
-        direction, unsmoothed = z + energy / last * direction, r + energy / last * unsmoothed
+        kernels.block_step(y, r, energy, stiff, direction, unsmoothed)
     return y
 
 

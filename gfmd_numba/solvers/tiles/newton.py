@@ -119,7 +119,7 @@ class MapContact:
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
-        self.pressure, self._gap = self._zeros(), self._zeros()
+        self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
 
@@ -167,7 +167,7 @@ class MapContact:
     def loaded_tiles(self) -> Flags:
         """Whether each tile `[y, x]` is in contact."""
         loaded = np.zeros(self._marks.size, dtype=np.bool_)
-        loaded[self.tiles] = self.contact[:-1].any(axis=(1, 2))
+        loaded[self.tiles] = self.contact[:-1].reshape(-1, TILE**2).any(axis=1)
         return loaded.reshape(self._level.tiles_each_way)
 
     def put(self) -> None:
@@ -192,15 +192,11 @@ class MapContact:
 
     def _open(self, displacement: Reals, gap: Reals) -> None:
         """Fill the gap of a displacement, and list the tiles where it may close."""
-        pushed, gaps, across = self._zeros(), self._zeros(), self._level.tiles_each_way[1]
-        self._take(displacement, pushed)
-        self._take(self.wall, gaps)
-        in_contact = (gaps + pushed)[self.contact]
-        self.count, self.approach, near = in_contact.size, 0.0, 0.0
-        if in_contact.size:
-            self.approach = float(in_contact.mean()) if self.free_mean else 0.0
-            near = _NEAR * math.sqrt(((in_contact - self.approach) ** 2).mean())
-        self._marks[:] = False
+        across = self._level.tiles_each_way[1]
+        self.count, mean, variance = kernels.gaps_in_contact(self.wall, displacement, self.tiles, self.contact)
+        self.approach = mean if self.free_mean else 0.0
+        near = _NEAR * math.sqrt(variance + (mean - self.approach) ** 2)
+        self._marks[:] = self.loaded_tiles().ravel()
 
         def some(_: int, first: int, last: int) -> None:
             nodes, tiles = slice(first * TILE, last * TILE), slice(first * across, last * across)
@@ -208,7 +204,6 @@ class MapContact:
             kernels.open_map(*each)
 
         team().share(some, self._level.tiles_each_way[0], self.wall.size)
-        self._marks[self.tiles[self.contact[:-1].any(axis=(1, 2))]] = True
         self._retile()
 
     def _take(self, image: Reals, values: Reals) -> None:
@@ -224,10 +219,9 @@ class MapContact:
         self.coarse_transforms += self._level.transforms() - before
 
     def _open_on_tiles(self) -> None:
-        walls = self._zeros()
         self._soften(self.pressure, self._gap)
-        self._take(self.wall, walls)
-        self._gap += walls
+        self._take(self.wall, self._moved)
+        self._gap += self._moved
 
     def _sharpen(self) -> None:
         """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
@@ -250,7 +244,8 @@ class MapContact:
         """Choose the compliance between the tiles."""
         share = self.tiles.size / self._marks.size
         self._exact = not any(self._level.ends) and share > _DENSE
-        self._compliance = self._level.far if share < _DILUTE else self._level.near
+        if not self._exact:
+            self._compliance = self._level.far if share < _DILUTE else self._level.near
 
     def settle(self, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -260,18 +255,11 @@ class MapContact:
         error = self.error
         goal = target if self._exact else max(max(self._compliance.error, self._left) * min(error, 1.0), target)
         tolerance = goal if error < _LOOSE else max(goal, _LOOSE)
-        # what the compliance is wrong by is in the gap from the start
-        before = None if self._exact else (self.pressure.copy(), self._gap.copy())
         counted = self._level.transforms()
         for _ in range(_STEPS):
             iterations, changed = self._revise(tolerance, tolerance > goal)
             if tolerance <= goal and (not changed or not iterations):
                 break
-            if changed and before is not None:
-                self._soften(self.pressure - before[0], self._gap)
-                self._gap += before[1]
-            elif changed:
-                self._open_on_tiles()
             tighter = min(_TIGHTEN * tolerance, _AHEAD * changed / max(self.count, 1))
             tolerance = max(tighter, goal)
         self.coarse_transforms += self._level.transforms() - counted
@@ -279,19 +267,24 @@ class MapContact:
     def _revise(self, tolerance: float, loosely: bool) -> tuple[int, int]:
         """Close the gap on the contact, and revise the contact; iterations and changed nodes.
 
-        The gap is found anew if the contact changes, so that, `loosely`, the next change of the pressure costs nothing.
+        What that changes of the pressure changes the gap, so that, `loosely`, the next change of it costs nothing.
         """
         closing, contact = self._closing(), _flat(self.contact)
         iterate, nodes = closing.iterate, closing.nodes
         iterations = closing.solve(tolerance, _ITERATIONS) if nodes.size else 0
         ahead = loosely and 0 < iterations < _ITERATIONS
+        iterate.t[:] = iterate.p
         if ahead:
             iterate.p[nodes] += closing.change
         total = 0.0 if self._load is None else self._load * self.transform.n
         changed = kernels.revise_contact(
             iterate, contact, nodes, nodes.size, contact.size, total, self._rounding, self.free_mean
         )
-        if ahead and not changed:
+        if changed:
+            np.subtract(iterate.p, iterate.t, out=iterate.t)
+            closing.soften()
+            closing.open(1.0)
+        elif ahead:
             iterate.p[nodes] -= closing.change
         self.count = int(np.count_nonzero(contact))
         return iterations, int(changed)
@@ -300,9 +293,8 @@ class MapContact:
         """Problem of the pressure that closes the gap on the nodes in contact."""
         nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
         inverse.factor(nodes, self.tiles, self._around)
-        direction, displacement = self._zeros(), self._zeros()
-        iterate = kernels.Iterate(*(_flat(each) for each in (self.pressure, self._gap, direction, displacement)))
-        soften, room = partial(self._soften, direction, displacement), np.zeros((2, nodes.size + 1))
+        iterate = kernels.Iterate(*map(_flat, (self.pressure, self._gap, self._direction, self._moved)))
+        soften, room = partial(self._soften, self._direction, self._moved), np.empty((2, nodes.size))
         # uniform pressures take off what changes the load
         return Closing(iterate, nodes, inverse, soften, np.ones(nodes.size), self._rounding, self.free_mean, room)
 
@@ -318,19 +310,24 @@ class MapContact:
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
-        overlap = -float(self._gap[:-1][~self.contact[:-1]].min(initial=0.0))
+        overlap = self._wrong_gaps()[1]
         if self.count == 0:
             return np.inf if overlap > self._rounding else 0.0
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
+    def _wrong_gaps(self) -> tuple[float, float]:
+        """Largest size of a gap in contact, and largest overlap elsewhere."""
+        open_by, overlap = kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])
+        return float(open_by), float(overlap)
+
     def bound(self) -> float:
         """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
-        gap, contact = self._gap[:-1], self.contact[:-1]
-        wrong = max(float(abs(gap[contact]).max(initial=0.0)), -float(gap[~contact].min(initial=0.0)))
-        return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
+        peak = max(float(self.pressure.max()), np.finfo(np.float64).tiny)
+        return max(self._wrong_gaps()) * self._level.largest_traction / peak
 
     def _zeros(self) -> Reals:
-        return np.zeros((self.tiles.size + 1, TILE, TILE))
+        """Room on the tiles for pressure, gap, and what an iteration moves: memory is taken where it is touched."""
+        return np.zeros((4, self.tiles.size + 1, TILE, TILE))
 
     def _retile(self) -> None:
         """Take pressure and contact to the tiles now marked."""
@@ -338,7 +335,7 @@ class MapContact:
         self.tiles, self._places = listed(self._marks)
         self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
         kernels.surround(self.tiles, self._places, *self._level.tiles_each_way, self._level.ends, self._around)
-        self.pressure, self._gap = self._zeros(), self._zeros()
+        self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         self.pressure[:-1], self.contact[:-1] = pressure[before[self.tiles]], contact[before[self.tiles]]
 

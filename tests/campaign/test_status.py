@@ -232,7 +232,7 @@ def test_results_are_of_the_versions_of_their_blocks_not_of_those_that_collect_t
     monkeypatch.setattr(provenance, "version", lambda name: "9")
     provenance.versions_of_numbers.cache_clear()
     try:
-        assert gfmd("collect", out).stderr == ""
+        assert "different versions" not in unfolded(gfmd("collect", out).stderr)
     finally:
         provenance.versions_of_numbers.cache_clear()
     after = json.loads(gfmd_numba.open_campaign(out).attrs["versions"])

@@ -9,7 +9,7 @@ from itertools import combinations
 from textwrap import fill
 from typing import Literal
 
-from gfmd_numba.interface.table import LAWS
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions

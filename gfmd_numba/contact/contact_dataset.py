@@ -14,7 +14,7 @@ from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
 from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.loaded_body import BoundaryValueProblem, Loaded
+from gfmd_numba.contact.loaded_body import Loaded
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -483,7 +483,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
-def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
@@ -501,7 +501,7 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     if given.rough is not None:
         outwards = "topography of the body, peaks outwards"
         found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
-        found |= unit.variables(dims, forming_tractions(given.rough, "body", problem.order))
+        found |= unit.variables(dims, forming_tractions(given.rough, "body", file.slope_order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
         found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
@@ -509,14 +509,14 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
         told = replace(row, long_name=_TOLD.get(name, row.long_name))
         found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
-    attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
+    attributes |= {"solver": loaded.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)
     refuse_nonfinite(dataset)
     sentences = implausible(scene)
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(doubt_of_bodies((given.rough,), problem.order, dataset, "normal_displacement"))
+        sentences.append(doubt_of_bodies((given.rough,), file.slope_order, dataset, "normal_displacement"))
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -32,8 +32,8 @@ from gfmd_numba.contact.scales import (
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.scene.units import in_reduced_units

@@ -2,7 +2,7 @@
 
 Each law says what computes it and what it asks of a solver, whether its tractions are normal or tangential, whether
 they act across an open gap, whether they keep the bodies apart, and whether they need touching nodes. A field of
-`Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
+`Interface` that is a law is its row in `LAWS`.
 """
 
 from itertools import pairwise
@@ -336,4 +336,5 @@ class Interface(BaseModel):
 
 
 _RECORDS = {name: get_args(field.annotation)[0] for name, field in Interface.model_fields.items()}
-LAWS_OF_THE_GAP = {name for name, record in _RECORDS.items() if issubclass(record, LawOfTheGap)}
+LAWS: dict[str, type[Law]] = {name: record for name, record in _RECORDS.items() if issubclass(record, LawRecord)}
+LAWS_OF_THE_GAP = {name for name, law in LAWS.items() if issubclass(law, LawOfTheGap)}

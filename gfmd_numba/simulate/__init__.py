@@ -10,7 +10,7 @@ from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
 from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput, read, read_contact
 from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
+from gfmd_numba.contact.loaded_body import solve_loaded_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import Document, SceneFile
@@ -25,11 +25,12 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     """
     given = read(file, document)
     if isinstance(given, ContactInput):
-        dataset = solve_contact(given, tell)
+        problem, effects = given.reduced
+        with shared_by(file.numerics.threads):
+            dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
     else:
         assert isinstance(given, LoadedBodyInput)  # the other of the two
-        problem = reduce_loaded_body(given)
-        dataset = loaded_body_dataset(given, problem, solve_boundary_value_problem(problem))
+        dataset = loaded_body_dataset(given, solve_loaded_body(given))
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset
@@ -45,13 +46,3 @@ def solve_in_processes(file: SceneFile, document: Document, communicator: Commun
     problem, effects = given.reduced
     found = solve_in_slabs(problem, file.realisation, communicator)
     return None if found is None else path_dataset(given, problem, effects, [found])
-
-
-def solve_contact(given: ContactInput, tell: Tell = lambda more: None) -> xr.Dataset:
-    """Fields `height, pressure, displacement, gap` over `x` and the scalars of one contact, in SI units.
-
-    A run that fails says so in `status`.
-    """
-    problem, effects = given.reduced
-    with shared_by(given.file.numerics.threads):
-        return path_dataset(given, problem, effects, solve_path(problem, given.file.realisation, tell))

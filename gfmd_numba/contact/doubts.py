@@ -174,8 +174,7 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
     told = []
     if flows[-1].any():
         told.append(
-            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth, "
-            "or none"
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
         )
     if 0 < deep < FEWEST_SUBLAYERS:
         told.append(

@@ -130,6 +130,15 @@ def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution(
     assert parameter.positions(parameter.values(logarithms)) == pytest.approx(logarithms)
 
 
+@pytest.mark.parametrize("median", [1.0, 1.9, 3.0])
+def test_what_is_likely_adds_up_to_one_over_a_range_that_cuts_a_distribution_off(median):
+    parameter = Parameter("eps_f", 1.0, 2.0, logarithmic=True, usual=(median, 1.5))
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    low, high = parameter.ends
+    density = np.exp(parameter.log_density(low + (high - low) * (1.0 + nodes) / 2.0))
+    assert density @ weights * (high - low) / 2.0 == pytest.approx(1.0)
+
+
 def test_contacts_see_shorter_waves_the_larger_the_load_is():
     """The medians of the index from which half the slope is seen, as fits at 1/eps_t = 8 found it (x 1.05 to 1.2)."""
     measured = {(0.3, 0.007): 2.4, (0.5, 0.007): 3.7, (0.8, 0.007): 8.9, (1.0, 0.007): 19.2, (0.8, 0.05): 1.8}

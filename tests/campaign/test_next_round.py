@@ -385,3 +385,16 @@ def test_the_price_of_a_realisation_is_that_of_its_transforms():
     assert found.price == pytest.approx([10 * of[0], 30 * of[1], 20 * of[2]])
     with pytest.raises(UnusableDataError, match="you gave no good realisation"):
         known(levels=levels, status=(dims, status + 1)).price  # noqa: B018
+
+
+@pytest.mark.parametrize("targets", [{"kappa": 0.02}, {"kappa": 0.05, "mean_gap": 0.02}])
+def test_results_tell_of_each_target_what_was_expected_and_found(targets):
+    """A round is decided for one of them, of the others nothing is expected; the last one has not run."""
+    told_of = of_variables(targets, (0.06,) * len(targets)).variables()
+    errors = np.reshape(told_of["round_error"][1], (2, -1))
+    assert told_of["round_error"][0] == (("round", "target") if len(targets) > 1 else "round")
+    np.testing.assert_allclose(errors, [[0.06] * len(targets), [nan] * len(targets)])
+    expected = np.reshape(told_of["round_predicted_error"][1], (2, -1))
+    assert np.isfinite(expected).tolist() == [[False] * len(targets), [name == [*targets][-1] for name in targets]]
+    assert ("target" in told_of) is (len(targets) > 1)
+    assert told_of["round_realisations"][1][0] == [HELD] * len(LEVELS)

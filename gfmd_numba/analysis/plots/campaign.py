@@ -26,6 +26,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import si_prefix
 
+_TILTED = {"rotation": 20, "ha": "right"}
 _DASHES = ("-", "--", ":", "-.")
 
 Key = tuple[float, ...]  # parameters of a group
@@ -179,19 +180,13 @@ def _without(dataset: xr.Dataset, name: str) -> xr.Dataset:
 def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     """Where the values of a parameter stand on its axis, side by side if they are names or one of them is infinite."""
     label = str(parameter.attrs.get("label", parameter.name))
-    if selection.has_names(parameter):
+    named = selection.has_names(parameter)
+    if named or not np.isfinite(parameter).all():
         levels, position = np.unique(parameter, return_inverse=True)
-        panel.set_xticks(
-            range(len(levels)),
-            list(map(selection.without_formula, values_as_text(parameter, levels))),
-            rotation=20,
-            ha="right",
-        )
-        panel.set_xlabel(label)
-        return position.astype(float)
-    if not np.isfinite(parameter).all():
-        levels, position = np.unique(parameter, return_inverse=True)
-        panel.set_xticks(range(len(levels)), [f"{level:g}" for level in levels])
+        told, look = [f"{level:g}" for level in levels], dict[str, Any]()
+        if named:
+            told, look = list(map(selection.without_formula, values_as_text(parameter, levels))), _TILTED
+        panel.set_xticks(range(len(levels)), told, **look)
         panel.set_xlabel(style.with_unit(label, parameter))
         return position.astype(float)
     values, label = (

@@ -1,6 +1,6 @@
 """Plastic flow inside a body against theory, finite elements and Tamaas, and 200 random contacts and scene files.
 
-python benchmarks/plastic_flow.py [yield|hardness|residual|elements|pei|scenes|files]
+python benchmarks/plastic_flow.py [yield|hardness|residual|elements|scenes|files]
 python benchmarks/plastic_flow.py files COUNT FIRST, of the random files
 python benchmarks/plastic_flow.py tamaas PYTHON, the interpreter of an environment that has Tamaas and SciPy
 """
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from gfmd_numba.contact import plastic_measures
+from gfmd_numba.contact import evaluation, plastic_measures
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
@@ -85,9 +85,7 @@ def hardness(nodes=64):
         load = 2.8 * stress * np.pi * a**2
         steps = list(load * np.linspace(0.1, 1.0, 10))
         found = pressed(parabola(nodes, 2), steps, Plasticity(Hardening(stress), 0.35, 24, 1))[-1]
-        touching = found.equilibrium.touching[0]
-        sides = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
-        area = (touching.sum() - (np.pi - 1.0 + np.log(2.0)) / 24.0 * sides) / touching.size  # Yastrebov et al. 2017
+        area = float(evaluation.contact_area_fraction(found)[0])
         expected, approach = of_kogut_and_etsion(load, stress)
         print(
             f"E* a / (Y R) {np.sqrt(area / np.pi) / stress:6.1f}  mean pressure {load / area / stress:.3f} Y  "
@@ -192,69 +190,46 @@ np.savez(sys.argv[2], pressure=pressure[..., 2], flowed=flowed.reshape(nz, *heig
 """
 
 
-def tamaas(interpreter, most=600.0, grids=((32, 16), (64, 32), (128, 64))):
-    """A ball on one grid, in one increment, here and by Tamaas: pressures, plastic strains and processor times.
+def beside_tamaas(interpreter, heights, load, plasticity, most=600.0):
+    """A contact in one increment here and by Tamaas, which may take so many seconds; prints how far both agree."""
+    started = time.process_time()
+    found = pressed(heights, [load], plasticity)[0]
+    took, told = time.process_time() - started, f"{len(heights)} x {len(heights)} x {plasticity.sublayers}"
+    with tempfile.TemporaryDirectory() as folder:
+        given, result = Path(folder) / "given.npz", Path(folder) / "result.npz"
+        stress, slope, *_ = plasticity.hardening
+        nz, depth = plasticity.sublayers, plasticity.depth
+        np.savez(given, heights=heights, nz=nz, depth=depth, nu=NU, stress=stress, slope=slope, load=load)
+        command = ["prlimit", f"--cpu={most:.0f}", interpreter, "-c", _TAMAAS, given, result]
+        subprocess.run(command, env={"OMP_NUM_THREADS": "1"})
+        if not result.exists():
+            told += f": processor time {took:.2f} s, of Tamaas more than {most:g} s, ratio above {most / took:.0f}"
+            print(told, flush=True)
+            return
+        theirs = dict(np.load(result))
+    flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
+    off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
+    peak, strained = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flowed"].max()
+    area = np.count_nonzero(p) / np.count_nonzero(theirs["pressure"] > 1e-6 * p.max())
+    levels = theirs["flowed"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
+    integral = np.trapezoid(levels, dx=depth / (nz - 1))
+    volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
+    print(
+        f"{told}: processor time {took:.2f} s, of Tamaas {theirs['took']:.1f} s, ratio {theirs['took'] / took:.1f}; "
+        f"pressures differ by {off:.2%}, their peaks by {peak - 1.0:+.2%}, touching nodes by {area - 1.0:+.2%}, the "
+        f"largest plastic strain by {strained - 1.0:+.2%}, its integral by {volume / integral - 1.0:+.2%}",
+        flush=True,
+    )
 
-    Tamaas may take at most so many seconds.
-    """
+
+def tamaas(interpreter, grids=((32, 16), (64, 32), (128, 64))):
+    """A ball on one grid, in one increment, here and by Tamaas: pressures, plastic strains and processor times."""
     a, depth = 0.15, 0.3
     p0 = 2.0 * a / np.pi
-    load, stress, slope = 2.0 / 3.0 * np.pi * a**2 * p0, p0 / 2.5, 0.02
-    pressed(parabola(32, 2), [load], Plasticity(Hardening(stress, slope), depth, 16, 1))  # compiles kernels, or loads
+    load, hardening = 2.0 / 3.0 * np.pi * a**2 * p0, Hardening(p0 / 2.5, 0.02)
+    pressed(parabola(32, 2), [load], Plasticity(hardening, depth, 16, 1))  # compiles kernels, or loads them
     for nodes, nz in grids:
-        heights, plasticity = parabola(nodes, 2), Plasticity(Hardening(stress, slope), depth, nz, 1)
-        started = time.process_time()
-        found = pressed(heights, [load], plasticity)[0]
-        took = time.process_time() - started
-        with tempfile.TemporaryDirectory() as folder:
-            given, result = Path(folder) / "given.npz", Path(folder) / "result.npz"
-            np.savez(given, heights=heights, nz=nz, depth=depth, nu=NU, stress=stress, slope=slope, load=load)
-            command = ["prlimit", f"--cpu={most:.0f}", interpreter, "-c", _TAMAAS, given, result]
-            subprocess.run(command, env={"OMP_NUM_THREADS": "1"})
-            if not result.exists():
-                told = f"processor time {took:.2f} s, of Tamaas more than {most:g} s, ratio above {most / took:.0f}"
-                print(f"{nodes} x {nodes} x {nz}: {told}", flush=True)
-                continue
-            theirs = dict(np.load(result))
-        flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
-        off = np.linalg.norm(p - theirs["pressure"]) / np.linalg.norm(p)
-        peak, strained = p.max() / theirs["pressure"].max(), flow.equivalent.max() / theirs["flowed"].max()
-        levels = theirs["flowed"].mean(axis=(1, 2))  # at both ends of each linear element, the first at the surface
-        integral = np.trapezoid(levels, dx=depth / (nz - 1))
-        volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
-        print(
-            f"{nodes} x {nodes} x {nz}: processor time {took:.2f} s, of Tamaas {theirs['took']:.1f} s, ratio "
-            f"{theirs['took'] / took:.1f}; pressures differ by {off:.2%}, their peaks by {peak - 1.0:+.2%}, the "
-            f"largest plastic strain by {strained - 1.0:+.2%}, its integral by {volume / integral - 1.0:+.2%}",
-            flush=True,
-        )
-
-
-def pei(nodes=64, ratios=(0.05, 0.1, 0.2, 0.4), areas=(0.02, 0.04, 0.08)):
-    """Rough contacts at small areas: mean pressure over the yield stress, and how far the area is linear in the load.
-
-    Pei, Hyun, Molinari and Robbins (J. Mech. Phys. Solids 53:2385, 2005) find by finite elements that the area rises
-    linearly with the load for all yield stresses, faster the lower these are, as a power of them. `ratios` are yield
-    stresses over g E*, `areas` about those that the loads lead to.
-    """
-    q, rng, last = grid.magnitudes((nodes, nodes)), np.random.default_rng(2005), None
-    inside = (q > 0.0) & (q <= np.pi * nodes / 4.0)  # 8 nodes in the shortest wave
-    spectrum = np.where(inside, np.maximum(q, 4.0 * np.pi) ** -1.8, 0.0) * np.exp(2j * np.pi * rng.random(q.shape))
-    heights = grid.signal(spectrum, nodes, nodes)
-    heights /= np.sqrt((grid.signal(q * grid.coefficients(heights, 2), nodes, nodes) ** 2).mean())
-    for stress in ratios:
-        loads = [area * min(0.5, 2.5 * stress) for area in areas]
-        found = pressed(heights, loads, Plasticity(Hardening(stress), None, 24, 2))
-        assert all(each.equilibrium.status[0] == 0 for each in found)
-        pressures = np.array([p / c.equilibrium.touching.mean() for p, c in zip(loads, found, strict=True)])
-        told = ", ".join(f"{p / stress:.2f}" for p in pressures)
-        power = (
-            ""
-            if last is None
-            else f"; power of the yield stress {np.log(last[1] / pressures[-1]) / np.log(last[0] / stress):.2f}"
-        )
-        print(f"Y = {stress:4} g E*: mean contact pressure {told} Y at about {areas} of the area{power}", flush=True)
-        last = stress, pressures[-1]
+        beside_tamaas(interpreter, parabola(nodes, 2), load, Plasticity(hardening, depth, nz, 1))
 
 
 def random_scene(rng):
@@ -448,7 +423,6 @@ PARTS = {
     "hardness": hardness,
     "residual": residual,
     "elements": elements,
-    "pei": pei,
     "scenes": scenes,
     "files": files,
 }

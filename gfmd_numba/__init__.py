@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.campaign.goal import Goal
-    from gfmd_numba.scene import BoundaryFile, Document, SceneFile
+    from gfmd_numba.scene import Document, SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
 
 __version__ = "0.1.0"
@@ -41,7 +41,7 @@ __all__ = [
 
 
 def solve(
-    scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile,
+    scene: str | Path | Mapping[str, Any] | SceneFile,
     heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
 ) -> xr.Dataset:
     """Solve one contact, or a body loaded without a punch.
@@ -541,9 +541,9 @@ def _goal(
 
 
 def _scene(
-    scene: str | Path | Mapping[str, Any] | SceneFile | BoundaryFile,
+    scene: str | Path | Mapping[str, Any] | SceneFile,
     heights: np.ndarray[Any, Any] | xr.DataArray | None,
-) -> tuple[SceneFile | BoundaryFile, Document]:
+) -> tuple[SceneFile, Document]:
     """Checked scene, whose punch has the heights if there are any, and its document."""
     from gfmd_numba.scene import load_scene
     from gfmd_numba.scene.scene_file import with_heights

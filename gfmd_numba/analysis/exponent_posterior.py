@@ -45,6 +45,10 @@ class Means:
         """Pairs of the limits that are varied."""
         return list(combinations(self.levels, 2))
 
+    def finest(self, limit: str) -> float:
+        """Return the finest level of a limit that has results: a reference that failed bridges no distance."""
+        return float(self.levels[limit].min())
+
     def power_in_pair(self, limit: str, pair: tuple[str, str]) -> float:
         """Return the power of the law of a limit in the interaction of a pair."""
         return self.waning if set(pair) == set(_WANING) and limit == _WANING[1] else 1.0

@@ -320,7 +320,7 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
     fields = [dataset[name] for name in _FIELDS if name in needed]
     names = ("x", "status", *needed)
     numbers = all(dataset[name].dtype.kind in "fiu" for name in names)
-    over_nodes = all(field.size and set(nodes) <= set(field.dims) for field in fields)
+    over_nodes = fields[-1].size > 0 and set(nodes) <= set(fields[-1].dims)
     enough = min(dataset.sizes.get(dim, 0) for dim in nodes) >= 4
     scalars = [dataset[name] for name in ("status", *needed) if name not in _FIELDS]
     alone = not any(set(scalar.dims) - (set(fields[-1].dims) - set(nodes)) for scalar in scalars)

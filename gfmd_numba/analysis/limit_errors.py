@@ -120,7 +120,7 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str
 def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
     steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
-    if not steep or any(choice.laws["eps_f"].whole for choice in choices):
+    if not steep or choices[0].laws["eps_f"].whole:  # there is one law alone near H = 1
         return []
     return [
         f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f), as kappa does: a power of eps_f may fit, but its "
@@ -269,8 +269,7 @@ def distances(index: int, means: Means, choice: Choice) -> Reals:
     found = np.full((len(choice.nodes), len(LIMITS)), np.nan)
     coefficients = choice.fits[index].coefficients
     for row, limit in enumerate(means.levels, start=1):
-        finest = min(means.levels[limit].min(), means.reference[limit])
-        at = excess(choice.laws, limit, np.array([finest, means.reference[limit]]), choice.nodes)
+        at = excess(choice.laws, limit, np.array([means.finest(limit), means.reference[limit]]), choice.nodes)
         ratio = at[:, :1] / at[:, 1:]
         alone = coefficients[:, row] * ratio[:, 0]
         together = alone + means.of_pairs(limit, ratio, coefficients)[:, 0]
@@ -290,7 +289,7 @@ def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
 
 def _has_enough_waves(finest: Reals | float, dimension: int) -> Any:
     """Whether eps_f is one for which the error of the law of the unseen slope was measured."""
-    return np.asarray(finest) <= _COARSEST[dimension] * (1.0 + 1e-9)
+    return np.asarray(finest) <= _COARSEST[dimension]
 
 
 def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
@@ -302,8 +301,7 @@ def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Co
     limit = choice.fits[index].coefficients[:, 0]
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            finest = min(float(means.levels[name].min()), means.reference[name])
-            is_whole = choice.laws[name].whole and bool(_has_enough_waves(finest, group.dimension))
+            is_whole = choice.laws[name].whole and bool(_has_enough_waves(means.finest(name), group.dimension))
             share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
             found[:, column] = share * doubt(found[:, column], limit, is_whole)
     column = LIMITS.index("eps_t")
@@ -315,8 +313,7 @@ def doubt_of_layers(group: Group, means: Means) -> float:
     """Return the relative standard error of the limit in eps_t by layers that become thick in it; 0 without any."""
     if "eps_t" not in means.levels:
         return 0.0
-    finest = min(float(means.levels["eps_t"].min()), means.reference["eps_t"])
-    return min(_OF_A_LAYER * finest / group.thinnest_layer, _MOST_OF_A_LAYER)
+    return min(_OF_A_LAYER * means.finest("eps_t") / group.thinnest_layer, _MOST_OF_A_LAYER)
 
 
 def of_thin_layers(group: Group, means: Means) -> list[str]:
@@ -378,7 +375,8 @@ def error_budget(
         each = np.array([share.sum() for share in shares])
         inside = [share @ value for share, value in zip(shares, kappa, strict=True)]
         effects["eps_f"] += _variance(each, np.divide(inside, each, out=np.zeros(len(each)), where=each > 0))
-    scale = spread / sum(effects.values()) if spread > 0 and sum(effects.values()) > 0 else 0.0
+    whole = sum(effects.values())
+    scale = spread / whole if whole > 0 else 0.0
     budget = np.full(len(SOURCES), np.nan)
     for limit, effect in effects.items():
         budget[SOURCES.index(limit)] = np.sqrt(scale * effect)

@@ -66,7 +66,7 @@ def has_measured_slope_law(cases: xr.Dataset) -> bool:
     """Return whether the law of the unseen slope was measured for contacts of this kind and load; no if not known."""
     low, high = _MEASURED_LOADS
     told = "has_measured_slope_law" in cases and bool(cases["has_measured_slope_law"].values.all())
-    return told and low * (1.0 - 1e-9) <= load_of(cases) <= high * (1.0 + 1e-9)
+    return told and low <= round(load_of(cases), 9) <= high
 
 
 def load_of(cases: xr.Dataset) -> float:

@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hi
 
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.scene import Discretisation, Document, Random, Scene
 from gfmd_numba.scene.document import Location, allowed_at, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -29,8 +29,10 @@ from gfmd_numba.scene.quantities import (
     RMS_GRADIENT_TARGET,
     broken_rule,
 )
+from gfmd_numba.scene.units import quantities
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
+_UNITS = {"length": "height", "energy per area": "energy"}  # of quantities, where a scene names them otherwise
 _COORDINATES = {
     "pressure": "prescribed_pressure",
     "displacement": "punch_displacement",
@@ -56,9 +58,8 @@ class Axis:
     """A parameter of a grid: its name, and the record of the scene that has it, whose type its values have.
 
     `record` is a dotted path in the scene, through fields or through a property that finds the one that acts. `key` is
-    the name of the field there if it is another. A discretisation stands next to the scene and has no record; `limit`
-    then names the limit in which it goes to 0. `symbol` heads a column on the terminal, and `label` is its TeX. `unit`
-    is a kind of unit, as the units of a scene are named.
+    the name of the field there if it is another. A discretisation stands next to the scene and has no record. `symbol`
+    heads a column on the terminal, and `label` is its TeX.
     """
 
     name: str
@@ -66,8 +67,6 @@ class Axis:
     symbol: str
     label: str
     long_name: str
-    unit: str = "1"
-    limit: str = ""
     key: str = ""
 
     @cached_property
@@ -76,20 +75,31 @@ class Axis:
         return (*self.record.split("."), self.key or self.name) if self.record else ()
 
     @cached_property
-    def type(self) -> Any:
-        """Type of its values: that of its field in the first record that may have it, without None."""
+    def _home(self) -> "type[BaseModel]":
+        """First record that may have its field."""
         kinds: list[Any] = [Scene if self.record else Discretisation]
-        *parts, field = self.place or (self.name,)
-        for name in parts:
+        for name in self.place[:-1]:
             kinds = [record for kind in kinds for record in _records(_types_of(kind).get(name))]
-        kind = next(_types_of(kind)[field] for kind in kinds if field in _types_of(kind))
+        found: type[BaseModel] = next(kind for kind in kinds if (self.key or self.name) in _types_of(kind))
+        return found
+
+    @cached_property
+    def type(self) -> Any:
+        """Type of its values: that of its field, without None."""
+        kind = _types_of(self._home)[self.key or self.name]
         given = tuple(each for each in get_args(kind) if each is not NoneType)
         return given[0] if NoneType in get_args(kind) and len(given) == 1 else kind
+
+    @cached_property
+    def unit(self) -> str:
+        """Kind of its unit, as the units of a scene are named."""
+        quantity = quantities(self._home).get(self.key or self.name)
+        return "1" if quantity is None else _UNITS.get(quantity.name, quantity.name)
 
     @property
     def forms_groups(self) -> bool:
         """Whether cases that differ in it are different physics, and never enter one fit."""
-        return not self.limit
+        return bool(self.record)
 
     @property
     def coordinate(self) -> str:
@@ -123,16 +133,24 @@ class Axis:
         return found
 
 
+def _of(prefix: str, record: str, *rows: tuple[str, str, str, str]) -> Iterator[Axis]:
+    """Axes whose names have a prefix before the name of the field: key, symbol, label and long name of each."""
+    for key, symbol, label, long_name in rows:
+        yield Axis(f"{prefix}_{key}", record, symbol, label, long_name, key)
+
+
 def _of_rough_body(body: str) -> Iterator[Axis]:
     """Axes of the roughness of one of the two bodies."""
-    number, whose = ("1", "body") if body == "body" else ("2", "counter body")
-    for key, symbol, label, long_name, unit in (
-        ("hurst", "H", "H", "Hurst exponent", "1"),
-        ("rms_gradient", "g", r"\bar{g}", "rms gradient asked for", "1"),
-        ("rms_height", "h", r"\bar{h}", "rms height asked for", "height"),
-    ):
-        told = f"{symbol}_{number}", f"${label}_{number}$", f"{long_name}, of the surface of the {whose}"
-        yield Axis(f"{body}_{key}", f"{body}.roughness", *told, unit, key=key)
+    number, of_it = (
+        ("1", "of the surface of the body") if body == "body" else ("2", "of the surface of the counter body")
+    )
+    return _of(
+        body,
+        f"{body}.roughness",
+        ("hurst", f"H_{number}", f"$H_{number}$", f"Hurst exponent, {of_it}"),
+        ("rms_gradient", f"g_{number}", rf"$\bar{{g}}_{number}$", f"rms gradient asked for, {of_it}"),
+        ("rms_height", f"h_{number}", rf"$\bar{{h}}_{number}$", f"rms height asked for, {of_it}"),
+    )
 
 
 AXES = (
@@ -141,87 +159,52 @@ AXES = (
     Axis("poissons_ratio", "body", "nu", r"$\nu$", "Poisson's ratio of the body"),
     Axis("aspect_ratio", "body", "a", "$a$", "thickness of the body over the period"),
     Axis("reduced_pressure", "loading", "p*", r"$\bar{p}^*$", REDUCED_PRESSURE),
-    Axis("pressure", "loading", "p", r"$\bar{p}$", MEAN_PRESSURE, "pressure"),
-    Axis("line_load", "loading", "F/l", r"$F/\ell$", LINE_LOAD, "force per length"),
-    Axis("force", "loading", "F", "$F$", FORCE_ON_A_MAP, "force"),
+    Axis("pressure", "loading", "p", r"$\bar{p}$", MEAN_PRESSURE),
+    Axis("line_load", "loading", "F/l", r"$F/\ell$", LINE_LOAD),
+    Axis("force", "loading", "F", "$F$", FORCE_ON_A_MAP),
     Axis("rms_gradient", "roughness", "g", r"$\bar{g}$", RMS_GRADIENT_TARGET),
     Axis("anisotropy", "roughness", "gamma", r"$\gamma$", "correlation length of a map, y over x"),
     Axis("hurst_x", "roughness", "H_x", "$H_x$", "Hurst exponent along x"),
     Axis("hurst_y", "roughness", "H_y", "$H_y$", "Hurst exponent along y"),
-    Axis("rms_height", "roughness", "h", r"$\bar{h}$", "rms height asked for", "height"),
-    Axis("roll_off", "roughness", "lambda_l", r"$\lambda_l$", "longest wavelength of the power law", "height"),
-    Axis("cut_on", "roughness", "lambda_s", r"$\lambda_s$", "shortest wavelength", "height"),
-    Axis("cutoff", "roughness", "lambda_c", r"$\lambda_c$", "shortest wavelength kept", "height"),
+    Axis("rms_height", "roughness", "h", r"$\bar{h}$", "rms height asked for"),
+    Axis("roll_off", "roughness", "lambda_l", r"$\lambda_l$", "longest wavelength of the power law"),
+    Axis("cut_on", "roughness", "lambda_s", r"$\lambda_s$", "shortest wavelength"),
+    Axis("cutoff", "roughness", "lambda_c", r"$\lambda_c$", "shortest wavelength kept"),
     Axis("points", "roughness", "points", "$n_x$", "grid points of the surface over the period"),
-    Axis("correlation_length", "roughness", "xi", r"$\xi$", "correlation length", "height"),
-    Axis("correlation_length_x", "roughness", "xi_x", r"$\xi_x$", "correlation length along x", "height"),
-    Axis("correlation_length_y", "roughness", "xi_y", r"$\xi_y$", "correlation length along y", "height"),
-    Axis("mound_separation", "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds", "height"),
-    Axis("radius", "form", "R", "$R$", "radius of the form, a ball or a cylinder", "height"),
-    Axis("radius_y", "form", "R_y", "$R_y$", "radius of the form along y", "height"),
+    Axis("correlation_length", "roughness", "xi", r"$\xi$", "correlation length"),
+    Axis("correlation_length_x", "roughness", "xi_x", r"$\xi_x$", "correlation length along x"),
+    Axis("correlation_length_y", "roughness", "xi_y", r"$\xi_y$", "correlation length along y"),
+    Axis("mound_separation", "roughness", "lambda_m", r"$\lambda_m$", "mean distance of mounds"),
+    Axis("radius", "form", "R", "$R$", "radius of the form, a ball or a cylinder"),
+    Axis("radius_y", "form", "R_y", "$R_y$", "radius of the form along y"),
     Axis("slope", "form", "slope", r"$\tan\beta$", "slope of the flanks of the form, a wedge or a cone"),
-    Axis("width", "form", "W", "$W$", "width of the form, a flat punch, between its edges", "height"),
-    Axis("edge_radius", "form", "R_e", "$R_e$", "radius of the edges of the form", "height"),
-    Axis("speed", "loading", "v", "$v$", "sliding speed of the punch along x", "speed"),
-    Axis("displacement", "loading", "d", "$d$", PUNCH_DISPLACEMENT, "height"),
-    Axis(
-        "friction_coefficient",
+    Axis("width", "form", "W", "$W$", "width of the form, a flat punch, between its edges"),
+    Axis("edge_radius", "form", "R_e", "$R_e$", "radius of the edges of the form"),
+    Axis("speed", "loading", "v", "$v$", "sliding speed of the punch along x"),
+    Axis("displacement", "loading", "d", "$d$", PUNCH_DISPLACEMENT),
+    *_of(
+        "friction",
         "interface.friction",
-        "mu",
-        r"$\mu$",
-        "tangential over normal traction at which a node slides",
-        key="coefficient",
+        ("coefficient", "mu", r"$\mu$", "tangential over normal traction at which a node slides"),
+        ("limit", "tau_max", r"$\tau_{max}$", "largest tangential traction that friction holds"),
+        (
+            "pressure_coefficient",
+            "a_tau",
+            r"$a_\tau$",
+            "rise of the largest tangential traction that friction holds with the pressure",
+        ),
+        (
+            "velocity_strengthening",
+            "a_v",
+            "$a_v$",
+            "rise of the coefficient of friction with the logarithm of the slip rate",
+        ),
+        ("reference_velocity", "v_0", "$v_0$", "slip rate far below which the coefficient of friction is that at rest"),
     ),
+    Axis("hardness", "interface.hard_wall", "p_H", "$p_H$", "contact pressure at which the hard wall gives way"),
+    Axis("yield_stress", "body.plasticity", "Y", "$Y$", "uniaxial yield stress of the body"),
     Axis(
-        "friction_limit",
-        "interface.friction",
-        "tau_max",
-        r"$\tau_{max}$",
-        "largest tangential traction that friction holds",
-        "pressure",
-        key="limit",
-    ),
-    Axis(
-        "friction_pressure_coefficient",
-        "interface.friction",
-        "a_tau",
-        r"$a_\tau$",
-        "rise of the largest tangential traction that friction holds with the pressure",
-        key="pressure_coefficient",
-    ),
-    Axis(
-        "friction_velocity_strengthening",
-        "interface.friction",
-        "a_v",
-        "$a_v$",
-        "rise of the coefficient of friction with the logarithm of the slip rate",
-        key="velocity_strengthening",
-    ),
-    Axis(
-        "friction_reference_velocity",
-        "interface.friction",
-        "v_0",
-        "$v_0$",
-        "slip rate far below which the coefficient of friction is that at rest",
-        "speed",
-        key="reference_velocity",
-    ),
-    Axis(
-        "hardness",
-        "interface.hard_wall",
-        "p_H",
-        "$p_H$",
-        "contact pressure at which the hard wall gives way",
-        "pressure",
-    ),
-    Axis("yield_stress", "body.plasticity", "Y", "$Y$", "uniaxial yield stress of the body", "pressure"),
-    Axis(
-        "hardening",
-        "body.plasticity",
-        "H_p",
-        "$H_p$",
-        "slope of the yield stress of the body over the plastic strain",
-        "pressure",
+        "hardening", "body.plasticity", "H_p", "$H_p$", "slope of the yield stress of the body over the plastic strain"
     ),
     Axis(
         "work_of_adhesion",
@@ -229,46 +212,19 @@ AXES = (
         "w",
         r"$\Delta\gamma$",
         "work of adhesion of the law of the gap, above 0 attractive",
-        "energy",
     ),
-    Axis(
-        "interaction_range",
-        "interface.law_of_the_gap",
-        "z_r",
-        "$z_r$",
-        "range of the law of the gap",
-        "height",
-        key="range",
-    ),
+    *_of("interaction", "interface.law_of_the_gap", ("range", "z_r", "$z_r$", "range of the law of the gap")),
     *(axis for body in ("body", "counter_body") for axis in _of_rough_body(body)),
-    Axis(
-        "counter_body_youngs_modulus",
+    *_of(
         "counter_body",
-        "E_2",
-        "$E_2$",
-        "Young's modulus of the counter body",
-        "pressure",
-        key="youngs_modulus",
-    ),
-    Axis(
-        "counter_body_poissons_ratio",
         "counter_body",
-        "nu_2",
-        r"$\nu_2$",
-        "Poisson's ratio of the counter body",
-        key="poissons_ratio",
+        ("youngs_modulus", "E_2", "$E_2$", "Young's modulus of the counter body"),
+        ("poissons_ratio", "nu_2", r"$\nu_2$", "Poisson's ratio of the counter body"),
+        ("aspect_ratio", "a_2", "$a_2$", "thickness of the counter body over the period"),
     ),
-    Axis(
-        "counter_body_aspect_ratio",
-        "counter_body",
-        "a_2",
-        "$a_2$",
-        "thickness of the counter body over the period",
-        key="aspect_ratio",
-    ),
-    Axis("eps_c", "", "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx", limit="continuum"),
-    Axis("eps_f", "", "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s", limit="fractal"),
-    Axis("eps_t", "", "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l", limit="thermodynamic"),
+    Axis("eps_c", "", "eps_c", r"$\varepsilon_c$", "continuum discretisation 2 k_s/nx"),
+    Axis("eps_f", "", "eps_f", r"$\varepsilon_f$", "fractal discretisation k_l/k_s"),
+    Axis("eps_t", "", "eps_t", r"$\varepsilon_t$", "thermodynamic discretisation 1/k_l"),
 )
 OF_THE_SCENE = tuple(axis for axis in AXES if axis.record)
 DISCRETISATIONS = tuple(axis.name for axis in AXES if not axis.record)
@@ -361,42 +317,46 @@ def check_grid(document: Document, scene: Scene, grid: Grid) -> None:
         at = ("grid", axis.name)
         if values_of(grid, axis.name) is not None and (lack := _lack(scene, axis)):
             raise document.refused(at, lack)
-    for axis, location, varied in varied_scenes(scene, grid):
-        if not axis.of_surface and (fault := _fault(varied)):
-            raise document.refused(location, fault[1])
     for record in dict.fromkeys(axis.record for axis in OF_THE_SCENE if not axis.of_surface):
-        axes = [axis for axis in OF_THE_SCENE if axis.record == record and values_of(grid, axis.name)]
-        if len(axes) < 2:
-            continue
-        for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
-            values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
-            if fault := _fault(with_values(scene, values)):
-                raise document.refused(("grid", axes[-1].name, chosen[-1][0]), fault[1])
+        _check_together(document, scene, grid, record, _fault)
 
 
 def check_surfaces_of_grid(document: Document, scene: Scene, grid: Grid) -> None:
-    """Raise InputError for values of a grid that, taken together, make no surface or one that does not fit its period.
+    """Raise InputError for values of a grid that together make no surface, or one that does not fit its period."""
+
+    def fault(varied: Scene) -> tuple[str, str] | None:
+        surface = varied.roughness
+        return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
+
+    _check_together(document, scene, grid, "roughness", fault)
+
+
+def _check_together(
+    document: Document, scene: Scene, grid: Grid, record: str, fault_of: Callable[[Scene], tuple[str, str] | None]
+) -> None:
+    """Raise InputError, at the value to blame, for values of the axes of a record that have a fault together.
 
     A value of the grid takes the place of the scene's, so that each value is checked with the grid's others.
     """
-    for values, locations in surfaces_of_grid(grid):
-        fault = _surface_fault(scene, values)
+    for values, locations in values_together(grid, record):
+        fault = fault_of(with_values(scene, values)) if values else None
         if fault is None:
             continue
-        place: Place = ("roughness", fault[0])
-        allowed = fault[1]
-        if place not in values:
-            if getattr(scene.roughness, fault[0], None) is not None:
-                allowed = f"a value for which {fault[0]} is {allowed}"
-            to_blame = (each for each, value in values.items() if _surface_fault(scene, {each: value}))
+        key, allowed = fault
+        *parts, _ = place = next(iter(values))
+        if (*parts, key) in values:
+            place = (*parts, key)
+        else:
+            if getattr(attrgetter(record)(scene), key, None) is not None:
+                allowed = f"a value for which {key} is {allowed}"
+            to_blame = (each for each, value in values.items() if fault_of(with_values(scene, {each: value})))
             place = next(to_blame, list(values)[-1])
-        location = locations[place]
-        raise document.refused(location, allowed)
+        raise document.refused(locations[place], allowed)
 
 
-def surfaces_of_grid(grid: Grid) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
-    """Yield the values of each surface of a grid by their places in the scene, and where each stands in the file."""
-    axes = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(grid, axis.name)]
+def values_together(grid: Grid, record: str) -> Iterator[tuple[dict[Place, Any], dict[Place, Location]]]:
+    """Yield the values of the axes of a record by their places in the scene, and where each stands in the file."""
+    axes = [axis for axis in OF_THE_SCENE if axis.record == record and values_of(grid, axis.name)]
     for chosen in product(*(enumerate(values_of(grid, axis.name) or ()) for axis in axes)):
         values = {axis.place: value for axis, (_, value) in zip(axes, chosen, strict=True)}
         yield values, {axis.place: ("grid", axis.name, i) for axis, (i, _) in zip(axes, chosen, strict=True)}
@@ -417,12 +377,6 @@ def doubt_of_numbers(scene: Scene, grid: Grid, path: Sequence[Step]) -> str:
     for axis in axes:
         said = said.replace(f"{dotted(in_fields(scene, axis.place))} is ", f"grid.{axis.name} is ")
     return said
-
-
-def _surface_fault(scene: Scene, values: Mapping[Place, Any]) -> tuple[str, str] | None:
-    """Return the `_fault` of the surface of a scene with other values, or of a length that does not fit the period."""
-    surface = with_values(scene, values).roughness
-    return None if surface is None else _fault(surface) or surface.misfit(scene.length or 1.0)
 
 
 def _fault(record: BaseModel) -> tuple[str, str] | None:

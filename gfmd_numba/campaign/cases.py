@@ -7,38 +7,38 @@ from bisect import bisect
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache, partial
-from itertools import islice, product
+from itertools import product
 from types import MappingProxyType
 from typing import Any
 
-from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, surfaces_of_grid, values_of, with_values
+from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, values_together, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact.contact_input import (
+    check_loads,
     pattern_of,
-    patterned,
     read_boundary,
     tractions_on_the_body,
     with_measured,
 )
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies, Tractions
+from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import (
     MeasuredSurfaces,
+    PressedSurfaces,
     check_drawn,
     ensemble_of_rough_bodies,
     given_surface,
     punch_on_its_form,
     random_surface,
 )
-from gfmd_numba.contact.scales import passing, reduced_step, steps_of
+from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
-from gfmd_numba.contact.surfaces import Surface as ProblemSurface
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
-from gfmd_numba.scene.document import Location, existing_file
+from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.scene_file import located
 
 PUNCH = ("roughness",)
@@ -86,7 +86,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
     found: dict[Surface | None, MeasuredScene] = {}
     first: tuple[Measured, MeasuredSurface] | None = None
-    for values, locations in surfaces_of_grid(campaign.grid):
+    for values, locations in values_together(campaign.grid, "roughness"):
         scene = with_values(campaign.scene, values)
         record = scene.roughness
         assert isinstance(record, Measured)  # as the campaign's own
@@ -95,7 +95,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = _read(record, located(placed, scene, ("scene",)), placed, read)
+        scene, surfaces = with_measured(located(placed, scene, ("scene",)), placed, read)
         first = first or (record, surfaces[PUNCH])
         unit, of_first = surfaces[PUNCH].unit, first[1].unit
         if unit != of_first:
@@ -137,33 +137,6 @@ def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[
         return given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
-
-
-def _read(record: Measured, scene: Scene, document: Document, read: Reader) -> tuple[Scene, MeasuredSurfaces]:
-    """Return the scene with the dimension and period of the file of its punch, and its measured surfaces.
-
-    An InputError names a value of the grid rather than the file, if the file can be used without that value.
-    """
-    file = ("scene", *FILE)
-    assert record.file is not None  # the campaign's promise
-    located = record.model_copy(update={"file": existing_file(document, file, record.file, ())})
-
-    def told(placed: Document, without: str = "") -> tuple[Scene, MeasuredSurfaces]:
-        roughness = located.model_copy(update={without: None} if without else {})
-        return with_measured(scene.model_copy(update={"roughness": roughness}), placed, read)
-
-    try:
-        return told(document)
-    except InputError:
-        for place, at in document.elsewhere.items():
-            if place in (file, file[:-1]):
-                continue
-            try:
-                told(document, without=str(place[-1]))
-            except InputError:
-                continue
-            told(replace(document, elsewhere={**document.elsewhere, file: at}))
-        raise
 
 
 def _refused(document: Document, given: str, allowed: str) -> InputError:
@@ -262,23 +235,24 @@ def expand(
         point = GridPoint(campaign.scene, places, values, found)
         scene = scene if found is None else found.under(scene)
         for level in levels:
-            surface: ProblemSurface
-            rough = None
             if scene.follows_topography:
-                surface, rough = bodies_of(scene, level.discretisation, found)
-                rms_gradient = surface.rms_gradient
+                pressed = bodies_of(scene, level.discretisation, found)
             else:
                 own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
                 if own is None and scene.roughness is not None:
                     own = random_surface_of(scene.roughness, level.discretisation)
-                surface, rms_gradient = punch_on_its_form(scene, own, document)
-            tractions = None
+                pressed = punch_on_its_form(scene, own, document)
+            tractions, shape = None, pressed.surface.shape
             if boundary is not None:
-                arrays = arrays_of(boundary, scene.dimension, surface.shape)
-                tractions = tractions_on_the_body(document, scene, arrays, surface.shape, rms_gradient)
+                arrays = arrays_of(boundary, scene.dimension, shape)
+                tractions = tractions_on_the_body(document, scene, arrays, pressed)
                 tractions = known.setdefault(tractions.digest, tractions)
-            problem, effects = _reduced(scene, surface, rms_gradient, campaign, document, tractions, rough)
-            problem = patterned(problem, pattern_on(scene.dimension, surface.shape))
+            pattern = pattern_on(scene.dimension, shape)
+            try:
+                problem, effects = reduce(scene, pressed, campaign.numerics, campaign.path, tractions, pattern)
+            except ValueError:
+                _check_loads(scene, pressed, campaign, document)
+                raise
             case = Case(
                 point=point,
                 discretisation=level.discretisation,
@@ -286,7 +260,7 @@ def expand(
                 realisations=level.realisations,
                 problem=problem,
                 effects=effects,
-                rms_gradient=rms_gradient,
+                rms_gradient=pressed.rms_gradient,
             )
             cases.append(case)
     return cases
@@ -316,7 +290,7 @@ class _RoughBodies:
 
     def __call__(
         self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
-    ) -> tuple[SummedSurface, RoughBodies]:
+    ) -> PressedSurfaces:
         """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
         measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
         order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
@@ -325,33 +299,19 @@ class _RoughBodies:
         if known not in self._checked:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
-        return summed, rough
+        return PressedSurfaces(summed, summed.rms_gradient, rough=rough)
 
 
-def _reduced(
-    scene: Scene,
-    surface: ProblemSurface,
-    rms_gradient: float,
-    campaign: Campaign,
-    document: Document,
-    tractions: Tractions | None,
-    rough: RoughBodies | None,
-) -> tuple[Problem, tuple[Effect, ...]]:
-    """Return the problem of a scene; raises InputError for a load that cannot be reduced, at its place."""
+def _check_loads(scene: Scene, pressed: PressedSurfaces, campaign: Campaign, document: Document) -> None:
+    """Raise InputError for a load that cannot be reduced, at its place."""
     control = scene.loading.control
     varied = values_of(campaign.grid, control)
     place: Location = ("scene", "loading", control)
     if varied is not None:
         place = ("grid", control, varied.index(getattr(scene.loading, control)))
-    try:
-        problem, effects = reduce(scene, surface, rms_gradient, campaign.numerics, tractions, rough)
-        path = []
-        for i, step in enumerate(islice(steps_of(scene, campaign.path), 1, None)):
-            place = ("path", i, control)
-            path.append(reduced_step(*step, rms_gradient))
-    except ValueError as error:
-        raise document.refused(place, str(error)) from None
-    return replace(problem, path=tuple(path), passing=passing(scene, path, rms_gradient)), effects
+    places: list[Location] = [place, *(("path", i, control) for i in range(len(campaign.path)))]
+    loaded = (each for each, _ in steps_of(scene, campaign.path))
+    check_loads(zip(places, loaded, strict=True), pressed, document)
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:

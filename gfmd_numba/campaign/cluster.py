@@ -6,13 +6,10 @@ The cluster file says which jobs of a queueing system do the work.
 import os
 import signal
 import sys
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
-from math import ceil
 from multiprocessing import resource_tracker
-from threading import Event, Thread
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
@@ -31,7 +28,6 @@ NO_JOBQUEUE = (
 _MOST_CORES, _MOST_JOBS = 4096, 100_000
 _OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
 _LONGEST_START = "1h"  # of a worker in place of another that died, on a machine with much else to do
-_HEARTBEATS = 20.0  # s in which a worker is heard of, also if there are hundreds
 OF_WORKERS = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1") | {
     # bytes of freed memory that the C library keeps: dask's 64 KiB would make nearly every array of new pages
     "MALLOC_TRIM_THRESHOLD_": str(2**30),
@@ -109,14 +105,6 @@ class Cluster(BaseModel):
     def lifetime(self) -> int:
         """Time in s after which a worker ends, so that it does so before the queueing system ends its job."""
         return int(self.walltime - min(_LONGEST_MARGIN, self.walltime / 4))
-
-    @property
-    def slurm_walltime(self) -> str:
-        """Walltime in the spelling of SLURM, days-hours:minutes:seconds."""
-        minutes, seconds = divmod(ceil(self.walltime), 60)
-        hours, minutes = divmod(minutes, 60)
-        days, hours = divmod(hours, 24)
-        return f"{days}-{hours:02}:{minutes:02}:{seconds:02}"
 
 
 def load_cluster(source: Source) -> Cluster:
@@ -210,41 +198,6 @@ def check_workers(client: Any, option: str) -> None:
     for worker, installed in theirs.items():
         if wrong := difference(installed, ours):
             raise InputError(f"{option}: you gave {worker} with {wrong}")
-
-
-@contextmanager
-def frozen_replaced(client: Any, timeout: float | None) -> Iterator[None]:
-    """Restart workers that stay silent for longer than a block may hold them up.
-
-    Without a `timeout` in s for blocks, the scheduler's `worker-ttl` does that.
-    """
-    if timeout is None:
-        yield
-        return
-    over = Event()
-
-    def watch() -> None:
-        heard: dict[str, tuple[float, float]] = {}  # when the scheduler last heard of it, and when that was news here
-        while not over.wait(1.0):
-            try:
-                workers = client.scheduler_info(n_workers=-1)["workers"]
-                now = time.monotonic()
-                for name, worker in workers.items():
-                    if heard.get(name, (None,))[0] != worker["last_seen"]:
-                        heard[name] = worker["last_seen"], now
-                silent = [name for name in workers if now - heard[name][1] > timeout + _HEARTBEATS]
-                if silent:
-                    client.restart_workers(silent, raise_for_error=False)
-            except (OSError, ValueError, RuntimeError):  # the scheduler is lost, as the run itself will notice
-                return
-
-    thread = Thread(target=watch, daemon=True)
-    thread.start()
-    try:
-        yield
-    finally:
-        over.set()
-        thread.join()
 
 
 @contextmanager

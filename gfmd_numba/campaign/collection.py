@@ -60,9 +60,9 @@ def note(directory: Path, **values: float) -> None:
 
 
 def noted(directory: Path) -> dict[str, float]:
-    """Return what was noted about the runs in a directory: the numbers of `NOTED`, whatever else the file holds."""
+    """Return what was noted about the runs in a directory, as far as it is in `NOTED`."""
     facts = json_file.read(directory / NOTES)
-    return {name: facts[name] for name in NOTED if type(facts.get(name)) in (int, float) and 0 <= facts[name] < 2**53}
+    return {name: facts[name] for name in NOTED if name in facts}
 
 
 def _assemble(planned: Plan, directory: Path) -> xr.Dataset:

@@ -325,9 +325,9 @@ def _kind(problem: Problem) -> str:
 def remembered() -> dict[str, float]:
     """Return the run times in s that were kept, by what took them; none if they cannot be read."""
     try:
-        return {identity: float(seconds) for identity, seconds in json_file.read(_memory()).items()}
-    except (OSError, ValueError, TypeError):
-        return {}  # none, or a damaged one: it is measured again
+        return json_file.read(_memory())
+    except OSError:
+        return {}  # there is no place for it
 
 
 def remember(seconds: dict[str, float]) -> None:

@@ -267,7 +267,7 @@ def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float
         for task in tasks:
             yield len(task), perform(task, directory, timeout, together)
         return
-    with started(workers, directory) as begun, cluster.frozen_replaced(begun.client, timeout):
+    with started(workers, directory) as begun:
         submission = Submission(begun.client, directory.resolve(), timeout, together, begun.most)
         with closing(submission.ended(tasks)) as ended:
             yield from ended

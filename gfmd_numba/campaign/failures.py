@@ -42,9 +42,6 @@ SENTENCES: dict[IntEnum, str] = {
 }
 
 
-_OF_BLOCKS = (Ending.crashed.name, Ending.timeout.name)
-
-
 @dataclass(frozen=True)
 class Failure:
     """How a block ended, `crashed` or `timeout`, and the reason in words."""
@@ -66,8 +63,7 @@ def forget(directory: Path, name: str) -> None:
 def of(directory: Path, name: str) -> Failure | None:
     """Return the failure of a block, None if there is none that can be read."""
     found = json_file.read(path_of(directory, name))
-    status, reason = found.get("status"), found.get("reason")
-    return Failure(status, reason) if status in _OF_BLOCKS and isinstance(reason, str) else None
+    return Failure(**found) if found else None
 
 
 def of_all(directory: Path, names: Iterable[str]) -> dict[str, Failure]:

@@ -183,6 +183,12 @@ class Campaign(BaseModel):
                     raise broken_rule(("limits", CROSS, i, axis), f"a value other than the reference's, {value:.6g}")
 
     @model_validator(mode="after")
+    def _is_of_contacts(self) -> Self:
+        if not self.scene.has_punch:
+            raise broken_rule(("scene", "loading"), "a loading, and an interface, as campaigns are of contacts")
+        return self
+
+    @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):
@@ -266,14 +272,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
         raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
     anisotropies = list(_anisotropies(campaign))
-    dimension = campaign.scene.dimension
-    boundary = () if campaign.scene.boundary is None else ("boundary",)
-    laws = (*campaign.scene.interface.laws, *boundary)
-    arrays = checks.arrays_per_realisation(dimension, laws, campaign.scene.ends) + checks.arrays_of_memory(
-        campaign.scene
-    )
-    if campaign.scene.follows_topography:
-        arrays = max(arrays, checks.arrays_of_topography(dimension, campaign.numerics.slope_order(campaign.scene)))
+    arrays = checks.arrays_of(campaign.scene, campaign.numerics.slope_order(campaign.scene))
     checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
     for i, value in enumerate(points):

@@ -1,7 +1,6 @@
 """Workers in jobs of a queueing system: submitted as long as there are blocks, and again when a job has ended."""
 
 import asyncio
-import os
 import re
 import shutil
 import subprocess
@@ -10,6 +9,7 @@ from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import ceil
 from pathlib import Path
 from shlex import quote
 from time import monotonic
@@ -23,6 +23,7 @@ from distributed import Client, Future
 from distributed.core import Status
 from distributed.deploy.adaptive import Adaptive
 from distributed.diagnostics.plugin import SchedulerPlugin
+from distributed.security import Security
 
 from gfmd_numba.campaign.cluster import OF_A_RUN, OF_WORKERS, Cluster
 from gfmd_numba.scene import InputError
@@ -31,14 +32,11 @@ from gfmd_numba.text.input_error import brief
 
 FOLDER = "jobs"  # in the output directory: what jobs print, and for the time of a run the certificates of its workers
 _INTERVAL = "2s"  # between looks at how many jobs are wanted
-_KEYS = "tls"  # what the folder of keys and certificates is temporary for, in that folder
-_ROLES = ("scheduler", "worker", "client")
 _COMMANDS = ("sbatch", "squeue", "scancel")
 _ON_CLUSTER = OF_A_RUN | {
     "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
 }
 _PATIENCE = 120.0  # s, with a controller that is busy
-_UNREACHABLE = re.compile(r"configuration source|contact slurm controller", re.IGNORECASE)  # in sbatch's words
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is
 _SECONDS_BETWEEN_LOOKS = 10.0  # at the queue, whose controller others ask, too
 _SECONDS_TO_FIRST_LOOK = 3.0
@@ -100,12 +98,11 @@ def check_queue(cluster: Cluster, directory: Path) -> None:
             ) from None
     if tested.returncode != 0:
         said = " ".join(tested.stderr.split()) or f"exit code {tested.returncode}"
-        if _UNREACHABLE.search(said):
-            raise InputError(f"--cluster: sbatch reaches no SLURM ({said}); gfmd needs a SLURM that is up")
         raise InputError.of(
             "--cluster",
-            f"jobs that SLURM refuses ({said})",
-            "cores, memory, walltime, partition, account and directives that `sinfo` and your site's rules permit",
+            f"jobs that SLURM does not take ({said})",
+            "a SLURM that is up, and cores, memory, walltime, partition, account and directives that `sinfo` and your "
+            "site's rules permit",
         )
 
 
@@ -122,10 +119,10 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
     name = f"gfmd-{uuid4().hex[:8]}"
     with (
         dask.config.set(_ON_CLUSTER),
-        _security(folder) as security,
         JobsCluster(
             n_workers=0,
-            security=security,
+            security=Security.temporary(),
+            shared_temp_directory=str(folder),  # of its key, in files that nobody else can read
             scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
             silence_logs="CRITICAL",
             log_directory=str(folder),
@@ -149,32 +146,9 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
             if supply.fault:
                 raise ConnectionError(f"{supply.fault}; what they printed is in {folder}") from None
             raise
-
-
-@contextmanager
-def _security(folder: Path) -> Iterator[Any]:
-    """Yield the key and certificate of a run, in files that nobody else can read and that do not outlive the run."""
-    from distributed.security import Security
-
-    for left in folder.iterdir():
-        if atomic_file.is_temporary(left.name) and atomic_file.is_folder(left):  # of a run that was killed
-            shutil.rmtree(left, ignore_errors=True)
-    private = atomic_file.temporary(folder / _KEYS)
-    private.mkdir(mode=0o700)
-    try:
-        of_role = Security.temporary().get_tls_config_for_role("worker")
-        files = {name: private / f"{name}.pem" for name in ("ca_file", "cert", "key")}
-        for name, file in files.items():
-            with open(file, "x", opener=_for_this_user) as new:  # what is there already may be read by others
-                new.write(of_role[name])
-        of_all = {f"tls_{role}_{name}": str(files[name]) for role in _ROLES for name in ("cert", "key")}
-        yield Security(require_encryption=True, tls_ca_file=str(files["ca_file"]), **of_all)
-    finally:
-        shutil.rmtree(private, ignore_errors=True)
-
-
-def _for_this_user(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_EXCL, 0o600)
+        finally:
+            for name in ("ca_file", "cert", "key"):  # temporary files, gone when they are closed
+                getattr(queue, f"_job_{name}").close()
 
 
 def _options(cluster: Cluster, name: str) -> dict[str, Any]:
@@ -183,7 +157,7 @@ def _options(cluster: Cluster, name: str) -> dict[str, Any]:
         "cores": cluster.cores,
         "processes": cluster.cores,
         "memory": f"{int(cluster.memory)}B",
-        "walltime": cluster.slurm_walltime,
+        "walltime": str(ceil(cluster.walltime / 60.0)),  # in minutes
         "queue": cluster.partition,
         "account": cluster.account,
         "job_extra_directives": list(cluster.directives),

@@ -246,7 +246,7 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
 def _narrower(cases: xr.Dataset, fit: Fit) -> str:
     """Return which ranges of exponents to give, in full if some have none."""
     limits = [name for name in LIMITS if name in cases["limit"].values]
-    hurst = float(cases["hurst"].max()) if "hurst" in cases.coords else nan
+    hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
     usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
     if fit.fixed.keys() >= set(limits):
         return "narrower ranges under `fit: {fixed: ...}`"
@@ -350,8 +350,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     if which := [f"{name}: {fit.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
-    described = all(doubt.size < inf for doubt in doubts)
-    if may_refine and not described and (why := _indescribable(state.rounds, fitted, doubts)):
+    if may_refine and (why := _indescribable(state.rounds, fitted, doubts)):
         return state.ending(f"not {REACHED}: {why}")
     if len(state.rounds) > _SOME and _UNKNOWN < furthest.found.error < inf:
         said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
@@ -362,7 +361,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     if not may_refine and (why := _hopeless(fitted, doubts, is_last, target)):
         return state.ending(f"not {REACHED}: {why}")
     of_laws = max(doubt.size for doubt in doubts)
-    worth = of_laws if large < of_laws < inf else large  # surfaces are worth no more than the laws
+    worth = of_laws if of_laws < inf else large  # surfaces are worth no more than the laws
     aim = sqrt(target**2 - of_laws**2) if of_laws <= large else worth
     another = _with_another(state, furthest, aim, min(of_laws, target))
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
@@ -514,7 +513,7 @@ def _for_the_others(
         spent = known.whole_price(known.held)
         decision = _decision(state, replace(of_target, known=known, found=judge(known, fitted)), aim, most + spent)
     except UnusableDataError:
-        return {}, 0.0
+        decision = None
     if decision is None:
         return {}, 0.0
     cases = [now.cases[index] for index in here]

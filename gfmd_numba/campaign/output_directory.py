@@ -87,7 +87,7 @@ def at_work(directory: Path) -> bool:
 def home_of(file: Path) -> Path | None:
     """Return the folder that names of files are relative to in the copy of a campaign file in an output directory."""
     folder = json_file.read(file.parent / MARK).get(_HOME) if file.name == LABEL else None
-    return Path(folder) if isinstance(folder, str) else None
+    return None if folder is None else Path(folder)
 
 
 def check_label(directory: Path) -> None:
@@ -190,8 +190,8 @@ def _label(directory: Path, name: str, text: str, folder: Path) -> None:
 
 def _labels(directory: Path) -> list[str]:
     """Return the digests of the copies of the campaign file that runs have put into their directory."""
-    known = json_file.read(directory / MARK).get("labels")
-    return known if isinstance(known, list) else []
+    known: list[str] = json_file.read(directory / MARK).get("labels", [])
+    return known
 
 
 def _digest(content: Content) -> str:

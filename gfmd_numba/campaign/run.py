@@ -25,7 +25,7 @@ from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
-from gfmd_numba.campaign.status import finished, seconds_per_price, unused
+from gfmd_numba.campaign.status import finished, seconds_per_price
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import Source
 from gfmd_numba.storage import mark
@@ -109,9 +109,7 @@ def finish(
     Raises InputError if a file of somebody else is in the way, OSError if the disk or the cluster gives up.
     """
     check_file(results_path(planned, directory), mark.is_product)
-    for note_of_run in (directory / NOTES, *(failures.path_of(directory, block.name) for block in todo)):
-        check_file(note_of_run, mark.is_note)
-    shards.check_names(directory, [block.name for block in todo])
+    check_file(directory / NOTES, mark.is_note)
     if not todo:
         return True
     begun = time.perf_counter()
@@ -157,12 +155,11 @@ Told = Callable[[Rounds, Plan, int], None]  # of a round that begins, its plan, 
 
 @dataclass(frozen=True)
 class Outcome:
-    """The outcome of a run: its file, what failed, the rounds, and how many solved realisations were not asked for."""
+    """The outcome of a run: its file, what failed, and the rounds."""
 
     results: Path
     failures: Failures
     rounds: Rounds
-    n_unused: int
 
     @property
     def reached(self) -> bool:
@@ -345,7 +342,7 @@ class _Run:
         planned = planned or in_round(self.planned, state.now)
         rounds.write(self.directory, state)
         results = collect(planned, self.directory)
-        return Outcome(results, self.failed(planned), state, unused(planned, self.directory))
+        return Outcome(results, self.failed(planned), state)
 
 
 def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:

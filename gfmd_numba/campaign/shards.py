@@ -8,7 +8,7 @@ import hashlib
 import io
 import json
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -120,12 +120,6 @@ def store(directory: Path, blocks: Mapping[str, Arrays]) -> None:
         atomic_file.replace(path, b"".join(contents), _OURS[path.suffix])
 
 
-def check_names(directory: Path, names: Iterable[str]) -> None:
-    """Raise InputError if somebody else's file has the name of the file of a block."""
-    for name in names:
-        atomic_file.check(path_of(directory, [name]), _OURS[_SHARD])
-
-
 def remove_unreadable(directory: Path) -> None:
     """Remove bundles whose head is damaged."""
     for bundle in Finished(directory).unreadable:
@@ -160,17 +154,10 @@ def _content(name: str, arrays: Arrays) -> bytes:
     table = np.empty(len(next(iter(arrays.values()))), dtype)
     for field, values in arrays.items():
         table[field] = values
-    made_with = json.dumps(dict(versions_of_numbers())).encode() + b"\n"
-    payload = b"".join((made_with, _head(dtype, table.shape), table.tobytes()))
-    return _seal(name, payload) + payload
-
-
-@lru_cache(_HEADS)
-def _head(dtype: np.dtype[Any], shape: tuple[int, ...]) -> bytes:
-    """Return what a table of NumPy's format begins with; blocks of a campaign have few."""
     buffer = io.BytesIO()
-    np.save(buffer, np.empty(shape, dtype), allow_pickle=False)
-    return buffer.getvalue()[: -dtype.itemsize * shape[0] or None]
+    buffer.write(json.dumps(dict(versions_of_numbers())).encode() + b"\n")
+    np.save(buffer, table, allow_pickle=False)
+    return _seal(name, buffer.getvalue()) + buffer.getvalue()
 
 
 @lru_cache(_HEADS)

@@ -150,12 +150,6 @@ def seconds_per_price(planned: Plan, directory: Path) -> float | None:
     return seconds / price if seconds > 0 and price > 0 else None
 
 
-def unused(planned: Plan, directory: Path) -> int:
-    """Return the number of simulations in a directory that are of a plan's problems, but more than it asks for."""
-    reach = {identity: max(stop for _, stop in ranges) for identity, ranges in Finished(directory).ranges().items()}
-    return sum(max(0, reach.get(identity, 0) - wanted) for identity, wanted in planned.demand.items())
-
-
 def _work(block: Block) -> float:
     return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice, Outcome, Told, Watch
+    from gfmd_numba.campaign.run import Choice, Told, Watch
     from gfmd_numba.campaign.status import Progress
 
 
@@ -205,9 +205,9 @@ def _run_rounds(file: Path, output: Path | None, workers: Workers, choice: Choic
         with told_as(_OF_A_GOAL), rounds_shown() as (watch, told):
             outcome = run_until(file, goal, output, workers, watch, choice, told)
     except InterruptedRunError as interrupted:
-        _show_outcome(interrupted.outcome)
+        show_results(interrupted.outcome.results, interrupted.outcome.failures)
         raise
-    return _show_outcome(outcome) and outcome.reached
+    return show_results(outcome.results, outcome.failures) and outcome.reached
 
 
 def goal_in(file: Path, until: dict[str, Any], budget: str | None) -> Goal:
@@ -278,17 +278,6 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
         aim = ", ".join(f"{name}error {error}, target {target}" for name, error, target in aims)
         say("round", f"{number}: {aim}; {left} simulations more{expected}{takes}", err=True)
     return f"round {number}, {', '.join(f'{name}{error} of {target}' for name, error, target in aims)}"
-
-
-def _show_outcome(outcome: Outcome) -> bool:
-    well = show_results(outcome.results, outcome.failures)
-    if outcome.n_unused:
-        say(
-            "note",
-            f"{outcome.n_unused} more simulations of an earlier run lie in {outcome.results.parent}: this target does "
-            "not need them, and they are kept for a smaller one",
-        )
-    return well
 
 
 _directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))

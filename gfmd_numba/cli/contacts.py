@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import click
 
@@ -49,9 +49,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from gfmd_numba.arrays.processes import Communicator
-    from gfmd_numba.scene import BoundaryFile, Document, SceneFile
-
-    File = TypeVar("File", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
+    from gfmd_numba.scene import Document, SceneFile
 
 _MOST = 10_000
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
@@ -70,18 +68,18 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     with 3.
     """
     with without_collections():
-        from gfmd_numba.scene import SceneFile, input_files, load_scene
+        from gfmd_numba.scene import input_files, load_scene
         from gfmd_numba.simulate import solve as solve_file
         from gfmd_numba.simulate import solve_in_processes
 
-    def read() -> tuple[SceneFile | BoundaryFile, Document]:
+    def read() -> tuple[SceneFile, Document]:
         described, document = _with_threads(*load_scene(file), threads)
         check_output(output, file, *input_files(described))
         return described, document
 
     described, document = read() if mpi is None else of_the_first(mpi, read)
-    tells = isinstance(described, SceneFile) and (described.path or described.scene.body.plasticity)
-    total = 1 + len(getattr(described, "path", ())) if tells else None
+    tells = described.path or described.scene.body.plasticity
+    total = 1 + len(described.path) if tells else None
     # warnings are told below, in the words of the file
     with waiting("solving", total) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
@@ -98,7 +96,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     say_doubts(dataset)
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
-        number, n_steps = steps.sizes["step"] - 1, len(described.path) if isinstance(described, SceneFile) else 0
+        number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
         warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
         for _, sentence in endings(steps["status"]):
@@ -106,7 +104,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         sys.exit(SOME_FAILED)
 
 
-def _with_threads(described: File, document: Document, threads: int | None) -> tuple[File, Document]:
+def _with_threads(described: SceneFile, document: Document, threads: int | None) -> tuple[SceneFile, Document]:
     """What a file describes, solved by so many threads if a number is given, as if it stood in the file."""
     if threads is None or not isinstance(document.data, dict):
         return described, document
@@ -441,20 +439,12 @@ def _measure(
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
     """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for anything else."""
-    from pydantic_core import PydanticCustomError
-
-    from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.scene.units import LENGTH
-
     in_metres = "x" not in contact.variables or contact["x"].attrs.get("units") != "1"
-    allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
-    number: object = plain_scalar(text.strip())
-    with suppress(PydanticCustomError):
-        if in_metres and not isinstance(number, (int, float)):
-            number = LENGTH.si_value(text)
-    if not isinstance(number, (int, float)) or isinstance(number, bool) or not isfinite(number):
+    number, unit = _with_si_unit(text)
+    if number is None or unit not in ("", "m" if in_metres else "") or not isfinite(number):
+        allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
         raise InputError.of(f"--{option}", repr(text), allowed)
-    return float(number)
+    return number
 
 
 def largest_stress(dataset: xr.Dataset) -> str:

@@ -11,16 +11,13 @@ import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, TextIO
+from errno import ENOSPC
+from typing import Any, TextIO
 
 import click
 
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.printable import printable
-
-if TYPE_CHECKING:
-    from _typeshed import ReadableBuffer
-
 
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
@@ -69,12 +66,12 @@ class _Gfmd(click.Group):
             _tell(str(error))
             ctx.exit(BAD_INPUT)
         except OSError as error:
+            if error.errno == ENOSPC and error.filename is None:  # errors of files name them
+                _drop_output()
+                _tell(f"standard output cannot be written ({error.strerror}); files that were written are kept")
+                ctx.exit(UNTOLD)
             _tell(printable(error))
             ctx.exit(BAD_INPUT)
-        except UntoldError as error:
-            drop_output()
-            _tell(f"standard output cannot be written ({error}); files that were written are kept")
-            ctx.exit(UNTOLD)
         except KeyboardInterrupt as interrupt:  # with what a run has to say
             _tell("; ".join(("interrupted", *map(str, interrupt.args))))
             ctx.exit(INTERRUPTED)
@@ -146,23 +143,6 @@ class RefusedCommandError(click.UsageError):
         click.echo(f"gfmd: {self.message}", err=True)
 
 
-class UntoldError(Exception):
-    """Standard output cannot be written."""
-
-
-class _Output(io.FileIO):
-    """Standard output whose failures cannot be mistaken for those of another file."""
-
-    def write(self, data: ReadableBuffer, /) -> int:
-        """Write, or raise UntoldError; BrokenPipeError still says that the reader has seen enough."""
-        try:
-            return super().write(data)
-        except BrokenPipeError:
-            raise
-        except OSError as error:
-            raise UntoldError(error.strerror) from None
-
-
 def open_streams() -> None:
     """Let closed standard streams lead nowhere, or the next file opened would take their place and their text."""
     for descriptor in range(3):
@@ -170,22 +150,17 @@ def open_streams() -> None:
             os.fstat(descriptor)
         except OSError:
             os.open(os.devnull, os.O_RDWR)  # it takes the lowest number that is free: this one
-    sys.stderr = sys.stderr or _text(io.FileIO(2, "w", closefd=False), "utf-8", "backslashreplace")
-    own = sys.stdout is not None and sys.stdout is not sys.__stdout__
-    if not own:  # else somebody has taken its place, and looks after it
-        encoding = "utf-8" if sys.stdout is None else sys.stdout.encoding
-        sys.stdout = _text(_Output(1, "w", closefd=False), encoding, "backslashreplace")
+    sys.stdout, sys.stderr = (stream or open(os.devnull, "w") for stream in (sys.stdout, sys.stderr))  # noqa: SIM115
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
 
 
-def drop_output() -> None:
+def _drop_output() -> None:
     """Discard what is still to be written to a full standard output."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)
-
-
-def _text(stream: io.FileIO, encoding: str, errors: str) -> io.TextIOWrapper:
-    return io.TextIOWrapper(io.BufferedWriter(stream), encoding, errors, line_buffering=True)
 
 
 @contextmanager

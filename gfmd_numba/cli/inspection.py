@@ -24,7 +24,7 @@ from gfmd_numba.text.printable import printable, word
 
 if TYPE_CHECKING:
     from gfmd_numba.campaign.file import Campaign
-    from gfmd_numba.scene import Document, LoadedBody, Scene
+    from gfmd_numba.scene import Document, Scene
 
 
 @main.command()
@@ -145,8 +145,8 @@ def _check_cluster(document: Document) -> tuple[str, str]:
 
 
 def _check_surface(document: Document) -> tuple[str, str]:
-    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.scene import Measured
+    from gfmd_numba.scene.plausible_numbers import implausible
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import made_surface
 
@@ -156,46 +156,38 @@ def _check_surface(document: Document) -> tuple[str, str]:
 
 
 def _check_scene(document: Document) -> tuple[str, str]:
-    from gfmd_numba.contact.plausible_numbers import implausible
     from gfmd_numba.contact.refusal import check_combination
-    from gfmd_numba.scene import BoundaryFile, load_scene
+    from gfmd_numba.scene import load_scene
+    from gfmd_numba.scene.plausible_numbers import implausible
 
     file, document = load_scene(document)
     doubts: list[str] = []
     if _needs_surfaces(file.scene):
-        from gfmd_numba.contact.contact_input import ContactInput, read_contact, read_loaded_body
+        from gfmd_numba.contact.contact_input import read
         from gfmd_numba.contact.doubts import of_input
 
-        given = read_loaded_body(file, document) if isinstance(file, BoundaryFile) else read_contact(file, document)
-        file = given.file
-        if isinstance(given, ContactInput):
-            doubts = of_input(given, given.reduced[0])
-        else:
-            doubts = [sentence for surface in given.measured for sentence in surface.doubts]
-    path = () if isinstance(file, BoundaryFile) else file.path
-    check_combination(document, file.scene, file.numerics, path)
-    doubts = [*implausible(file.scene, path), *doubts]
-    if isinstance(file, BoundaryFile):
-        return "a loaded body", "\n".join(doubts)
-    return ", ".join(filter(None, ("a scene", dimensions(file.scene)))), "\n".join(doubts)
+        given = read(file, document)
+        file, doubts = given.file, of_input(given)
+    check_combination(document, file.scene, file.numerics, file.path)
+    kind = "a scene" if file.scene.has_punch else "a loaded body"
+    told = ", ".join(filter(None, (kind, dimensions(file.scene)))) if file.scene.has_punch else kind
+    return told, "\n".join((*implausible(file.scene, file.path), *doubts))
 
 
-def _needs_surfaces(scene: Scene | LoadedBody) -> bool:
+def _needs_surfaces(scene: Scene) -> bool:
     """Return whether a check takes more than records: measured surfaces, and what pressures are to be held against."""
-    from gfmd_numba.scene import Measured, Scene
+    from gfmd_numba.scene import Measured
 
     if any(isinstance(surface, Measured) for surface in scene.surfaces.values()):
         return True
-    acting = scene.interface if isinstance(scene, Scene) else None
-    return acting is not None and (
-        acting.reaches_across or acting.hardness is not None or scene.body.plasticity is not None
-    )
+    acting = scene.interface
+    return acting.reaches_across or acting.hardness is not None or scene.body.plasticity is not None
 
 
 @main.command()
 @click.argument(
     "kind",
-    type=click.Choice(["campaign", "scene", "boundary", "surface", "cluster", "combinations"]),
+    type=click.Choice(["campaign", "scene", "surface", "cluster", "combinations"]),
     default="campaign",
 )
 def schema(kind: str) -> None:
@@ -218,14 +210,13 @@ def schemas() -> dict[str, dict[str, Any]]:
 
     from gfmd_numba.campaign.cluster import Cluster
     from gfmd_numba.campaign.file import Campaign
-    from gfmd_numba.scene import BoundaryFile, SceneFile
+    from gfmd_numba.scene import SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
     from gfmd_numba.solvers.table import SOLVERS
 
     records: dict[str, type[BaseModel]] = {
         "campaign": Campaign,
         "scene": SceneFile,
-        "boundary": BoundaryFile,
         "surface": SurfaceFile,
         "cluster": Cluster,
     }
@@ -240,12 +231,12 @@ def schemas() -> dict[str, dict[str, Any]]:
 @click.argument("file", type=NEW_FILE, default="campaign.yaml")
 def init(file: Path) -> None:
     """Write an example campaign with comments to FILE."""
-    from gfmd_numba.storage.atomic_file import create
+    from gfmd_numba.storage.atomic_file import replace
+    from gfmd_numba.storage.mark import is_product
 
-    try:
-        create(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes())
-    except FileExistsError:
-        raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name") from None
+    if file.exists() or file.is_symlink():
+        raise InputError(f"{file}: this file exists, and gfmd overwrites nothing; choose a new name")
+    replace(file, files("gfmd_numba.campaign").joinpath("template.yaml").read_bytes(), is_product)
     say("campaign", f"{file}: `gfmd plan {word(file)}` says what it costs, `gfmd run {word(file)}` runs it")
 
 

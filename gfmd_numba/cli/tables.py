@@ -129,20 +129,20 @@ def _units(dataset: xr.Dataset, name: str, free: str) -> str:
     return free if found == "1" else str(found)
 
 
-def column(dataset: xr.Dataset, name: str, digits: int = 4) -> tuple[str, list[str]]:
+def column(dataset: xr.Dataset, name: str) -> tuple[str, list[str]]:
     """Return heading, with the unit, and cells of a variable: numbers, with their standard error where it is known."""
     factor, shown = _suited(dataset, name)
     errors = dataset.get(f"{name}_standard_error")
     values = dataset[name].values.ravel().tolist()
     deviations = [nan] * len(values) if errors is None else errors.values.ravel().tolist()
-    cells = [with_error(factor * v, factor * e, digits) for v, e in zip(values, deviations, strict=True)]
+    cells = [with_error(factor * v, factor * e) for v, e in zip(values, deviations, strict=True)]
     return f"{words(name)} ({shown})" if shown else words(name), cells
 
 
-def line(dataset: xr.Dataset, name: str) -> tuple[str, str, str]:
-    """Return words, number and unit of a variable that is one number."""
+def line(dataset: xr.Dataset, name: str) -> Line:
+    """Return the line of a variable that is one number: words, number and unit."""
     factor, shown = _suited(dataset, name)
-    return words(name), with_error(factor * float(dataset[name]), nan, 6), shown
+    return Line(words(name), f"{with_error(factor * float(dataset[name]), nan, 6):<14}{shown}".rstrip(), _WIDE)
 
 
 def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
@@ -530,8 +530,7 @@ def of_contact(dataset: xr.Dataset) -> Told:
     dataset, nothing = _with_meaning(dataset)
     prescribed = [name for name in _PRESCRIBED if name in dataset.coords and name not in nothing]
     for name in (*prescribed, *(name for name in _SHOWN if name in dataset.data_vars and name not in nothing)):
-        words, number, unit = line(dataset, name)
-        yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
+        yield line(dataset, name)
     yield Line("residual", f"{float(dataset['residual']):.1e}", _WIDE)
 
 
@@ -546,8 +545,7 @@ def of_steps(dataset: xr.Dataset) -> Told:
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
     whole = [name for name in _SHOWN_OF_PATHS if name in dataset and not dataset[name].ndim]
     for name in (each for each in whole if not isnan(float(dataset[each]))):
-        words, number, unit = line(dataset, name)
-        yield Line(words, f"{number:<14}{unit}".rstrip(), _WIDE)
+        yield line(dataset, name)
 
 
 def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:

@@ -6,10 +6,10 @@ import re
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from textwrap import wrap
 from threading import Timer
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
@@ -17,7 +17,7 @@ from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
     import xarray as xr
-    from rich.progress import Progress, ProgressColumn
+    from rich.progress import Progress
 
     from gfmd_numba.campaign.job_queue import QueueState
 
@@ -26,7 +26,6 @@ _SPACE = "\0"  # within a command, where no line may end: printable text has non
 _GAP = "  "
 _WIDEST_HEADING = 10
 _PATIENCE = 1.0  # s
-_WRITING = ", writing the results"
 
 
 def say(label: str, text: str, *, width: int = 9, err: bool = False) -> None:
@@ -154,15 +153,26 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], N
         nonlocal told
         told = done
         if sys.stderr.isatty():
-            from rich.progress import MofNCompleteColumn, TaskProgressColumn
+            from rich.console import Console
+            from rich.progress import (
+                BarColumn,
+                MofNCompleteColumn,
+                Progress,
+                SpinnerColumn,
+                TaskProgressColumn,
+                TextColumn,
+                TimeRemainingColumn,
+            )
 
-            bars = _bars(None if total is None else [TaskProgressColumn(), MofNCompleteColumn()], transient=True)
+            counts = (BarColumn(), TaskProgressColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+            columns = (TextColumn("{task.description}"), *(counts if total else (SpinnerColumn(),)))
+            bars = Progress(*columns, console=Console(stderr=True), redirect_stdout=False, transient=True)
             bars.update(bars.add_task(what, total=total), completed=done)
             bars.start()
             shown.append(bars)
         else:
             whole = int(done + 1e-9)  # of sums of parts
-            _echo(f"busy     {what}" + ("" if total is None else f", {done / total:.0%} done ({whole} of {total})"))
+            _tell("busy", what + ("" if total is None else f", {done / total:.0%} done ({whole} of {total})"))
 
     def advance(more: float) -> None:
         nonlocal done
@@ -189,51 +199,24 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], N
 def progress_bar(
     caption: Callable[[], str] = lambda: "blocks",
 ) -> Iterator[Callable[[int, int], Callable[[int], None]]]:
-    """Show a progress bar with a caption on a terminal, or a line for every tenth of the blocks otherwise."""
-    from rich.progress import MofNCompleteColumn
-
-    with _bars([MofNCompleteColumn()], disable=not sys.stderr.isatty()) as bars:
+    """Show how many blocks are done, with a caption, as `waiting` does; one bar after another if there are rounds."""
+    with ExitStack() as shown:
 
         def watch(total: int, done: int) -> Callable[[int], None]:
-            what, shown = caption(), done
-            bar = bars.add_task(_state(what, done, total), total=total, completed=done)
-
-            def advance(blocks: int) -> None:
-                nonlocal shown
-                bars.advance(bar, blocks)
-                finished = int(bars.tasks[bar].completed)
-                bars.update(bar, description=_state(what, finished, total))
-                if bars.disable and (finished == total or finished >= shown + max(1, total // 10)):
-                    click.echo(f"blocks   {finished} of {total}", err=True)
-                    shown = finished
-
+            shown.close()  # the round before
+            advance = shown.enter_context(waiting(caption(), total))
+            advance(done)
             return advance
 
         yield watch
-        for task in bars.tasks:
-            bars.update(task.id, description=task.description.removesuffix(_WRITING))
 
 
 def show_queue(state: QueueState) -> None:
     """Print how many jobs of a run wait in a queue, and how many run."""
-    why = f" ({printable(state.reason)})" if state.reason else ""
-    _echo(f"jobs     {state.waiting} waiting{why}, {state.running} running")
+    why = f" ({state.reason})" if state.reason else ""
+    _tell("jobs", f"{state.waiting} waiting{why}, {state.running} running")
 
 
-def _bars(counts: list[ProgressColumn] | None, **options: Any) -> Progress:
-    """Return a progress bar on standard error with columns that count, or a spinner if nothing is counted."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeRemainingColumn
-
-    what = TextColumn("{task.description}")
-    columns = (SpinnerColumn(), what) if counts is None else (what, BarColumn(), *counts, TimeRemainingColumn())
-    return Progress(*columns, console=Console(stderr=True), redirect_stdout=False, **options)
-
-
-def _echo(line: str) -> None:
+def _tell(label: str, text: str) -> None:
     with suppress(OSError, ValueError):  # nobody reads it
-        click.echo(line, err=True)
-
-
-def _state(what: str, finished: int, total: int) -> str:
-    return what if finished < total else f"{what}{_WRITING}"
+        say(label, text, err=True)

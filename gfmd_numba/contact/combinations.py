@@ -9,7 +9,7 @@ from itertools import combinations
 from textwrap import fill
 from typing import Literal
 
-from gfmd_numba.interface.table import LAWS
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS
 
 LEAST_POISSONS_RATIO = 0.05  # of half-spaces without a period under tangential tractions
@@ -123,6 +123,7 @@ def _without_a_period() -> Iterator[Refusal]:
         yield Refusal(
             "no period", feature, f"without a period only {allowed}: the rest is not built yet", "not built yet"
         )
+    yield Refusal("prescribed", "no period", "true without a punch: the rest is not built yet", "not built yet")
     yield Refusal(
         "dimension 1",
         "period along one axis",

@@ -14,7 +14,7 @@ from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
 from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.loaded_body import BoundaryValueProblem, Loaded
+from gfmd_numba.contact.loaded_body import Loaded
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -24,7 +24,6 @@ from gfmd_numba.contact.observables import (
     Observable,
     recorded_along,
 )
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
 from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
@@ -34,8 +33,9 @@ from gfmd_numba.contact.two_step import Pressed
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
-from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.measured_record import AXES
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -74,7 +74,7 @@ class Units:
     names: Mapping[str, str]
 
     @classmethod
-    def of(cls, scene: Scene | LoadedBody, rms_gradient: float = 1.0) -> "Units":
+    def of(cls, scene: Scene, rms_gradient: float = 1.0) -> "Units":
         """Units of a scene, of heights in units of a gradient: m and Pa, or L_x and E*, which are called 1."""
         scales = scales_of(scene)
         height, pressure = rms_gradient * scales.length, rms_gradient * scales.modulus
@@ -133,7 +133,7 @@ def units_of(given: ContactInput) -> Units:
     return Units.of(given.file.scene, given.surfaces.rms_gradient)
 
 
-def modulus_attributes(scene: Scene | LoadedBody) -> dict[str, str]:
+def modulus_attributes(scene: Scene) -> dict[str, str]:
     """Attributes of a dataset whose E* is that of one layer among others; none of any other."""
     if all(body.layers is None for body in scene.deformable) or not scene.has_moduli:
         return {}
@@ -456,9 +456,9 @@ def _add_followed(
 
 
 def _recorded(given: ContactInput, record: PathRecord) -> dict[str, Any]:
-    scene, of_path, of_steps = given.file.scene, record.of_path(), record.of_steps()
+    of_path, of_steps = record.of_path(), record.of_steps()
     found = {}
-    for name, row in recorded_along(scene, given.file.numerics.slope_order(scene)).items():
+    for name, row in recorded_along(given.file.scene, given.surfaces.order).items():
         dims, values = ((), of_path) if row.of == "path" else ("step", of_steps)
         found[name] = units_of(given).variable(dims, row.unit, row.long_name, values[name])
     return found
@@ -483,7 +483,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
-def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, loaded: Loaded) -> xr.Dataset:
+def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
@@ -501,7 +501,7 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
     if given.rough is not None:
         outwards = "topography of the body, peaks outwards"
         found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
-        found |= unit.variables(dims, forming_tractions(given.rough, "body", problem.order))
+        found |= unit.variables(dims, forming_tractions(given.rough, "body", file.slope_order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
         found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
@@ -509,14 +509,14 @@ def loaded_body_dataset(given: LoadedBodyInput, problem: BoundaryValueProblem, l
         told = replace(row, long_name=_TOLD.get(name, row.long_name))
         found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
-    attributes |= {"solver": problem.options.solver} | modulus_attributes(scene)
+    attributes |= {"solver": loaded.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)
     refuse_nonfinite(dataset)
     sentences = implausible(scene)
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(doubt_of_bodies((given.rough,), problem.order, dataset, "normal_displacement"))
+        sentences.append(doubt_of_bodies((given.rough,), file.slope_order, dataset, "normal_displacement"))
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -1,16 +1,14 @@
 """What the file of a contact gives: checked records, surfaces made, tractions read. Errors of files end here."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.law_resolution import check_resolved
-from gfmd_numba.contact.plausible_numbers import mistaken
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
@@ -21,21 +19,18 @@ from gfmd_numba.contact.rough_surfaces import (
     measured_surfaces,
     pressed_surfaces,
 )
-from gfmd_numba.contact.scales import Scales, Sliding, passing, reduced_load, reduced_step, scales_of, steps_of
+from gfmd_numba.contact.scales import Scales, Sliding, reduced_load, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.elasticity import free_body
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, Reader
 from gfmd_numba.roughness.surface_files import read_content, read_values
-from gfmd_numba.scene import COMPONENTS, Boundary, BoundaryFile, Document, LoadedBody, Scene, SceneFile
-from gfmd_numba.scene.checks import arrays_of_a_loaded_body, check_nodes
+from gfmd_numba.scene import COMPONENTS, Boundary, Document, Scene, SceneFile
+from gfmd_numba.scene.checks import arrays_of, check_nodes
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
+from gfmd_numba.scene.plausible_numbers import mistaken
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.units import in_unit_of
-
-Described = TypeVar("Described", Scene, LoadedBody, Scene | LoadedBody)
-Given = TypeVar("Given", SceneFile, BoundaryFile, SceneFile | BoundaryFile)
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
 _FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
@@ -45,110 +40,98 @@ Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa a
 
 
 @dataclass(frozen=True)
-class LoadedBodyInput:
-    """A file, what it prescribes, and its body if that is rough; `measured` are the surfaces read from files."""
-
-    file: BoundaryFile
-    prescribed: Prescribed
-    rough: RoughBody | None = None
-    measured: tuple[MeasuredSurface, ...] = ()
-
-
-@dataclass(frozen=True)
-class ContactInput:
-    """A scene file, the surfaces that it presses together, and the tractions that it prescribes, in g E*.
-
-    A `pattern` `[(y,) x]` multiplies the work of adhesion of its law.
-
-    `measured` are the surfaces read from files, with what was done to them. All else follows.
-    """
+class Input:
+    """A scene file, and the surfaces `measured` in the files that it names, with what was done to them."""
 
     file: SceneFile
-    surfaces: PressedSurfaces
-    tractions: Tractions | None = None
-    pattern: Reals | None = None
-    measured: tuple[MeasuredSurface, ...] = ()
-
-    @cached_property
-    def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
-        """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
-        return tuple(steps_of(self.file.scene, self.file.path))
+    measured: tuple[MeasuredSurface, ...]
 
     @property
     def scales(self) -> Scales:
         """What its numbers count in, and its bodies in these units."""
         return scales_of(self.file.scene)
 
+
+@dataclass(frozen=True)
+class LoadedBodyInput(Input):
+    """What a scene without a punch prescribes, and its body if that is rough."""
+
+    prescribed: Prescribed
+    rough: RoughBody | None = None
+
+
+@dataclass(frozen=True)
+class ContactInput(Input):
+    """The surfaces that a scene presses together, and the tractions that it prescribes, in g E*.
+
+    A `pattern` `[(y,) x]` multiplies the work of adhesion of its law. All else follows.
+    """
+
+    surfaces: PressedSurfaces
+    tractions: Tractions | None = None
+    pattern: Reals | None = None
+
+    @cached_property
+    def steps(self) -> tuple[tuple[Scene, Sliding], ...]:
+        """The scene and the sliding displacement (m or L_x) at its own loading, then after each step of its path."""
+        return tuple(steps_of(self.file.scene, self.file.path))
+
     @cached_property
     def reduced(self) -> tuple[Problem, tuple[Effect, ...]]:
         """The dimensionless problem, with the steps of the path, and what became of each effect of the scene."""
-        file, surfaces, gradient = self.file, self.surfaces, self.surfaces.rms_gradient
-        problem, effects = reduce(file.scene, surfaces.surface, gradient, file.numerics, self.tractions, surfaces.rough)
-        problem = patterned(problem, self.pattern)
-        path = tuple(reduced_step(*step, gradient) for step in self.steps[1:])
-        return replace(problem, path=path, passing=passing(file.scene, path, gradient)), effects
+        file = self.file
+        return reduce(file.scene, self.surfaces, file.numerics, file.path, self.tractions, self.pattern)
 
 
-def read_loaded_body(file: BoundaryFile, document: Document) -> LoadedBodyInput:
-    """Whatever a file describes or names; raises InputError for what is over-determined, or does not fit or balance."""
-    file, surfaces, measured = _with_surfaces(file, document)
-    rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
-    body, dimension = file.scene.body, file.scene.dimension
-    needed = arrays_of_a_loaded_body(dimension, file.slope_order)
+def read(file: SceneFile, document: Document) -> Input:
+    """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
+    file, measured = with_measured_surfaces(file, document)
+    scene, dimension = file.scene, file.scene.dimension
+    check_combination(document, scene, file.numerics, file.path)
     shape = None if file.points is None else (file.points,) * dimension
-    if rough is not None:
-        shape = rough.heights.shape
-        check_nodes(document, ("scene", "body", "roughness"), rough.heights.size, needed)
-    elif file.points is not None:
-        check_nodes(document, ("points",), float(file.points) ** dimension, needed)
-    arrays = read_boundary(document, file.scene.boundary, dimension, shape)
+    surfaces = pressed_surfaces(file, measured, document) if scene.has_punch or scene.follows_topography else None
+    shape = shape if surfaces is None else surfaces.surface.shape
+    arrays = {} if scene.boundary is None else read_boundary(document, scene.boundary, dimension, shape)
+    if surfaces is None or not scene.has_punch:
+        arrays = _on_a_body(document, file, arrays)
+        rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
+        return LoadedBodyInput(file, tuple(measured.values()), arrays, rough)
+    tractions = tractions_on_the_body(document, scene, arrays, surfaces) if arrays else None
+    pattern = pattern_of(document, scene.interface, dimension, surfaces.surface.shape)
+    given = ContactInput(file, tuple(measured.values()), surfaces, tractions, pattern)
+    control = scene.loading.control
+    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
+    check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), surfaces, document)
+    if scene.interface.reaches_across:
+        check_resolved(document, scene.interface, given.reduced[0], file.discretisation)
+    displacements = [scene.loading.displacement, *(step.displacement for step in file.path)]
+    check_room(file, surfaces, document, dict(zip(places, displacements, strict=True)))
+    return given
+
+
+def read_contact(file: SceneFile, document: Document) -> ContactInput:
+    """As `read`, of a scene with a punch."""
+    given = read(file, document)
+    assert isinstance(given, ContactInput)  # of a punch
+    return given
+
+
+def _on_a_body(document: Document, file: SceneFile, arrays: dict[str, Reals]) -> dict[str, Reals]:
+    """What a scene without a punch prescribes, balanced; raises InputError for what is too much, or fits no body."""
+    body = file.scene.body
     name, given = next(iter(arrays.items()))
-    check_nodes(document, ("scene", "boundary", name), given.size, needed)
-    if body.is_half_space:
-        for component in COMPONENTS[dimension][::-1]:
-            held = component.key("displacement")
-            if held not in arrays:
-                remedy = f"or {body.holder} or a {held}, as nothing holds a half-space"
-                arrays = balanced(document, arrays, component.key("traction"), remedy)
-    elif body.is_incompressible and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
+    place = ("scene", "boundary", name) if body.roughness is None else ("scene", "body", "roughness")
+    check_nodes(document, place, given.size, arrays_of(file.scene, file.slope_order))
+    is_rigid = body.is_incompressible and not body.is_half_space
+    if is_rigid and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.refused(
             ("scene", "boundary", "normal_displacement"),
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
-    return LoadedBodyInput(file, dict(arrays), rough, measured)
+    return _balanced_on(document, file.scene, arrays)
 
 
-def read_contact(file: SceneFile, document: Document) -> ContactInput:
-    """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
-    file, surfaces, measured = _with_surfaces(file, document)
-    assert surfaces is not None  # of a punch
-    pattern = pattern_of(document, file.scene.interface, file.scene.dimension, surfaces.surface.shape)
-    given = ContactInput(file, surfaces, pattern=pattern, measured=measured)
-    control = file.scene.loading.control
-    places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
-    check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), given.surfaces, document)
-    if file.scene.boundary is not None:
-        shape, gradient = surfaces.surface.shape, surfaces.rms_gradient
-        arrays = read_boundary(document, file.scene.boundary, file.scene.dimension, shape)
-        given = replace(given, tractions=tractions_on_the_body(document, file.scene, arrays, shape, gradient))
-    if file.scene.interface.reaches_across:
-        check_resolved(document, file.scene.interface, given.reduced[0], file.discretisation)
-    displacements = [file.scene.loading.displacement, *(step.displacement for step in file.path)]
-    check_room(file, given.surfaces, document, dict(zip(places, displacements, strict=True)))
-    return given
-
-
-def _with_surfaces(
-    file: Given, document: Document
-) -> tuple[Given, PressedSurfaces | None, tuple[MeasuredSurface, ...]]:
-    """A file with what its measured surfaces tell, the surfaces that it describes, None if flat, and measured ones."""
-    file, measured = with_measured_surfaces(file, document)
-    check_combination(document, file.scene, file.numerics, file.path if isinstance(file, SceneFile) else ())
-    is_flat = isinstance(file, BoundaryFile) and not file.scene.follows_topography
-    return file, None if is_flat else pressed_surfaces(file, measured, document), tuple(measured.values())
-
-
-def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, MeasuredSurfaces]:
+def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:
     """A file of a scene with the dimension and the period that its measured surfaces tell, and these surfaces.
 
     Raises InputError for surfaces that cannot be used or do not fit each other, and for what does not fit the period.
@@ -160,9 +143,7 @@ def with_measured_surfaces(file: Given, document: Document) -> tuple[Given, Meas
     return file, measured
 
 
-def with_measured(
-    scene: Described, document: Document, read: Reader = read_content
-) -> tuple[Described, MeasuredSurfaces]:
+def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
     """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
     measured, length = measured_surfaces(scene, document, read)
     dimensions = {surface.heights.ndim for surface in measured.values()}
@@ -187,14 +168,6 @@ def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfa
                 told = f"what goes with the load, in a unit: {wrong[1]}"
                 raise document.refused(("scene", *wrong[0]), told) from None
             raise document.refused(place, str(error)) from None
-
-
-def patterned(problem: Problem, pattern: Reals | None) -> Problem:
-    """Problem whose law of the gap has a pattern `[(y,) x]`, if there is one."""
-    if pattern is None:
-        return problem
-    padded = free_body.padded_shape(pattern.shape, problem.ends)
-    return replace(problem, interface=problem.interface.patterned(pattern, padded))
 
 
 def pattern_of(document: Document, interface: Interface, dimension: int, shape: tuple[int, ...]) -> Reals | None:
@@ -222,8 +195,7 @@ def check_room(
     held = not any(scene.ends)  # around a window there is room
     rigid_mean = held and all(body.is_incompressible and not body.is_half_space for body in scene.deformable)
     # at higher orders a body that is pressed moves what its topography takes up, too
-    is_known = surfaces.bodies is None or file.numerics.slope_order(scene) == 0
-    if scene.loading.displacement is None or not rigid_mean or not is_known:
+    if scene.loading.displacement is None or not rigid_mean or surfaces.order > 0:
         return
     surface, gradient, one = surfaces.surface, surfaces.rms_gradient, range(file.realisation, file.realisation + 1)
     if isinstance(surface, SummedSurface):
@@ -238,21 +210,16 @@ def check_room(
 
 
 def tractions_on_the_body(
-    document: Document, scene: Scene, arrays: Mapping[str, Reals], shape: tuple[int, ...], rms_gradient: float
+    document: Document, scene: Scene, arrays: Mapping[str, Reals], surfaces: PressedSurfaces
 ) -> Tractions:
-    """Tractions of what `read_boundary` has read, with a punch whose rms gradient they are divided by.
+    """Tractions of what `read_boundary` has read, over the rms gradient of the surfaces that are pressed together.
 
     Raises InputError for a mean traction that nothing holds, or that the loading decides already.
     """
-    *tangential, normal = (component.key("traction") for component in COMPONENTS[scene.dimension])
-    is_held = any(scene.ends)  # by the body around it, and the load is what the punch bears
-    if scene.loading.displacement is None and not is_held:
-        control = scene.loading.control
-        arrays = balanced(document, arrays, normal, f"as loading.{control} prescribes the mean pressure")
-    for name in tangential if scene.body.is_half_space and not is_held else ():
-        arrays = balanced(document, arrays, name, f"or {scene.body.holder}, as nothing holds a half-space")
-    scale = rms_gradient * scales_of(scene).modulus
-    found = [np.nan_to_num(arrays.get(name, np.zeros(shape)), nan=0.0) / scale for name in (*tangential, normal)]
+    names = [component.key("traction") for component in COMPONENTS[scene.dimension]]
+    given = _balanced_on(document, scene, arrays)
+    scale, shape = surfaces.rms_gradient * scales_of(scene).modulus, surfaces.surface.shape
+    found = [np.nan_to_num(given.get(name, np.zeros(shape)), nan=0.0) / scale for name in names]
     return Tractions.of(np.stack(found[:-1]), found[-1])
 
 
@@ -284,20 +251,35 @@ def read_boundary(
     return arrays
 
 
-def balanced(document: Document, arrays: Mapping[str, Reals], name: str, remedy: str) -> dict[str, Reals]:
-    """Return the arrays, of which the traction of that name then has a mean of exactly 0.
+def _balanced_on(document: Document, scene: Scene, arrays: Mapping[str, Reals]) -> dict[str, Reals]:
+    """Return the arrays, of which the tractions of components that nothing holds have a mean of exactly 0."""
+    found, holder = dict(arrays), scene.body.holder
+    for component in COMPONENTS[scene.dimension][::-1]:
+        traction, held = component.key("traction"), component.key("displacement")
+        if traction not in found or any(scene.ends):  # by the body around it, and the load is what the punch bears
+            continue
+        if scene.has_punch and component.name == "normal":
+            if scene.loading.displacement is None:
+                remedy = f"as loading.{scene.loading.control} prescribes the mean pressure"
+                found[traction] = _balanced(document, found[traction], traction, remedy)
+        elif scene.body.is_half_space and held not in found:
+            also = "" if scene.has_punch else f" or a {held}"
+            remedy = f"or {holder}{also}, as nothing holds a half-space"
+            found[traction] = _balanced(document, found[traction], traction, remedy)
+    return found
+
+
+def _balanced(document: Document, given: Reals, name: str, remedy: str) -> Reals:
+    """Return the traction of that name with a mean of exactly 0.
 
     A mean below 1e-6 of the largest traction is rounding, as of a text file, and is subtracted. Raises InputError, with
     the remedy, for a larger one.
     """
-    if name not in arrays:
-        return dict(arrays)
-    given = arrays[name]
     values = np.nan_to_num(given, nan=0.0)
     mean = values.mean()
     if abs(mean) > _ROUNDING * abs(values).max():
         raise document.fault(("scene", "boundary", name), f"a mean of {mean:g}", f"a mean of 0, {remedy}")
-    return {**arrays, name: values - mean}
+    return np.asarray(values - mean)
 
 
 def read_nodes(

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
-from gfmd_numba.contact.contact_input import ContactInput
+from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.scales import longest_time, relaxation
@@ -49,8 +49,8 @@ Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are t
 
 def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies, order = given.surfaces.bodies, given.file.numerics.slope_order(given.file.scene)
-    rough = "" if bodies is None else doubt_of_bodies(bodies, order, dataset)
+    bodies = given.surfaces.bodies
+    rough = "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, dataset)
     each = (
         _coarse_times,
         _coarse_steps,
@@ -67,9 +67,9 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _closer_than_known,
     )
     found = {str(name): variable.values for name, variable in dataset.variables.items()}
-    own = (doubt(given, found) for doubt in each)
+    own = (reason(given, found) for reason in each)
     short = _short_stretches(problem, found)
-    return "\n".join([*of_input(given, problem), *filter(None, (rough, *own, short))])
+    return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -87,10 +87,12 @@ def _smallest(values: NDArray[Any]) -> float:
     return -_largest(-values)
 
 
-def of_input(given: ContactInput, problem: Problem) -> list[str]:
-    """Reasons to doubt a contact that are known before it is solved: of its surfaces, its load and its grid."""
+def of_input(given: Input) -> list[str]:
+    """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
-    coarse = law_resolution.doubt(problem, given.file.discretisation)
+    if not isinstance(given, ContactInput):
+        return found
+    coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
@@ -172,8 +174,7 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
     told = []
     if flows[-1].any():
         told.append(
-            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth, "
-            "or none"
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
         )
     if 0 < deep < FEWEST_SUBLAYERS:
         told.append(

@@ -35,12 +35,15 @@ def edge(contact: Contact) -> area_correction.Edge:
 
 @once
 def elastic_nodes(contact: Contact) -> npt.NDArray[np.bool_]:
-    """Touching nodes that are neither plastic nor in a fringe `[realisation, (y,) x]`.
+    """Touching nodes that are neither plastic nor in a fringe, nor have flowed below `[realisation, (y,) x]`.
 
     Where such nodes are the last, pressure goes to zero as under an elastic body, and counted nodes reach too far.
+    Where the uppermost sublayer has flowed it ends at a finite value, and counted nodes are right in the mean.
     """
-    plastic = contact.equilibrium.plastic
-    return touching(contact) if plastic is None else touching(contact) & ~plastic & ~_fringe(contact, plastic)
+    now, plastic, flow = touching(contact), contact.equilibrium.plastic, contact.memory.get("flow")
+    if flow is not None:
+        return np.asarray(now & (flow.equivalent[0].reshape(now.shape) == 0.0))
+    return now if plastic is None else now & ~plastic & ~_fringe(contact, plastic)
 
 
 @once
@@ -101,12 +104,24 @@ def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
 @once
 def perimeter(contact: Contact) -> tuple[Indices, ...]:
     """Number of neighbours along x, and on maps along y, of which one touches elastically, one not `[realisation]`."""
-    now, elastic = touching(contact), elastic_nodes(contact)
-    axes = tuple(range(1, len(now.shape)))
+    return _sides(contact, elastic_nodes(contact))
+
+
+def _sides(contact: Contact, nodes: npt.NDArray[np.bool_]) -> tuple[Indices, ...]:
+    """Number of neighbours along x, and on maps along y, of which one is of some nodes, one open `[realisation]`."""
+    now = touching(contact)
+    axes = tuple(range(1, now.ndim))
     return tuple(
-        np.sum([np.count_nonzero(elastic & ~beside(contact, now, side, axis), axis=axes) for side in (1, -1)], axis=0)
+        np.sum([np.count_nonzero(nodes & ~beside(contact, now, side, axis), axis=axes) for side in (1, -1)], axis=0)
         for axis in axes[::-1]
     )
+
+
+def _above_flow(contact: Contact) -> Indices | int:
+    """Number of edges of profiles below which the body has flowed: anywhere within a spacing `[realisation]`."""
+    if "flow" not in contact.memory:
+        return 0
+    return np.asarray(_sides(contact, touching(contact))[0] - perimeter(contact)[0])
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -131,7 +146,7 @@ def contact_area_fraction_error(contact: Contact) -> Reals:
         return np.full(len(contact.heights), np.nan)
     (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
-    return np.asarray(np.sqrt(ends / 12.0 + of_mean**2) / contact.heights.shape[1])
+    return np.asarray(np.sqrt((ends + _above_flow(contact)) / 12.0 + of_mean**2) / contact.heights.shape[1])
 
 
 @once
@@ -144,9 +159,10 @@ def located_length(contact: Contact) -> tuple[Reals, Reals]:
     if contact.heights.ndim > 2:
         return np.full(len(contact.heights), np.nan), np.full(len(contact.heights), np.nan)
     ends = any(contact.ends)
-    return area_correction.contact_length(
+    length, unknown = area_correction.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
+    return length, np.hypot(unknown, np.sqrt(_above_flow(contact) / 12.0) / found.touching.shape[1])
 
 
 def mean_segment_length(contact: Contact) -> Reals:

@@ -1,4 +1,4 @@
-"""A body that is loaded and displaced without a punch: its problem and its solution.
+"""A body that is loaded and displaced without a punch.
 
 A rough body is the flat one, and what its topography adds.
 """
@@ -10,48 +10,14 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_input import LoadedBodyInput
 from gfmd_numba.contact.reduction import solver_options
-from gfmd_numba.contact.scales import scales_of
+from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.elasticity import topography
-from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import COMPONENTS
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.solvers.table import Options, able
+from gfmd_numba.solvers.table import able
 
 _MOST_ROUNDS = 30
-
-
-@dataclass(frozen=True)
-class BoundaryValueProblem:
-    """Tractions (E*) and displacements (L_x) `[component, (y,) x]`, the normal ones last; not-a-number where free.
-
-    A rough body has `heights` `[(y,) x]` in L_x, which are followed to an `order` in their slope.
-    """
-
-    body: ElasticBody
-    traction: Reals
-    displacement: Reals
-    options: Options
-    heights: Reals | None = None
-    order: int = 0
-
-
-def reduce_loaded_body(given: LoadedBodyInput) -> BoundaryValueProblem:
-    """Dimensionless problem of what is prescribed."""
-    file, prescribed, scales = given.file, given.prescribed, scales_of(given.file.scene)
-    free, components = np.full(next(iter(prescribed.values())).shape, np.nan), COMPONENTS[file.scene.dimension]
-    traction, displacement = (
-        np.stack([prescribed.get(component.key(quantity), free) for component in components])
-        for quantity in ("traction", "displacement")
-    )
-    return BoundaryValueProblem(
-        scales.bodies[0],
-        np.nan_to_num(traction, nan=0.0) / scales.modulus,
-        displacement / scales.length,
-        solver_options(file.numerics, able(["prescribed"])[0]),
-        None if given.rough is None else given.rough.heights,
-        file.slope_order or 0,
-    )
 
 
 @dataclass(frozen=True)
@@ -62,26 +28,30 @@ class Loaded:
     """
 
     deformed: Deformed
+    solver: str
     next_order: float = 0.0
 
 
-def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
-    """Displacements and tractions of the surface.
+def solve_loaded_body(given: LoadedBodyInput) -> Loaded:
+    """Displacements and tractions of the surface of a body to which all is prescribed, in L_x and E*.
 
     A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
-    are prescribed, that repeats until it stands still to the residual of the problem, or the run is not converged.
+    are prescribed, that repeats until it stands still to the residual of the scene, or the run is not converged.
     """
-    response, given = problem.body.response(problem.traction.shape[1:]), problem.displacement
-    if problem.heights is None:
-        return Loaded(deform(response, problem.traction, given, problem.options))
-    held, added = ~np.isnan(given), np.zeros_like(given)
+    body, rough, order = given.scales.bodies[0], given.rough, given.file.slope_order
+    options = solver_options(given.file.numerics, able(["prescribed"])[0])
+    traction, asked = _prescribed(given)
+    response = body.response(traction.shape[1:])
+    if rough is None:
+        return Loaded(deform(response, traction, asked, options), options.solver)
+    held, added = ~np.isnan(asked), np.zeros_like(asked)
     spent: list[tuple[int, int, float]] = []
     for _ in range(_MOST_ROUNDS):
-        flat = deform(response, problem.traction, given - added, problem.options)
+        flat = deform(response, traction, asked - added, options)
         spent.append((flat.n_iterations, flat.n_transforms, flat.wall_time))
-        new, _ = _response(problem, problem.heights, flat.traction, problem.order)
-        total = np.where(held, given, flat.displacement + new)
-        enough = problem.options.residual * float(abs(total).max())
+        new, _ = _response(rough, flat.traction, order)
+        total = np.where(held, asked, flat.displacement + new)
+        enough = options.residual * float(abs(total).max())
         is_still = not held.any() or float(abs(new - added)[held].max()) <= enough
         if is_still or flat.status != Status.ok:
             break
@@ -96,12 +66,23 @@ def solve_boundary_value_problem(problem: BoundaryValueProblem) -> Loaded:
         n_transforms=int(transforms),
         wall_time=float(seconds),
     )
-    _, next_order = _response(problem, problem.heights, flat.traction, problem.order + 1)
-    return Loaded(deformed, next_order)
+    _, next_order = _response(rough, flat.traction, order + 1)
+    return Loaded(deformed, options.solver, next_order)
 
 
-def _response(problem: BoundaryValueProblem, heights: Reals, traction: Reals, order: int) -> tuple[Reals, float]:
+def _prescribed(given: LoadedBodyInput) -> tuple[Reals, Reals]:
+    """Tractions (E*) and displacements (L_x) `[component, (y,) x]`, the normal ones last, not-a-number where free."""
+    arrays, scales = given.prescribed, given.scales
+    free, components = np.full(next(iter(arrays.values())).shape, np.nan), COMPONENTS[given.file.scene.dimension]
+    traction, displacement = (
+        np.stack([arrays.get(component.key(quantity), free) for component in components])
+        for quantity in ("traction", "displacement")
+    )
+    return np.nan_to_num(traction, nan=0.0) / scales.modulus, displacement / scales.length
+
+
+def _response(rough: RoughBody, traction: Reals, order: int) -> tuple[Reals, float]:
     """What the topography adds to the displacement `[component, (y,) x]`, and the part of the highest order."""
-    found = topography.respond(-traction[-1], heights, problem.body, order, traction[:-1])
+    found = topography.respond(-traction[-1], rough.heights, rough.elastic, order, traction[:-1])
     assert found.along is not None  # as tractions along the surface are given
     return np.stack([*found.along, found.u3]), found.highest_order

@@ -27,7 +27,8 @@ RESIDUAL = 100.0  # that of the flow over that of the contact
 _FEWEST = 4  # increments, half of which tell their error: one and two of them often err alike
 _MIXED, _LOOPS, _RISEN = 5, 500, 2.0
 _PROBES, _SHALLOWEST, _DEEPEST = 32, 0.25, 2.0  # sublayers that look for the depth, from (nodes) to (L_x)
-_MARGIN, _NEARLY = 1.25, 0.9  # of the depth to which an elastic body would yield, and of the largest stress
+_MARGIN = 1.6  # of the depth to which an elastic body would yield: flow is up to 1.5 times as deep
+_NEARLY = 0.9  # of the largest stress
 
 
 def follow(problem: Problem, state: State, largest: float, tell: Tell) -> Contact:

@@ -20,7 +20,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.interface.table import LAWS
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options
 

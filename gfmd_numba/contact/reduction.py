@@ -5,29 +5,36 @@ neither E, L_x nor g is left, and Poisson's ratio matters only through the stiff
 that of the topmost one.
 """
 
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
+from itertools import islice
 
 import numpy as np
 
-from gfmd_numba.contact.problem import CounterBody, Effect, Problem, RoughBodies, Tractions
+from gfmd_numba.arrays import Reals
+from gfmd_numba.contact.problem import CounterBody, Effect, Problem, Tractions
+from gfmd_numba.contact.rough_surfaces import PressedSurfaces
 from gfmd_numba.contact.scales import (
     Scales,
     longest_time,
+    passing,
     plasticity,
     reduced_duration,
     reduced_load,
     reduced_speed,
+    reduced_step,
     relaxation,
     scales_of,
+    steps_of,
     wear_rate,
 )
-from gfmd_numba.contact.surfaces import Surface
-from gfmd_numba.elasticity import moduli
+from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.interface.table import LAWS
 from gfmd_numba.scene import Interface, Numerics, Scene
+from gfmd_numba.scene.interface_records import LAWS
+from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.scene.units import in_reduced_units
 from gfmd_numba.solvers.table import SOLVERS, Options, automatic
@@ -39,22 +46,23 @@ _NO_MISMATCH = 1e-12  # of Dundurs' beta, whose share of a body in the complianc
 
 def reduce(
     scene: Scene,
-    surface: Surface,
-    rms_gradient: float,
+    pressed: PressedSurfaces,
     numerics: Numerics,
+    path: Iterable[Step] = (),
     tractions: Tractions | None = None,
-    rough: RoughBodies | None = None,
+    pattern: Reals | None = None,
 ) -> tuple[Problem, tuple[Effect, ...]]:
-    """Dimensionless problem of a scene, and what became of each of its effects; `tractions` are its boundary's.
+    """Dimensionless problem of a scene along a path, and what became of each of its effects.
 
-    `rough` are its bodies where topographies are followed: the surface is then the sum of theirs. Raises ValueError
-    for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot carry.
+    `tractions` are those of its boundary, and a `pattern` `[(y,) x]` multiplies the work of adhesion of its law. Raises
+    ValueError for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot
+    carry.
     """
+    rms_gradient, rough = pressed.rms_gradient, pressed.rough
     scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
     displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
-    is_tilted = scene.follows_topography and numerics.slope_order(scene) > 0
-    may_slip = is_tilted or any(scene.ends)  # as inclined surfaces do, and punches that a free body is dragged by
+    may_slip = pressed.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
     interface, interactions = _interface(
         scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient, longest_time(scene)
     )
@@ -66,18 +74,16 @@ def reduce(
     mean_matters = displacement is not None or any(scene.ends) or memory is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
     body, elasticity = _body(scales.bodies[0], interface, mean_matters, needs_nu, tolerance)
-    needs = *interface.abilities, *(() if scene.loading.speed is None else ("speed",))
-    options = _options(numerics, scene.dimension, needs)
-    counter = None
-    if facing is not None:
-        other, others = _body(facing.body, interface, displacement is not None, False, tolerance)
-        counter = CounterBody(other, facing.share)
-        dropped = (effect for effect in others if effect.state == "dropped")
-        elasticity += tuple(replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped)
+    options = _options(numerics, scene, interface.abilities)
+    counter, dropped = _counter_body(facing, interface, displacement is not None, tolerance)
+    elasticity += dropped
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
+    steps = tuple(reduced_step(*step, rms_gradient) for step in islice(steps_of(scene, path), 1, None))
+    if pattern is not None:
+        interface = interface.patterned(pattern, free_body.padded_shape(pattern.shape, scene.ends))
     problem = Problem(
-        surface,
+        pressed.surface,
         body,
         interface,
         pressure,
@@ -85,7 +91,8 @@ def reduce(
         options,
         tractions,
         counter,
-        rough=rough,
+        steps,
+        rough,
         periodic=scene.periodic,
         duration=reduced_duration(scene),
         speed=reduced_speed(scene),
@@ -93,9 +100,23 @@ def reduce(
         time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if memory is not None or scene.wears_by_slip else None,
         wear_rate=wear_rate(scene, rms_gradient),
         plasticity=plasticity(scene, rms_gradient),
+        passing=passing(scene, steps, rms_gradient),
     )
     effects = interactions + _slow_effects(scene)
     return problem, _all_effects(elasticity, effects, tractions is not None, scales.stiffness)
+
+
+def _counter_body(
+    facing: CounterBody | None, interface: Interactions, mean_matters: bool, tolerance: float
+) -> tuple[CounterBody | None, tuple[Effect, ...]]:
+    """Counter body, None without one, and what of its elasticity is dropped."""
+    if facing is None:
+        return None, ()
+    body, effects = _body(facing.body, interface, mean_matters, False, tolerance)
+    dropped = (effect for effect in effects if effect.state == "dropped")
+    return CounterBody(body, facing.share), tuple(
+        replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped
+    )
 
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
@@ -118,9 +139,9 @@ def _all_effects(
     return (Effect("stiffness scale", "on", wrong), *effects)
 
 
-@lru_cache
-def _options(numerics: Numerics, dimension: int, needs: tuple[str, ...]) -> Options:
-    return solver_options(numerics, automatic(dimension, needs))
+def _options(numerics: Numerics, scene: Scene, abilities: tuple[str, ...]) -> Options:
+    needs = *abilities, *(() if scene.loading.speed is None else ("speed",))
+    return solver_options(numerics, automatic(scene.dimension, needs))
 
 
 @lru_cache

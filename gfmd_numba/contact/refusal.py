@@ -7,7 +7,7 @@ from math import inf, isinf
 from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SAMPLED, SOFTEST, TALLEST, Refusal
-from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, LoadedBody, Measured, Numerics, Scene
+from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, Measured, Numerics, Scene
 from gfmd_numba.scene.body_record import Layer, Material
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.interface_records import Friction, LawOfTheGap
@@ -15,7 +15,6 @@ from gfmd_numba.scene.loading import Controls, Step
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.solvers.table import ABILITIES, SOLVERS, able
-from gfmd_numba.text.input_error import brief
 
 Grid = Mapping[str, Sequence[float]]  # values that a campaign takes in place of its scene's
 Features = Mapping[str, Sequence[Location]]  # what is asked for, and where that stands in the file
@@ -27,7 +26,7 @@ Where = Literal["accuracy", "limits", "thermodynamic limit", "processes"]
 
 def check_combination(
     document: Document,
-    scene: Scene | LoadedBody,
+    scene: Scene,
     numerics: Numerics,
     path: Sequence[Step] = (),
     grid: Grid | None = None,
@@ -41,9 +40,7 @@ def check_combination(
     _raise(document, refusals(scene, numerics, path, grid))
 
 
-def check_where(
-    document: Document, scene: Scene | LoadedBody, where: Where, numerics: Numerics, path: Sequence[Step] = ()
-) -> None:
+def check_where(document: Document, scene: Scene, where: Where, numerics: Numerics, path: Sequence[Step] = ()) -> None:
     """Raise InputError, one line for each fault, if a scene is not for `gfmd accuracy` or `--mpi`, or lacks limits."""
     at: Location = ("limits",) if "limit" in where else ()
     refused = _table_refusals(_features(scene, numerics, path, None) | {where: [at]})
@@ -51,7 +48,7 @@ def check_where(
 
 
 def refusals(
-    scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step] = (), grid: Grid | None = None
+    scene: Scene, numerics: Numerics, path: Sequence[Step] = (), grid: Grid | None = None
 ) -> Iterator[tuple[Location, Refusal]]:
     """What does not go together in a scene, and where it stands in the file."""
     found = _features(scene, numerics, path, grid)
@@ -65,7 +62,7 @@ def _raise(document: Document, refused: Iterator[tuple[Location, Refusal]]) -> N
         if first.setdefault(location, refusal).because == "without effect" != refusal.because:
             first[location] = refusal  # what it lacks would not help
     if first:
-        raise InputError(*(document.line(at, brief(document.value(at)), row.allowed) for at, row in first.items()))
+        raise InputError(*(document.told(at, row.allowed) for at, row in first.items()))
 
 
 def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
@@ -75,15 +72,10 @@ def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
             yield from ((location, told) for location in found[row.refused])
 
 
-def _features(
-    scene: Scene | LoadedBody, numerics: Numerics, path: Sequence[Step], grid: Grid | None
-) -> dict[str, list[Location]]:
+def _features(scene: Scene, numerics: Numerics, path: Sequence[Step], grid: Grid | None) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
     parts = [_of_numerics(numerics), _of_bodies(scene)]
-    if isinstance(scene, LoadedBody):
-        parts.append(iter([("prescribed", ("scene", "boundary"))]))
-    else:
-        parts.append(_of_contact(scene, path, grid or {}))
+    parts.append(_of_contact(scene, path, grid or {}) if scene.has_punch else _of_loaded_body(scene))
     if grid is not None:
         parts.append(iter([("campaign", ("grid",))]))
     for feature, location in chain(*parts):
@@ -104,7 +96,7 @@ def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
             yield "higher topography_order", ("numerics", "topography_order")
 
 
-def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
+def _of_bodies(scene: Scene) -> Iterator[tuple[str, Location]]:
     yield f"dimension {scene.dimension}", ("scene", "dimension")
     if scene.body.state == "plane_stress":
         yield "plane stress", ("scene", "body", "state")
@@ -114,9 +106,9 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
     if not of_time:
         yield "elastic bodies", ("scene", "body")
-        if isinstance(scene, LoadedBody) or not scene.has_slip_rates:
+        if not scene.has_slip_rates:
             yield "timeless", ("scene", "body")
-        if isinstance(scene, LoadedBody) or not scene.wears_by_slip:
+        if not scene.wears_by_slip:
             yield "undivided steps", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         if body.plasticity is not None:
@@ -124,7 +116,7 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
     for place, surface in scene.surfaces.items():
         if getattr(surface, "anisotropy", None) is not None:
             yield "anisotropy", ("scene", *place, "anisotropy")
-        if isinstance(surface, Measured) and isinstance(scene, Scene):
+        if isinstance(surface, Measured) and scene.has_punch:
             yield "measured surface", ("scene", *place, "method")
         if isinstance(surface, Random) and not surface.by_columns:
             yield "surface made as a whole", ("scene", *place)
@@ -132,6 +124,12 @@ def _of_bodies(scene: Scene | LoadedBody) -> Iterator[tuple[str, Location]]:
             yield "model of maps", ("scene", *place, surface.named_by)
     along_y = [name for name, value in scene.boundary or () if value is not None and name.endswith("_y")]
     yield from (("boundary along y", ("scene", "boundary", name)) for name in along_y)
+
+
+def _of_loaded_body(scene: Scene) -> Iterator[tuple[str, Location]]:
+    yield "prescribed", ("scene", "boundary")
+    if any(scene.ends):
+        yield "no period", ("scene", "periodic")
 
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
@@ -320,7 +318,7 @@ def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> I
         yield from (("soft below stiff", (*place, *at)) for at in _soft_below_stiff(body))
 
 
-def _with_least_modulus(scene: Scene | LoadedBody, location: Location, row: Refusal) -> Refusal:
+def _with_least_modulus(scene: Scene, location: Location, row: Refusal) -> Refusal:
     """The refusal of a layer that is too soft with the least modulus that is allowed there, all others as they are."""
     if row.refused != "soft below stiff":
         return row

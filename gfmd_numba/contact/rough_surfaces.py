@@ -18,10 +18,8 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import Field, MeasuredSurface, Reader, measured_field, periodic_surface
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import (
-    BoundaryFile,
     Discretisation,
     Document,
-    LoadedBody,
     Measured,
     Random,
     Scene,
@@ -70,9 +68,14 @@ class PressedSurfaces:
     bodies: tuple[RoughBody, ...] | None = None
     rough: RoughBodies | None = None
 
+    @property
+    def order(self) -> int:
+        """Order in the slope to which the topographies of bodies are followed; 0 of smooth bodies."""
+        return 0 if self.rough is None else self.rough.order
+
 
 def measured_surfaces(
-    scene: Scene | LoadedBody, document: Document, read: Reader = read_content
+    scene: Scene, document: Document, read: Reader = read_content
 ) -> tuple[dict[Place, MeasuredSurface], float | None]:
     """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
 
@@ -90,15 +93,15 @@ def measured_surfaces(
     return surfaces, length
 
 
-def pressed_surfaces(file: SceneFile | BoundaryFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
-    if isinstance(file, BoundaryFile) or file.scene.follows_topography:
-        order = file.numerics.slope_order(file.scene)
-        summed, bodies = ensemble_of_rough_bodies(file.scene, file.discretisation, file.seed, order, measured, document)
+    if file.scene.follows_topography:
+        draws = file.discretisation, file.seed, file.slope_order
+        summed, bodies = ensemble_of_rough_bodies(file.scene, *draws, measured, document)
         drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
         return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
-    return PressedSurfaces(*punch_on_its_form(file.scene, rough, document))
+    return punch_on_its_form(file.scene, rough, document)
 
 
 def given_surface(heights: Reals, gradient: float | None = None, periodic: object = True) -> tuple[GivenSurface, float]:
@@ -125,7 +128,7 @@ def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float,
 
 
 def random_surface(
-    record: Random, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int
+    record: Random, scene: Scene, discretisation: Discretisation | None, seed: int
 ) -> tuple[RandomSurface, float]:
     """Ensemble that a record of a scene describes at a discretisation, and the rms gradient asked of it.
 
@@ -135,24 +138,9 @@ def random_surface(
     return generators.random_surface(record, discretisation, period, scene.dimension, seed, cut_from)
 
 
-def rigid_punch(scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None) -> tuple[Surface, float]:
-    """Surface of a rigid punch in units of its rms gradient g, and g: its roughness, if any, on its form, if any.
-
-    g is that of the roughness, and of a form alone its own. Raises ValueError for a form that is flat but for rounding.
-    """
-    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
-    if smooth is None:
-        assert rough is not None  # a scene has one of the two
-        return rough
-    if rough is None:
-        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
-        return SummedSurface((smooth,), gradient), gradient
-    return SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1]
-
-
-def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Topography | None:
+def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | None:
     """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
-    if isinstance(scene, LoadedBody) or scene.form is None:
+    if scene.form is None:
         return None
     if shape is None:
         assert scene.form.points is not None  # the promise of a scene without roughness
@@ -163,13 +151,22 @@ def smooth_part(scene: Scene | LoadedBody, shape: tuple[int, ...] | None) -> Top
 
 def punch_on_its_form(
     scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
-) -> tuple[Surface, float]:
-    """Surface of a rigid punch and its rms gradient g, as `rigid_punch` has it; raises InputError."""
+) -> PressedSurfaces:
+    """Surface of a rigid punch in units of its rms gradient g: its roughness, if any, on its form, if any.
+
+    g is that of the roughness, and of a form alone its own. Raises InputError for a form that is flat but for rounding.
+    """
+    smooth = smooth_part(scene, None if rough is None else rough[0].shape)
+    if smooth is None:
+        assert rough is not None  # a scene has one of the two
+        return PressedSurfaces(*rough)
+    if rough is not None:
+        return PressedSurfaces(SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1])
     try:
-        return rigid_punch(scene, rough)
+        gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
     except ValueError as error:
-        place = ("scene", "form")
-        raise document.error(place, document.value(place), f"a form that is not flat, not {error}") from None
+        raise document.refused(("scene", "form"), f"a form that is not flat, not {error}") from None
+    return PressedSurfaces(SummedSurface((smooth,), gradient), gradient)
 
 
 def _of_the_punch(
@@ -183,7 +180,7 @@ def _of_the_punch(
 
 
 def ensemble_of_rough_bodies(
-    scene: Scene | LoadedBody,
+    scene: Scene,
     discretisation: Discretisation | None,
     seed: int,
     order: int,
@@ -210,7 +207,7 @@ def ensemble_of_rough_bodies(
         if shape is not None and part.surface.shape != shape:
             allowed = f"as many heights as the other surface has, {_points(shape)}"
             raise document.fault(("scene", *place), f"{_points(part.surface.shape)} heights", allowed)
-    ends, smooth = ends_of(scene.periodic, scene.dimension), smooth_part(scene, shape)
+    ends, smooth = scene.ends, smooth_part(scene, shape)
     gradient = _asked_for(asked, parts, ends)
     if smooth is not None:
         parts["form",] = smooth
@@ -229,7 +226,7 @@ def ensemble_of_rough_bodies(
 
 
 def check_drawn(
-    scene: Scene | LoadedBody, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
+    scene: Scene, summed: SummedSurface, rough: RoughBodies, realisation: int, document: Document
 ) -> tuple[RoughBody, ...]:
     """Rough bodies of one realisation; raises InputError for surfaces that do not fit each other, or their body."""
     places = list(scene.surfaces)
@@ -274,7 +271,7 @@ def _points(shape: tuple[int, ...]) -> str:
 
 
 def _random(
-    place: Place, scene: Scene | LoadedBody, discretisation: Discretisation | None, seed: int, document: Document
+    place: Place, scene: Scene, discretisation: Discretisation | None, seed: int, document: Document
 ) -> tuple[RandomSurface, float]:
     """Ensemble of the record at a place, and the rms gradient asked of it."""
     record = scene.surfaces[place]
@@ -289,7 +286,7 @@ def _field(record: Measured, document: Document, place: Place, read: Reader) -> 
 
 
 def _measured(
-    field: Field, scene: Scene | LoadedBody, length: float | None, told_by: str, document: Document, place: Place
+    field: Field, scene: Scene, length: float | None, told_by: str, document: Document, place: Place
 ) -> MeasuredSurface:
     record = field.record
     dimension = scene.dimension if "dimension" in scene.model_fields_set else None

@@ -16,7 +16,7 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries, in_series
 from gfmd_numba.kernels import Hardening
-from gfmd_numba.scene import Body, Interface, LoadedBody, Scene
+from gfmd_numba.scene import Body, Interface, Scene
 from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
 from gfmd_numba.scene.loading import Step
@@ -77,20 +77,20 @@ class Scales:
     shares: tuple[float, ...]
 
 
-def scales_of(scene: Scene | LoadedBody) -> Scales:
+def scales_of(scene: Scene) -> Scales:
     """Return the scales of a scene."""
     return _scales(scene.deformable, scene.length, scene.has_moduli)
 
 
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
+    elastic = tuple(elastic_body(body, length) for body in bodies)
     own = [effective_modulus(body, in_pascal) for body in bodies]
     modulus, stiffness = own[0], bodies[0].stiffness_scale
     if len(bodies) > 1:
         modulus = 1.0 / sum(1.0 / each for each in own)
         softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in bodies)
         stiffness = rounded(modulus * softness)
-    elastic = tuple(elastic_body(body, length) for body in bodies)
     return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
 
 

@@ -136,12 +136,16 @@ class SpectralResponse:
     def apply(self, traction: Reals) -> Reals:
         """Displacement `[component, (y,) x]` under tractions of its shape in E*; 0 in a mean that nothing restores."""
         shape = traction.shape[1:]
-        *along, z = grid.coefficients(traction, len(shape))
+        return grid.signal(self.displaced(grid.coefficients(traction, len(shape))), *shape)
+
+    def displaced(self, traction: Complexes) -> Complexes:
+        """Coefficients `[component, (k_y,) k_x]` of the displacement under tractions of such coefficients."""
+        *along, z = traction
         x, y = (*along, 0.0, 0.0)[:2]
         xx, xy, yy, xz, yz, zz = _whole(self.inverse())
         moved = xx * x + xy * y + 1j * xz * z, xy * x + yy * y + 1j * yz * z
         out = zz * z - 1j * (xz * x + yz * y)
-        return grid.signal(np.array([*moved[: len(along)], out]), *shape)
+        return np.array([*moved[: len(along)], out])
 
     def in_series(self, other: "SpectralResponse", share: float) -> "SpectralResponse":
         """Response of two bodies that face each other, for how far they approach and slide past each other.

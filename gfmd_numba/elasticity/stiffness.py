@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.arrays import Reals
 
 _SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0, 1307674368000.0])
 
@@ -47,7 +47,3 @@ class Compliance:
     def elements(self) -> tuple[Reals, Reals, Reals]:
         """The elements of the inverse matrix, in the order and with the signs of those of the stiffness."""
         return self.s11, -self.s13, self.s33
-
-    def displacements(self, tangential: Complexes, normal: Complexes) -> tuple[Complexes, Complexes]:
-        """Coefficients `[nx // 2 + 1]` of both displacements, tangential and normal, under those of both tractions."""
-        return self.s11 * tangential - 1j * self.s13 * normal, self.s33 * normal + 1j * self.s13 * tangential

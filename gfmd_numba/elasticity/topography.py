@@ -41,7 +41,6 @@ from gfmd_numba.elasticity.fields import (
     waves_kept,
 )
 from gfmd_numba.elasticity.moduli import Material
-from gfmd_numba.elasticity.stiffness import Compliance
 from gfmd_numba.fourier import grid
 
 _STATE = ("u1", "u2", "u3", "stress5", "stress4", "stress3")
@@ -220,13 +219,13 @@ def _states(tractions: Reals, powers: list[Reals], body: ElasticBody, order: int
     `tractions` `[component, y, x]` are along the surface and out of the body.
     """
     shape = tractions.shape[1:]
-    planes, flat = _Planes.of(shape, body.material(0.0)), _FlatBody.of(shape, body)
+    planes, flat = _Planes.of(shape, body.material(0.0)), body.response(shape)
     traction = np.stack([_band(each, shape) for each in tractions])
     derivatives: list[list[Complexes]] = []
     for n in range(order + 1):
         if n > 0:
             traction = planes.divergence(_carried(planes, derivatives, powers, n))
-        state = np.concatenate((flat.displacements(traction), traction))
+        state = np.concatenate((flat.displaced(traction), traction))
         derivatives.append(list(planes.derivatives_in_z(state, order - n)))
     return derivatives
 
@@ -241,32 +240,6 @@ def _carried(planes: "_Planes", derivatives: list[list[Complexes]], powers: list
             of_stress += power * _on_finer_grid(stresses[i], of_stress.shape)
         found.append(_band(of_stress, planes.shape))
     return np.stack(found)
-
-
-@dataclass(frozen=True)
-class _FlatBody:
-    """Compliance `[k_y, k_x]` of the surface of a flat body, and the directions of its waves."""
-
-    c: Reals
-    s: Reals
-    compliance: Compliance
-    across: Reals
-
-    @classmethod
-    def of(cls, shape: tuple[int, ...], body: ElasticBody) -> "_FlatBody":
-        q, (qy, qx) = grid.magnitudes(shape), grid.wavevectors(shape, (1.0, 1.0))
-        c, s = (np.divide(each, q, out=np.zeros_like(q), where=q > 0.0) for each in (qx, qy))
-        across = np.zeros_like(q)
-        across[q > 0.0] = body.compliance_across(q[q > 0.0])
-        found = body.compliance(q.ravel())
-        return cls(c, s, Compliance(*(each.reshape(q.shape) for each in vars(found).values())), across)
-
-    def displacements(self, traction: Complexes) -> Complexes:
-        """Displacements `[component, k_y, k_x]` under tractions on z = 0; waves across q shear the body."""
-        (t1, t2, t3), c, s = traction, self.c, self.s
-        along, out = self.compliance.displacements(c * t1 + s * t2, t3)
-        sideways = self.across * (c * t2 - s * t1)
-        return np.stack([c * along - s * sideways, s * along + c * sideways, out])
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.slip_rate import SlipRateFriction, UserFunction
-from gfmd_numba.interface.table import LAWS
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-from gfmd_numba.scene.interface_records import Friction
+from gfmd_numba.scene.interface_records import LAWS, Friction
 
 
 @dataclass(frozen=True)

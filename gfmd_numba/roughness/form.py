@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness.processing import orthogonal, polynomial
 
 HIGHEST = {1: 64, 2: 24}  # power by dimension, unless there are too few points
 FEWEST = 24  # points in each direction
@@ -40,6 +39,25 @@ class Form:
     curvature: Part
     waves: Part
     rest: float
+
+
+def polynomial(heights: Reals, order: int) -> Reals:
+    """Return the least-squares polynomial of all powers up to an order, at the points of the heights."""
+    coefficients, bases = orthogonal(heights, order)
+    return np.asarray(_along_axes(coefficients, [base.T for base in bases]))
+
+
+def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
+    """Coefficients `[(power of y,) power of x]` of heights in orthonormal polynomials `[points, power]` of each axis.
+
+    Those of a total power above the order are zero. Their squares add up to the squares of the heights that the
+    polynomials of each power make up.
+    """
+    powers = [np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, n), order) for n in heights.shape]
+    bases = [np.linalg.qr(each)[0] for each in powers]
+    coefficients = _along_axes(heights, bases)
+    total = np.add.reduce(np.indices(coefficients.shape))
+    return np.where(total <= order, coefficients, 0.0), bases
 
 
 def form(heights: Reals) -> Form:
@@ -95,3 +113,10 @@ def radii(heights: Reals, lengths: tuple[float, ...]) -> tuple[float, ...]:
 
 def _ratio(part: float, whole: float) -> float:
     return float(part / whole) if whole > 0.0 else (np.inf if part > 0.0 else 0.0)
+
+
+def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
+    """Product of a field with a basis `[points, power]` along each axis."""
+    for axis, basis in enumerate(bases):
+        field = np.moveaxis(np.moveaxis(field, axis, -1) @ basis, -1, axis)
+    return np.asarray(field)

@@ -134,35 +134,20 @@ class ModelWaves:
         return _POWERS[self.method](self.model, shape[0], self.largest_index)
 
 
-def exponential(
-    record: records.ExponentialCorrelation, _: Discretisation | None, period: float, dimension: int, nx: int
-) -> ModelWaves:
-    """Waves of the exponential correlation model, thesis (3.10), perhaps with mounds."""
-    model = spectra.ExponentialSpectrum(dimension, record.hurst, record.correlation_length / period)
-    return ModelWaves.of(_with_mounds(model, record, period), record, period, nx)
-
-
-def k_correlation(
-    record: records.KCorrelation, _: Discretisation | None, period: float, dimension: int, nx: int
-) -> ModelWaves:
-    """Waves of the K-correlation model, thesis (3.13), perhaps with mounds."""
-    model = spectra.KCorrelationSpectrum(dimension, record.hurst, record.correlation_length / period)
-    return ModelWaves.of(_with_mounds(model, record, period), record, period, nx)
-
-
-def length_anisotropy(
-    record: records.LengthAnisotropy, _: Discretisation | None, period: float, dimension: int, nx: int
-) -> ModelWaves:
-    """Waves of the model with two correlation lengths, thesis (3.15)."""
-    return ModelWaves.of(spectra.LengthAnisotropicSpectrum(record.hurst, _lengths(record, period)), record, period, nx)
-
-
-def scaling_anisotropy(
-    record: records.ScalingAnisotropy, _: Discretisation | None, period: float, dimension: int, nx: int
-) -> ModelWaves:
-    """Waves of the model with two Hurst exponents and correlation lengths, thesis (3.16)."""
-    hursts = record.hurst_x, record.hurst_y
-    return ModelWaves.of(spectra.ScalingAnisotropicSpectrum(hursts, _lengths(record, period)), record, period, nx)
+def generator(record: records.Spectral, _: Discretisation | None, period: float, dimension: int, nx: int) -> ModelWaves:
+    """Waves of the model of a record, perhaps with mounds."""
+    model: Isotropic | Anisotropic
+    match record:
+        case records.Correlated():  # thesis (3.10) or (3.13)
+            flat = _ISOTROPIC[type(record)](dimension, record.hurst, record.correlation_length / period)
+            mounds = record.mound_separation
+            model = flat if mounds is None else spectra.Mounded(flat, mounds / period)
+        case records.LengthAnisotropy():  # thesis (3.15)
+            model = spectra.LengthAnisotropicSpectrum(record.hurst, _lengths(record, period))
+        case records.ScalingAnisotropy():  # thesis (3.16)
+            hursts = record.hurst_x, record.hurst_y
+            model = spectra.ScalingAnisotropicSpectrum(hursts, _lengths(record, period))
+    return ModelWaves.of(model, record, period, nx)
 
 
 def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
@@ -182,12 +167,10 @@ def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
 
 
 _POWERS = {"psd": psd_power, "fourier_filter": filter_power}
-
-
-def _with_mounds(
-    model: spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum, record: records.Correlated, period: float
-) -> Isotropic:
-    return model if record.mound_separation is None else spectra.Mounded(model, record.mound_separation / period)
+_ISOTROPIC: dict[type[records.Correlated], type[spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum]] = {
+    records.ExponentialCorrelation: spectra.ExponentialSpectrum,
+    records.KCorrelation: spectra.KCorrelationSpectrum,
+}
 
 
 def _lengths(record: records.LengthAnisotropy | records.ScalingAnisotropy, period: float) -> tuple[float, float]:

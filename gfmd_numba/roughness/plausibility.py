@@ -12,8 +12,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.form import FEWEST, WAVY, form, radii
-from gfmd_numba.roughness.processing import MOST, fill_gaps, polynomial
+from gfmd_numba.roughness.form import FEWEST, WAVY, form, polynomial, radii
+from gfmd_numba.roughness.processing import MOST, fill_gaps
 from gfmd_numba.roughness.spikes import despiked, quantum
 from gfmd_numba.scene.units import METRES, PERIOD
 

@@ -9,6 +9,7 @@ import numpy as np
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.grid import resample
+from gfmd_numba.roughness.form import polynomial
 from gfmd_numba.roughness.measurements import Measurement, place
 from gfmd_numba.scene.checks import arrays_per_realisation, beyond_memory
 from gfmd_numba.scene.units import in_unit_of
@@ -125,25 +126,6 @@ def windowed(heights: Reals, ends: tuple[bool, ...] = (False, False)) -> Reals:
     return np.asarray(faded * np.sqrt((centred**2).mean() / (faded**2).mean()))
 
 
-def polynomial(heights: Reals, order: int) -> Reals:
-    """Return the least-squares polynomial of all powers up to an order, at the points of the heights."""
-    coefficients, bases = orthogonal(heights, order)
-    return np.asarray(_along_axes(coefficients, [base.T for base in bases]))
-
-
-def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
-    """Coefficients `[(power of y,) power of x]` of heights in orthonormal polynomials `[points, power]` of each axis.
-
-    Those of a total power above the order are zero. Their squares add up to the squares of the heights that the
-    polynomials of each power make up.
-    """
-    powers = [np.polynomial.legendre.legvander(np.linspace(-1.0, 1.0, n), order) for n in heights.shape]
-    bases = [np.linalg.qr(each)[0] for each in powers]
-    coefficients = _along_axes(heights, bases)
-    total = np.add.reduce(np.indices(coefficients.shape))
-    return np.where(total <= order, coefficients, 0.0), bases
-
-
 def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
     """Heights `[nx]` or `[ny, nx]` without not-a-numbers, and what was done.
 
@@ -193,13 +175,6 @@ def largest_square(found: Measurement) -> Measurement:
     return replace(found, heights=heights, lengths=lengths, done=(*found.done, said))
 
 
-def _along_axes(field: Reals, bases: list[Reals]) -> Reals:
-    """Product of a field with a basis `[points, power]` along each axis."""
-    for axis, basis in enumerate(bases):
-        field = np.moveaxis(np.moveaxis(field, axis, -1) @ basis, -1, axis)
-    return np.asarray(field)
-
-
 def _times(shape: tuple[int, ...]) -> str:
     return " x ".join(map(str, shape))
 
@@ -214,21 +189,20 @@ def _harmonic(heights: Reals, missing: Flags) -> Reals:
     from scipy.sparse import coo_array, csr_array, diags_array
     from scipy.sparse.linalg import spsolve
 
-    number = np.full(heights.shape, -1)
-    unknowns = int(missing.sum())
+    at, number = np.argwhere(missing), np.full(heights.shape, -1)
+    unknowns = len(at)
     number[missing] = np.arange(unknowns)
     neighbours, known = np.zeros(unknowns), np.zeros(unknowns)
     rows, columns = [], []
-    for axis in (0, 1):
-        one, other = np.moveaxis(number, axis, 0)[:-1], np.moveaxis(number, axis, 0)[1:]
-        low, high = np.moveaxis(heights, axis, 0)[:-1], np.moveaxis(heights, axis, 0)[1:]
-        for here, there, value in ((one, other, high), (other, one, low)):
-            asked = here >= 0
-            np.add.at(neighbours, here[asked], 1.0)
-            both, border = asked & (there >= 0), asked & (there < 0)
-            np.add.at(known, here[border], value[border])
-            rows.append(here[both])
-            columns.append(there[both])
+    for step in ((1, 0), (-1, 0), (0, 1), (0, -1)):
+        next_to = at + step
+        here = np.flatnonzero(((next_to >= 0) & (next_to < heights.shape)).all(axis=1))
+        there = tuple(next_to[here].T)
+        neighbours[here] += 1.0
+        border = ~missing[there]
+        known[here[border]] += heights[there][border]
+        rows.append(here[~border])
+        columns.append(number[there][~border])
     row, column = np.concatenate(rows), np.concatenate(columns)
     coupling = coo_array((np.ones(len(row)), (row, column)), shape=(unknowns, unknowns))
     filled = heights.copy()

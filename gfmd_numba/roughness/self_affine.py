@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, replace
 from functools import reduce
-from typing import NamedTuple, Self
+from typing import Self
 
 import numpy as np
 
@@ -14,106 +14,6 @@ from gfmd_numba.roughness.amplitudes import complex_gaussian, waves, waves_of_co
 from gfmd_numba.roughness.generators import Shape, band, gradient_over_height
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import SelfAffine
-
-
-class Form(NamedTuple):
-    """Whether the spectrum is constant below the cut-on index, or else zero, and the scale that of the ensemble."""
-
-    plateau: bool = True
-    by_theory: bool = False
-
-
-_PLATEAU = Form()
-
-
-def profiles(
-    hurst: float,
-    cut_on_index: float,
-    cut_off_index: int,
-    nx: int,
-    seed: int,
-    realisations: range,
-    form: Form = _PLATEAU,
-) -> Reals:
-    """Heights `[realisation, nx]` of zero mean and unit rms gradient, each or in the ensemble, in L_x.
-
-    The amplitude falls as q^-(1/2 + H) (3.28) between the wave indices `cut_on_index` = L_x / lambda_l and
-    `cut_off_index` = L_x / lambda_s,H, is constant or zero below and zero above. Random numbers
-    belong to (seed, realisation, wave index): a finer grid samples the same surface, a larger `cut_off_index` adds
-    waves to it.
-    """
-    index = np.arange(1, cut_off_index + 1)
-    envelope = np.maximum(index, cut_on_index) ** -(0.5 + hurst)
-    if not form.plateau:
-        envelope[index < cut_on_index * (1.0 - 1e-12)] = 0.0
-    spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
-    for row, realisation in zip(spectrum, realisations, strict=True):
-        amplitudes = envelope * complex_gaussian(seed, realisation, cut_off_index)
-        power = 2.0 * envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
-        amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * power))
-        row[index] = amplitudes
-    if 2 * cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
-        spectrum[:, -1] = 2.0 * spectrum[:, -1].real
-    return grid.signal(spectrum, nx)
-
-
-def maps(
-    hurst: float,
-    cut_on_index: float,
-    cut_off_index: int,
-    nx: int,
-    seed: int,
-    realisations: range,
-    anisotropy: float = 1.0,
-    form: Form = _PLATEAU,
-) -> Reals:
-    """Heights `[realisation, nx, nx]` of zero mean and unit rms gradient, each or in the ensemble, in L_x.
-
-    As `profiles`, with amplitudes that fall as |q|^-(1 + H) and random numbers of (seed, realisation, wave vector).
-    With an `anisotropy` of 1 or more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths,
-    are that much longer along y.
-    """
-    smallest, power_law = (2 * cut_off_index + 1,) * 2, (hurst, cut_on_index, cut_off_index)
-    columns = slice(0, nx // 2 + 1)
-    heights = np.empty((len(realisations), nx, nx))
-    for row, realisation in zip(heights, realisations, strict=True):
-        drawn = waves(seed, realisation, smallest, cut_off_index)
-        spectrum, squares = columns_of_map(power_law, drawn, nx, columns, anisotropy, form)
-        spectrum /= np.sqrt(squares.sum())
-        row[...] = grid.signal(spectrum, nx, nx)
-    return heights
-
-
-def columns_of_map(
-    power_law: tuple[float, float, int],
-    drawn: Complexes,
-    nx: int,
-    columns: slice,
-    anisotropy: float = 1.0,
-    form: Form = _PLATEAU,
-) -> tuple[Complexes, Reals]:
-    """Coefficients `[k_y, k_x]` of some columns of a map, on no scale, and its mean-square gradient by columns.
-
-    `power_law` has its Hurst exponent and both indices. The waves `drawn` are those of the columns up to the cut-off.
-    """
-    hurst, cut_on_index, cut_off_index = power_law
-    smallest = (2 * cut_off_index + 1,) * 2  # the grid that just holds the waves
-    own = slice(columns.start, columns.start + drawn.shape[1])
-    q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
-    q_x = q_x[:, own]
-    index = np.hypot(anisotropy * q_y, q_x) / (2.0 * np.pi)
-    lowest = 0.0 if form.plateau else cut_on_index * (1.0 - 1e-12)
-    kept = (index > 0.0) & (index >= lowest) & (index <= cut_off_index * (1.0 + 1e-12))
-    envelope = np.where(kept, np.maximum(index, cut_on_index) ** -(1.0 + hurst), 0.0)
-    amplitudes = envelope * drawn
-    power = envelope**2 if form.by_theory else np.abs(amplitudes) ** 2
-    squares = (grid.multiplicity(smallest[1])[own] * np.hypot(q_y, q_x) ** 2 * power).sum(axis=0)
-    spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
-    np.add.at(spectrum, (grid.wave_indices(smallest)[0] % nx, np.arange(drawn.shape[1])), amplitudes)
-    if 2 * cut_off_index == nx and columns.stop > cut_off_index:
-        # at Nyquist both signs of q share one real coefficient; along y they add up
-        spectrum[:, -1] = 2.0 * spectrum[:, -1].real
-    return spectrum, squares
 
 
 @dataclass(frozen=True)
@@ -142,19 +42,66 @@ class SelfAffineWaves:
         return self.cut_on_index, self.cut_off_index
 
     def heights(self, shape: Shape, seed: int, realisations: range) -> Reals:
-        """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms gradient, or that `by_theory`."""
-        waves = self.hurst, self.cut_on_index, self.cut_off_index, shape[0], seed, realisations
-        form = Form(self.plateau, self.by_theory)
-        if len(shape) == 1:
-            return profiles(*waves, form)
-        return maps(*waves, self.anisotropy, form)
+        """Heights `[realisation, (y,) x]` of period 1, zero mean and unit rms gradient, or that `by_theory`.
+
+        Amplitudes fall as |q|^-(d/2 + H) (3.28) up to the cut-off and are zero above. With an `anisotropy` of 1 or
+        more, q is (q_x, anisotropy q_y): correlation lengths, and both cut-off wavelengths, are that much longer along
+        y. Random numbers belong to (seed, realisation, wave): a finer grid samples the same surface, a larger
+        `cut_off_index` adds waves to it.
+        """
+        return (self._profiles if len(shape) == 1 else self._maps)(shape[0], seed, realisations)
+
+    def _profiles(self, nx: int, seed: int, realisations: range) -> Reals:
+        index = np.arange(1, self.cut_off_index + 1)
+        envelope = np.maximum(index, self.cut_on_index) ** -(0.5 + self.hurst)
+        if not self.plateau:
+            envelope[index < self.cut_on_index * (1.0 - 1e-12)] = 0.0
+        spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
+        for row, realisation in zip(spectrum, realisations, strict=True):
+            amplitudes = envelope * complex_gaussian(seed, realisation, self.cut_off_index)
+            power = 2.0 * envelope**2 if self.by_theory else np.abs(amplitudes) ** 2
+            amplitudes /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index) ** 2 * power))
+            row[index] = amplitudes
+        if 2 * self.cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
+            spectrum[:, -1] = 2.0 * spectrum[:, -1].real
+        return grid.signal(spectrum, nx)
+
+    def _maps(self, nx: int, seed: int, realisations: range) -> Reals:
+        heights = np.empty((len(realisations), nx, nx))
+        for row, realisation in zip(heights, realisations, strict=True):
+            drawn = waves(seed, realisation, (2 * self.cut_off_index + 1,) * 2, self.cut_off_index)
+            spectrum, squares = self._columns_of(drawn, nx, slice(0, nx // 2 + 1))
+            spectrum /= np.sqrt(squares.sum())
+            row[...] = grid.signal(spectrum, nx, nx)
+        return heights
 
     def columns(self, nx: int, seed: int, realisation: int, columns: slice) -> tuple[Complexes, Reals]:
-        """Some columns of a map, as `columns_of_map` has them, made without the others."""
+        """Coefficients `[k_y, k_x]` of some columns of a map, on no scale, and its mean-square gradient by columns.
+
+        They are made without the other columns.
+        """
         own = slice(columns.start, max(columns.start, min(columns.stop, self.cut_off_index + 1)))
-        drawn = waves_of_columns(seed, realisation, self.cut_off_index, own)
-        power_law, form = (self.hurst, self.cut_on_index, self.cut_off_index), Form(self.plateau, self.by_theory)
-        return columns_of_map(power_law, drawn, nx, columns, self.anisotropy, form)
+        return self._columns_of(waves_of_columns(seed, realisation, self.cut_off_index, own), nx, columns)
+
+    def _columns_of(self, drawn: Complexes, nx: int, columns: slice) -> tuple[Complexes, Reals]:
+        """Columns as above, of waves that were `drawn` for those up to the cut-off."""
+        smallest = (2 * self.cut_off_index + 1,) * 2  # the grid that just holds the waves
+        own = slice(columns.start, columns.start + drawn.shape[1])
+        q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
+        q_x = q_x[:, own]
+        index = np.hypot(self.anisotropy * q_y, q_x) / (2.0 * np.pi)
+        lowest = 0.0 if self.plateau else self.cut_on_index * (1.0 - 1e-12)
+        kept = (index > 0.0) & (index >= lowest) & (index <= self.cut_off_index * (1.0 + 1e-12))
+        envelope = np.where(kept, np.maximum(index, self.cut_on_index) ** -(1.0 + self.hurst), 0.0)
+        amplitudes = envelope * drawn
+        power = envelope**2 if self.by_theory else np.abs(amplitudes) ** 2
+        squares = (grid.multiplicity(smallest[1])[own] * np.hypot(q_y, q_x) ** 2 * power).sum(axis=0)
+        spectrum = np.zeros((nx, columns.stop - columns.start), dtype=np.complex128)
+        np.add.at(spectrum, (grid.wave_indices(smallest)[0] % nx, np.arange(drawn.shape[1])), amplitudes)
+        if 2 * self.cut_off_index == nx and columns.stop > self.cut_off_index:
+            # at Nyquist both signs of q share one real coefficient; along y they add up
+            spectrum[:, -1] = 2.0 * spectrum[:, -1].real
+        return spectrum, squares
 
     def mean_square_height(self, shape: Shape) -> float:
         """Mean square height of an ensemble of unit rms gradient."""
@@ -185,3 +132,21 @@ def generator(
     anisotropy = record.anisotropy or 1.0
     cut_off, by_theory = int(shortest * (1.0 + 1e-9)), record.scaling == "ensemble"
     return SelfAffineWaves(record.hurst, longest, cut_off, anisotropy, record.plateau, by_theory)
+
+
+def profiles(hurst: float, cut_on_index: float, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
+    """Heights `[realisation, nx]` of `SelfAffineWaves`."""
+    return SelfAffineWaves(hurst, cut_on_index, cut_off_index).heights((nx,), seed, realisations)
+
+
+def maps(
+    hurst: float,
+    cut_on_index: float,
+    cut_off_index: int,
+    nx: int,
+    seed: int,
+    realisations: range,
+    anisotropy: float = 1.0,
+) -> Reals:
+    """Heights `[realisation, nx, nx]` of `SelfAffineWaves`."""
+    return SelfAffineWaves(hurst, cut_on_index, cut_off_index, anisotropy).heights((nx, nx), seed, realisations)

@@ -11,7 +11,7 @@ import numpy as np
 import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.roughness.processing import polynomial
+from gfmd_numba.roughness.form import polynomial
 
 STEPS = 8.0  # standard steps between neighbours by which a spike is off the median of the heights around it
 NEARBY = 5.0  # rms steps around it, likewise: where a surface is rough, its steps are large

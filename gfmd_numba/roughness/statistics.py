@@ -156,16 +156,14 @@ def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals
     return sums[0] / count, sums[1] / count
 
 
-def spectral_density(
-    heights: Reals, lengths: tuple[float, ...] = UNIT, bins_per_decade: int = 10
-) -> tuple[Reals, Reals, Reals]:
-    """Wave numbers, spectral density C and number of independent waves of each logarithmic bin, means over the batch.
+def spectral_density(heights: Reals, lengths: tuple[float, ...] = UNIT) -> tuple[Reals, Reals, Reals]:
+    """Wave numbers, spectral density C and number of independent waves of each tenth of a decade, means over the batch.
 
     C is in height^2 length^d, two-sided, and integrates to w^2 over all of q-space; bins without waves are left out.
     """
     q, squares, weight = _waves(heights, lengths)
     q_min = q.min()
-    which = np.floor(np.log10(q / q_min * (1.0 + 1e-9)) * bins_per_decade).astype(np.int64)
+    which = np.floor(np.log10(q / q_min * (1.0 + 1e-9)) * 10).astype(np.int64)
     total = np.bincount(which, weight)
     full = total > 0
     mean_q = np.exp(np.bincount(which, weight * np.log(q))[full] / total[full])

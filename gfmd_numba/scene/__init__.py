@@ -8,9 +8,7 @@ from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import (
     COMPONENTS,
     Boundary,
-    BoundaryFile,
     Discretisation,
-    LoadedBody,
     Numerics,
     Scene,
     SceneFile,

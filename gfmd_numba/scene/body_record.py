@@ -10,6 +10,7 @@ from gfmd_numba.scene.quantities import (
     AspectRatio,
     Duration,
     Length,
+    NonnegativePressure,
     PoissonsRatio,
     Pressure,
     Size,
@@ -54,7 +55,7 @@ class Plasticity(BaseModel):
 
     model_config = RECORD
     yield_stress: Pressure = Field(description="Uniaxial yield stress in Pa (E* without moduli)")
-    hardening: Pressure | None = Field(
+    hardening: NonnegativePressure | None = Field(
         None, description="Slope of the yield stress over the equivalent plastic strain, in Pa; None: 0"
     )
     saturation_stress: Pressure | None = Field(

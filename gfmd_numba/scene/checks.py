@@ -5,7 +5,7 @@ from math import prod
 
 from gfmd_numba.scene.document import Document, Location
 from gfmd_numba.scene.interface_records import LAWS_OF_THE_GAP
-from gfmd_numba.scene.records import Discretisation, LoadedBody, Scene
+from gfmd_numba.scene.records import Discretisation, Scene
 
 # of the size of a realisation that solving it takes, as measured on a dense contact (`benchmarks/memory.py`)
 _ARRAYS = {1: 72, 2: 24}
@@ -42,12 +42,20 @@ def arrays_of_topography(dimension: int, order: int) -> int:
     return _ARRAYS_OF_TOPOGRAPHY[dimension] + order * _ARRAYS_OF_ORDER[dimension] + more
 
 
-def arrays_of_a_loaded_body(dimension: int, order: int | None = None) -> int:
-    """Return how many arrays of its size loading a body without a punch takes, a rough one at an order in the slope.
+def arrays_of(scene: Scene, order: int, steps: int = 0) -> int:
+    """Return how many arrays of its size solving a scene takes, at an order in the slope, along so many steps.
 
-    The next order, whose response tells what it would add, takes most.
+    Without a punch, a rough body takes most to tell what the next order would add.
     """
-    return _ARRAYS_OF_A_LOADED_BODY[dimension] + (0 if order is None else arrays_of_topography(dimension, order + 1))
+    dimension = scene.dimension
+    if not scene.has_punch:
+        rough = arrays_of_topography(dimension, 1 + order) if scene.follows_topography else 0
+        return _ARRAYS_OF_A_LOADED_BODY[dimension] + rough
+    laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
+    arrays = arrays_per_realisation(dimension, laws, scene.ends) + arrays_of_memory(scene)
+    if scene.follows_topography:
+        arrays = max(arrays, arrays_of_topography(dimension, order))
+    return arrays + arrays_of_path(dimension, laws, steps)
 
 
 def arrays_of_path(dimension: int, laws: Iterable[str], steps: int) -> int:
@@ -104,10 +112,9 @@ def check_discretisation(
         )
 
 
-def check_surfaces(document: Document, scene: Scene | LoadedBody, arrays: int) -> None:
+def check_surfaces(document: Document, scene: Scene, arrays: int) -> None:
     """Raise InputError for surfaces whose own points are too many for so many arrays to fit in memory."""
-    form = scene.form if isinstance(scene, Scene) else None
-    for place, surface in (scene.surfaces | ({} if form is None else {("form",): form})).items():
+    for place, surface in (scene.surfaces | ({} if scene.form is None else {("form",): scene.form})).items():
         if surface.points is not None:
             check_nodes(document, ("scene", *place, "points"), float(surface.points) ** scene.dimension, arrays)
 

@@ -91,12 +91,16 @@ class Document:
 
     def refused(self, location: Location, allowed: str, suggestion: str = "") -> InputError:
         """InputError about the value that stands at a location."""
-        return self.error(location, self.value(location), allowed, suggestion)
+        return InputError(self.told(location, allowed, suggestion))
 
     def unknown(self, location: Location, names: Iterable[str]) -> InputError:
         """InputError about a value at a location that is none of some names."""
         given, names = self.value(location), list(names)
         return self.error(location, given, _listed(names), nearest(given, names))
+
+    def told(self, location: Location, allowed: str, suggestion: str = "") -> str:
+        """One line of an InputError about the value that stands at a location."""
+        return self.line(location, brief(self.value(location)), allowed, suggestion)
 
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""
@@ -283,10 +287,9 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
     match fault["type"]:
         case "rule":
             location += fault["ctx"]["location"]
-            return document.line(location, brief(document.value(location)), fault["ctx"]["allowed"])
+            return document.told(location, fault["ctx"]["allowed"])
         case "unit":
-            context = fault["ctx"]
-            return document.line(location, brief(document.value(location)), context["allowed"], context["suggestion"])
+            return document.told(location, fault["ctx"]["allowed"], fault["ctx"]["suggestion"])
         case "extra_forbidden" | "invalid_key":
             siblings = list(_at(schema, fault["loc"][:-1])[1]["properties"])
             if document.flat and len(location) == 2:
@@ -298,7 +301,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             location += (node["discriminator"]["propertyName"],)
             node = {"enum": list(node["discriminator"]["mapping"])}
             if isinstance(given, dict) and "file" in given and "measured" in node["enum"]:
-                return document.line(location, brief(document.value(location)), _MEASURED)
+                return document.told(location, _MEASURED)
     value = document.value(location)
     hint = nearest(value, node.get("enum", ()))
     number = plain_scalar(value) if isinstance(value, str) else None
@@ -308,7 +311,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
         hint = "this number has no unit"
     if isinstance(value, str) and node.get("type") in ("number", "integer", ["number", "string"]):
         hint = respelt(value[:_LONGEST]) or hint
-    return document.line(location, brief(value), _allowed(schema, node), hint)
+    return document.told(location, _allowed(schema, node), hint)
 
 
 def _at(schema: dict[str, Any], loc: Iterable[str | int]) -> tuple[Location, dict[str, Any]]:

@@ -2,7 +2,7 @@
 
 Each law says what computes it and what it asks of a solver, whether its tractions are normal or tangential, whether
 they act across an open gap, whether they keep the bodies apart, and whether they need touching nodes. A field of
-`Interface` that is a law is its row: `gfmd_numba.interface.table` reads it.
+`Interface` that is a law is its row in `LAWS`.
 """
 
 from itertools import pairwise
@@ -295,6 +295,11 @@ class Interface(BaseModel):
         return {name: law for name, law in self if isinstance(law, Law)}
 
     @property
+    def keeps_apart(self) -> bool:
+        """Whether something keeps the bodies apart."""
+        return any(law.keeps_apart for law in self.laws.values())
+
+    @property
     def law_of_the_gap(self) -> LawOfTheGap | None:
         """The law of the gap alone that acts."""
         return next((law for law in self.laws.values() if isinstance(law, LawOfTheGap)), None)
@@ -322,14 +327,7 @@ class Interface(BaseModel):
 
     @model_validator(mode="after")
     def _laws_agree(self) -> Self:
-        laws = self.laws
-        if not any(law.keeps_apart for law in laws.values()):
-            raise broken_rule(
-                (),
-                "hard_wall: {}, cohesive, lennard_jones, or an exponential or power law that repels: something must "
-                "keep the bodies apart",
-            )
-        for name, law in laws.items():
+        for name, law in self.laws.items():
             if law.needs_touching_nodes and self.hard_wall is None:
                 raise broken_rule((name,), f"{name} with a hard_wall, on which there are touching nodes")
             if isinstance(law, LawOfTheGap) and law.pattern is not None and self.hard_wall is None:
@@ -338,4 +336,5 @@ class Interface(BaseModel):
 
 
 _RECORDS = {name: get_args(field.annotation)[0] for name, field in Interface.model_fields.items()}
-LAWS_OF_THE_GAP = {name for name, record in _RECORDS.items() if issubclass(record, LawOfTheGap)}
+LAWS: dict[str, type[Law]] = {name: record for name, record in _RECORDS.items() if issubclass(record, LawRecord)}
+LAWS_OF_THE_GAP = {name for name, law in LAWS.items() if issubclass(law, LawOfTheGap)}

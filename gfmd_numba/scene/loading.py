@@ -25,6 +25,7 @@ from gfmd_numba.scene.units import Quantity, quantities, respelt
 
 LOADS = ("reduced_pressure", "pressure", "line_load", "force")
 CONTROLS = (*LOADS, "displacement")
+ONE_LOAD = f"exactly one of {', '.join(CONTROLS[:-1])} and {CONTROLS[-1]}"
 _NEEDED = {"pressure": ("youngs_modulus",)} | dict.fromkeys(("line_load", "force"), ("youngs_modulus", "length"))
 
 
@@ -50,17 +51,17 @@ class Controls(BaseModel):
 
 
 class Loading(Controls):
-    """One of four loads, or the displacement of the punch."""
+    """One of four loads, or the displacement of the punch; none without a punch."""
 
     @property
     def control(self) -> str:
-        """Name of what is prescribed."""
-        return next(name for name in CONTROLS if getattr(self, name) is not None)
+        """Name of what is prescribed, nothing without a punch."""
+        return next((name for name in CONTROLS if getattr(self, name) is not None), "")
 
     @model_validator(mode="after")
     def _one_control(self) -> Self:
-        if sum(getattr(self, name) is not None for name in CONTROLS) != 1:
-            raise broken_rule((), f"exactly one of {', '.join(CONTROLS[:-1])} and {CONTROLS[-1]}")
+        if sum(getattr(self, name) is not None for name in CONTROLS) > 1:
+            raise broken_rule((), ONE_LOAD)
         return self
 
 

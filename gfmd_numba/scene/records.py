@@ -3,14 +3,14 @@
 from collections.abc import Callable, Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self
+from typing import Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.body_record import Body
 from gfmd_numba.scene.form_record import Form
 from gfmd_numba.scene.interface_records import Interface
-from gfmd_numba.scene.loading import Loading, Step, check_loading
+from gfmd_numba.scene.loading import ONE_LOAD, Loading, Step, check_loading
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.quantities import (
     FILES,
@@ -119,17 +119,26 @@ def ends_of(periodic: object, dimension: int) -> tuple[bool, ...]:
     return tuple(periodic is not True and axis != periodic for axis in AXES[-dimension:])
 
 
+_OF_A_PUNCH = {"roughness", "form", "counter_body", "interface", "loading"}
+
+
 class Scene(BaseModel):
-    """One contact problem: body, roughness, interface, loading and the period L_x in m."""
+    """One contact problem: body, roughness, interface, loading and the period L_x in m; or a body without a punch.
+
+    Without a punch, on whose surface a `boundary` prescribes all, nothing acts between surfaces, and nothing is loaded.
+    """
 
     model_config = RECORD
     body: Body = Field(description="Elastic body")
     roughness: Surface | None = Field(None, description="The rigid punch's roughness; None: flat")
     form: Form | None = Field(None, description="Smooth form of the punch, under its roughness or alone; None: flat")
     counter_body: Body | None = Field(None, description="A second elastic body in place of the rigid punch")
-    interface: Interface = Field(description="Interaction between body and punch")
-    loading: Loading = Field(description="Load or displacement control")
-    boundary: Boundary | None = Field(None, description="Tractions that act on the body before the punch does")
+    interface: Interface = Field(default_factory=Interface, description="Interaction between body and punch")
+    loading: Loading = Field(default_factory=Loading, description="Load or displacement control")
+    boundary: Boundary | None = Field(
+        None,
+        description="Tractions that act on the body before the punch does; without a punch also displacements",
+    )
     length: Length | None = Field(
         None,
         description="Period L_x in m; None: that of a measured file with positions, and otherwise lengths are in L_x",
@@ -140,6 +149,11 @@ class Scene(BaseModel):
         description="Whether the surfaces repeat; false: a window of length L_x, around which the body is free; x "
         "or y: they repeat along that axis alone, and the body is free on both sides along the other",
     )
+
+    @property
+    def has_punch(self) -> bool:
+        """Whether a punch, or a counter body, is pressed on the body."""
+        return bool(self.loading.control)
 
     @property
     def ends(self) -> tuple[bool, ...]:
@@ -204,7 +218,8 @@ class Scene(BaseModel):
     def knows_lowest_order_only(self) -> bool:
         """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
         layered = any(body.layers is not None for body in self.deformable) or self.form is not None
-        further = self.interface.couples or self.interface.hardness is not None or self.boundary is not None
+        further = self.interface.couples or self.interface.hardness is not None
+        further |= self.has_punch and self.boundary is not None
         return self.dimension == 2 or layered or further or self.creeps or any(self.ends)
 
     @property
@@ -212,10 +227,33 @@ class Scene(BaseModel):
         """Whether the file of a measured surface may tell the period: what depends on it is checked by then."""
         return self.length is None and any(isinstance(surface, Measured) for surface in self.surfaces.values())
 
+    @model_validator(mode="before")
+    @classmethod
+    def _needs_of_a_punch(cls, given: Any) -> Any:
+        """What acts on a punch, as nothing where it is missing: only a body with a boundary alone does without."""
+        if isinstance(given, Mapping) and ("boundary" not in given or _OF_A_PUNCH & given.keys()):
+            return {"interface": None, "loading": None} | dict(given)
+        return given
+
+    @model_validator(mode="after")
+    def _is_pressed(self) -> Self:
+        alone = self.surfaces.keys() <= {("body", "roughness")} and self.form is None and self.counter_body is None
+        if alone and self.boundary is not None and not self.has_punch and self.interface == Interface():
+            return self
+        if not self.interface.keeps_apart:
+            raise broken_rule(
+                ("interface",),
+                "hard_wall: {}, cohesive, lennard_jones, or an exponential or power law that repels: something must "
+                "keep the bodies apart",
+            )
+        if not self.has_punch:
+            raise broken_rule(("loading",), ONE_LOAD)
+        return self
+
     @model_validator(mode="after")
     def _bodies_agree(self) -> Self:
         counter = self.counter_body
-        if self.form is None and not self.surfaces:
+        if self.has_punch and self.form is None and not self.surfaces:
             raise broken_rule(
                 ("roughness",),
                 "a mapping with a method like 'psd' or 'measured', here for the punch or inside body for the body "
@@ -243,7 +281,8 @@ class Scene(BaseModel):
         """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
         for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
             body.check_layers((name,), self.length)
-        check_loading(self.loading, self.length, self.has_moduli, bool(self.surfaces))
+        if self.has_punch:
+            check_loading(self.loading, self.length, self.has_moduli, bool(self.surfaces))
         check_scales(self, self.length, self.has_moduli)
         wrong = None if self.form is None else self.form.misfit(self.length or 1.0)
         if wrong is not None:
@@ -343,7 +382,7 @@ class Numerics(BaseModel):
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"
     )
 
-    def slope_order(self, scene: "Scene | LoadedBody") -> int:
+    def slope_order(self, scene: Scene) -> int:
         """Order in the slope to which the topographies of a scene are followed."""
         if self.topography_order is None:
             return 0 if scene.knows_lowest_order_only else 2
@@ -351,19 +390,6 @@ class Numerics(BaseModel):
 
 
 Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene
-
-
-def check_drawing(surfaces: Surfaces, discretisation: Discretisation | None, seed: int, realisation: int) -> None:
-    """Raise a located PydanticCustomError unless surfaces have a grid each, and a seed if one of them is random."""
-    needed = any(surface.needs_discretisation for surface in surfaces.values())
-    if discretisation is None and needed:
-        raise broken_rule(
-            ("discretisation",),
-            "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
-        )
-    if discretisation is not None and not needed:
-        raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
-    check_seed(seed, realisation, any(isinstance(surface, Random) for surface in surfaces.values()))
 
 
 def check_waves(surfaces: Surfaces, length: float | None) -> None:
@@ -378,8 +404,15 @@ class SceneFile(BaseModel):
     """A scene with its numerics, discretisation and random realisation."""
 
     model_config = RECORD
-    scene: Scene = Field(description="What is in contact")
+    scene: Scene = Field(description="What is in contact, or loaded without a punch")
     numerics: Numerics = Field(Numerics(), description="How it is solved")
+    points: int | None = Field(
+        None,
+        ge=4,
+        le=2**22,
+        description="Nodes over the period of a flat body without a punch, of maps both ways; None: as many as in the "
+        "files of its boundary",
+    )
     discretisation: Discretisation | None = Field(
         None, description="Grid and wavelengths of random surfaces without points of their own"
     )
@@ -389,11 +422,32 @@ class SceneFile(BaseModel):
         (), strict=False, description="Loadings after the first one, each begun where the last one ended"
     )
 
+    @property
+    def slope_order(self) -> int:
+        """Order in the slope to which the topographies of its scene are followed."""
+        return self.numerics.slope_order(self.scene)
+
     @model_validator(mode="after")
     def _parts_agree(self) -> Self:
-        check_drawing(self.scene.surfaces, self.discretisation, self.seed, self.realisation)
+        surfaces = self.scene.surfaces.values()
+        needed = any(surface.needs_discretisation for surface in surfaces)
+        if self.discretisation is None and needed:
+            raise broken_rule(
+                ("discretisation",),
+                "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
+            )
+        if self.discretisation is not None and not needed:
+            raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")
+        check_seed(self.seed, self.realisation, any(isinstance(surface, Random) for surface in surfaces))
+        if self.path and not self.scene.has_punch:
+            raise broken_rule(("path",), "nothing without a punch, whose loading it changes")
         for i, step in enumerate(self.path):
             step.check(self.scene.loading, i)
+        if self.scene.has_punch or self.scene.follows_topography:
+            if self.points is not None:
+                raise broken_rule(("points",), "nothing here, as the surfaces have a grid of their own")
+        elif self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary or ()):
+            raise broken_rule(("points",), "the number of nodes, as no file of the boundary gives it")
         if not self.scene.awaits_period:
             self.check_period()
         return self
@@ -402,99 +456,3 @@ class SceneFile(BaseModel):
         """Raise a located PydanticCustomError for waves that do not fit the period, and steps that need one."""
         check_waves(self.scene.surfaces, self.scene.length)
         check_scales(self.path, self.scene.length, self.scene.has_moduli, ("path",))
-
-
-class LoadedBody(BaseModel):
-    """A body, what is prescribed on its surface, and the period L_x in m."""
-
-    model_config = RECORD
-    periodic: ClassVar[bool] = True
-    body: Body = Field(description="Elastic body")
-    boundary: Boundary = Field(description="Prescribed tractions and displacements")
-    length: Length | None = Field(
-        None,
-        description="Period L_x in m; None: that of a measured topography with positions, and otherwise lengths are "
-        "in units of L_x",
-    )
-    dimension: Dimension = Field(1, description="1: a surface over x, in plane strain; 2: over x and y, of period L_x")
-
-    @property
-    def deformable(self) -> tuple[Body, ...]:
-        """The elastic body."""
-        return (self.body,)
-
-    @property
-    def has_moduli(self) -> bool:
-        """Whether the body has a Young's modulus, so that stresses are in Pa."""
-        return self.body.has_modulus
-
-    @property
-    def surfaces(self) -> dict[tuple[str, ...], Surface]:
-        """The topography of the body by its place in the scene; none of a flat one."""
-        return {} if self.body.roughness is None else {("body", "roughness"): self.body.roughness}
-
-    @property
-    def follows_topography(self) -> bool:
-        """Whether the body is rough."""
-        return self.body.roughness is not None
-
-    @property
-    def knows_lowest_order_only(self) -> bool:
-        """Whether the topography is followed at order 0 in its slope unless a higher order is asked for."""
-        return self.dimension == 2 or self.body.layers is not None
-
-    @property
-    def awaits_period(self) -> bool:
-        """Whether the file of a measured topography may tell the period: what depends on it is checked by then."""
-        return self.length is None and isinstance(self.body.roughness, Measured)
-
-    @model_validator(mode="after")
-    def _parts_fit(self) -> Self:
-        if not self.awaits_period:
-            self.check_period()
-        return self
-
-    def check_period(self) -> None:
-        """Raise a located PydanticCustomError for layers that do not fit the period, and units that need one."""
-        self.body.check_layers(("body",), self.length)
-        check_scales(self, self.length, self.has_moduli)
-
-
-class BoundaryFile(BaseModel):
-    """A loaded body with its numerics, and its number of nodes or what gives its topography one."""
-
-    model_config = RECORD
-    scene: LoadedBody = Field(description="What is loaded")
-    numerics: Numerics = Field(Numerics(), description="How it is solved")
-    points: int | None = Field(
-        None,
-        ge=4,
-        le=2**22,
-        description="Nodes over the period, of maps both ways; None: as many as in the files, or in the topography",
-    )
-    discretisation: Discretisation | None = Field(
-        None, description="Grid and wavelengths of a random topography without points of its own"
-    )
-    seed: Seed = 0
-    realisation: int = Field(0, ge=0, lt=2**63, description="Which realisation of a random topography")
-
-    @property
-    def slope_order(self) -> int | None:
-        """Order in the slope to which the topography of the body is followed, None for a flat one."""
-        return self.numerics.slope_order(self.scene) if self.scene.follows_topography else None
-
-    @model_validator(mode="after")
-    def _parts_agree(self) -> Self:
-        check_drawing(self.scene.surfaces, self.discretisation, self.seed, self.realisation)
-        if self.scene.follows_topography:
-            if self.points is not None:
-                raise broken_rule(("points",), "nothing, as the topography of the body has its own grid")
-        elif self.points is None and not any(isinstance(values, str) for _, values in self.scene.boundary):
-            raise broken_rule(("points",), "the number of nodes, as no file of the boundary gives it")
-        if not self.scene.awaits_period:
-            self.check_period()
-        return self
-
-    def check_period(self) -> None:
-        """Raise a located PydanticCustomError for waves that do not fit the period."""
-        check_waves(self.scene.surfaces, self.scene.length)

@@ -7,33 +7,24 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from gfmd_numba.scene.checks import (
-    arrays_of_a_loaded_body,
-    arrays_of_memory,
-    arrays_of_path,
-    arrays_per_realisation,
-    check_anisotropy_fits,
-    check_discretisation,
-    check_surfaces,
-)
+from gfmd_numba.scene.checks import arrays_of, check_anisotropy_fits, check_discretisation, check_nodes, check_surfaces
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
 from gfmd_numba.scene.quantities import FILES
-from gfmd_numba.scene.records import Boundary, BoundaryFile, Discretisation, Scene, SceneFile
+from gfmd_numba.scene.records import Boundary, Discretisation, Scene, SceneFile
 from gfmd_numba.text.input_error import InputError
 
 Record = TypeVar("Record", bound=BaseModel)
 
-_OF_A_PUNCH = {"roughness", "form", "interface", "loading"}
-_TOP_LEVEL = {*SceneFile.model_fields, "points"}  # of scenes with a punch and without one
+_TOP_LEVEL = set(SceneFile.model_fields)
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
 
 
-def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | BoundaryFile, Document]:
+def load_scene(source: Source | SceneFile) -> tuple[SceneFile, Document]:
     """Checked contact or loaded body of a YAML file, nested or flat, a mapping or a record, and the document itself.
 
     Raises InputError.
     """
-    if isinstance(source, SceneFile | BoundaryFile):
+    if isinstance(source, SceneFile):
         document = Document(None, "", source.model_dump())
         return _checked(source, document), document
     document = _nested(document_of(source, "scene"))
@@ -41,16 +32,15 @@ def load_scene(source: Source | SceneFile | BoundaryFile) -> tuple[SceneFile | B
     if len(campaign) > 1:  # one alone may be a slip
         allowed = "the keys of a scene; gfmd run and gfmd plan take a campaign"
         raise InputError(document.key_line((campaign[0],), "a key of campaigns", allowed))
-    kind: type[SceneFile | BoundaryFile] = BoundaryFile if _has_no_punch(document) else SceneFile
-    return _checked(validate(document, kind), document), document
+    return _checked(validate(document, SceneFile), document), document
 
 
-def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Document:
+def with_heights(source: Source | SceneFile, heights: Any) -> Document:
     """Document of a scene whose punch has heights of an array, treated as its `roughness` says if it has one.
 
     Raises InputError, as `load_scene` does for what it makes of the document.
     """
-    given = source.model_dump(exclude_unset=True) if isinstance(source, SceneFile | BoundaryFile) else source
+    given = source.model_dump(exclude_unset=True) if isinstance(source, SceneFile) else source
     document = _nested(document_of(given, "scene"))
     data = document.data
     if not isinstance(data, dict) or not isinstance(data.get("scene"), dict):
@@ -63,7 +53,7 @@ def with_heights(source: Source | SceneFile | BoundaryFile, heights: Any) -> Doc
     return replace(document, data={**data, "scene": {**data["scene"], "roughness": surface}})
 
 
-def input_files(file: SceneFile | BoundaryFile) -> list[Path]:
+def input_files(file: SceneFile) -> list[Path]:
     """Files that a loaded scene reads."""
     return [Path(name) for name in _named_files(file.scene)]
 
@@ -81,34 +71,25 @@ def _kinds_of_file(record: BaseModel, name: str) -> tuple[str, ...] | None:
     return FILES if isinstance(record, Boundary) else {"file": (), "pattern": FILES}.get(name)
 
 
-def _has_no_punch(document: Document) -> bool:
-    data = document.value(("scene",))
-    return isinstance(data, dict) and "boundary" in data and not _OF_A_PUNCH & data.keys()
-
-
-def _checked(file: SceneFile | BoundaryFile, document: Document) -> SceneFile | BoundaryFile:
+def _checked(file: SceneFile, document: Document) -> SceneFile:
     """The same, whose files exist and have absolute paths."""
     _check_grid(file, document)
     return file.model_copy(update={"scene": located(document, file.scene, ("scene",))})
 
 
-def _check_grid(file: SceneFile | BoundaryFile, document: Document) -> None:
-    scene = file.scene
-    if isinstance(file, SceneFile):
-        laws = [*file.scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
-        arrays = arrays_per_realisation(scene.dimension, laws, file.scene.ends)
-        arrays += arrays_of_path(scene.dimension, laws, len(file.path)) + arrays_of_memory(file.scene)
-    else:
-        arrays = arrays_of_a_loaded_body(scene.dimension, file.slope_order)
+def _check_grid(file: SceneFile, document: Document) -> None:
+    scene, arrays = file.scene, arrays_of(file.scene, file.slope_order, len(file.path))
     if file.discretisation is not None:
         locations = {axis: ("discretisation", axis) for axis in Discretisation.model_fields}
         check_discretisation(document, file.discretisation, locations, (), scene.dimension, arrays)
         for place, surface in scene.surfaces.items():
             anisotropy = getattr(surface, "anisotropy", None)
-            checked = place == ("roughness",) or isinstance(file, BoundaryFile)
+            checked = place == ("roughness",) or not scene.has_punch
             if anisotropy is not None and scene.dimension == 2 and checked:
                 check_anisotropy_fits(document, anisotropy, ("scene", *place, "anisotropy"), file.discretisation)
     check_surfaces(document, scene, arrays)
+    if file.points is not None:
+        check_nodes(document, ("points",), float(file.points) ** scene.dimension, arrays)
 
 
 def located(document: Document, record: Record, at: Location) -> Record:

@@ -136,6 +136,7 @@ class SelfAffine(PowerLaw):
 class Spectral(Random):
     """Random surface whose spectrum has lengths of its own, drawn by one of the spectral methods."""
 
+    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:generator"
     method: Literal["psd", "fourier_filter"] = Field(description="How the surface is made")
 
     @model_validator(mode="after")
@@ -164,14 +165,12 @@ class Correlated(Spectral):
 class ExponentialCorrelation(Correlated):
     """Exponential correlation model, thesis (3.9) to (3.11)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:exponential"
     model: Literal["exponential"] = Field(description="Spectrum of the surface")
 
 
 class KCorrelation(Correlated):
     """K-correlation model, thesis (3.12) to (3.14)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:k_correlation"
     model: Literal["k_correlation"] = Field(description="Spectrum of the surface")
 
 
@@ -181,7 +180,6 @@ class LengthAnisotropy(Spectral):
     If both are xi, it is the k_correlation model with the correlation length xi sqrt(2H).
     """
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:length_anisotropy"
     of_maps: ClassVar = True
     model: Literal["length_anisotropy"] = Field(description="Spectrum of the surface")
     hurst: PositiveHurst
@@ -192,7 +190,6 @@ class LengthAnisotropy(Spectral):
 class ScalingAnisotropy(Spectral):
     """K-correlation model of maps with two Hurst exponents and correlation lengths, thesis (3.16)."""
 
-    implementation: ClassVar = "gfmd_numba.roughness.model_surfaces:scaling_anisotropy"
     of_maps: ClassVar = True
     model: Literal["scaling_anisotropy"] = Field(description="Spectrum of the surface")
     hurst_x: PositiveHurst

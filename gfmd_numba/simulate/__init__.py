@@ -7,54 +7,42 @@ import xarray as xr
 from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
-from gfmd_numba.contact.contact_input import read_contact, read_loaded_body
+from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput, read, read_contact
 from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.loaded_body import reduce_loaded_body, solve_boundary_value_problem
+from gfmd_numba.contact.loaded_body import solve_loaded_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.state import Tell
-from gfmd_numba.scene import BoundaryFile, Document, SceneFile
+from gfmd_numba.scene import Document, SceneFile
 
 
-def solve(file: SceneFile | BoundaryFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
+def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
     """Solve what a file describes, a contact or a loaded body without a punch, in SI units.
 
     `tell` is called with the steps of a path, or parts of a step, done since the last call.
     Warns of what its `validity` says. Raises InputError for a file that makes no sense; a run that fails says so in
     `status`.
     """
-    if isinstance(file, BoundaryFile):
-        given = read_loaded_body(file, document)
-        problem = reduce_loaded_body(given)
-        dataset = loaded_body_dataset(given, problem, solve_boundary_value_problem(problem))
+    given = read(file, document)
+    if isinstance(given, ContactInput):
+        problem, effects = given.reduced
+        with shared_by(file.numerics.threads):
+            dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
     else:
-        dataset = solve_contact(file, document, tell)
+        assert isinstance(given, LoadedBodyInput)  # the other of the two
+        dataset = loaded_body_dataset(given, solve_loaded_body(given))
     for sentence in filter(None, dataset.attrs["validity"].split("\n")):
         warnings.warn(sentence, stacklevel=2)
     return dataset
 
 
-def solve_in_processes(
-    file: SceneFile | BoundaryFile, document: Document, communicator: Communicator
-) -> xr.Dataset | None:
+def solve_in_processes(file: SceneFile, document: Document, communicator: Communicator) -> xr.Dataset | None:
     """As `solve`, of a map that processes share: its dataset in the first of them, None in the others.
 
     Raises InputError, in all of them, for what they cannot share.
     """
-    check_where(document, file.scene, "processes", file.numerics, file.path if isinstance(file, SceneFile) else ())
-    assert isinstance(file, SceneFile)  # any other is refused
+    check_where(document, file.scene, "processes", file.numerics, file.path)
     given = read_contact(file, document)
     problem, effects = given.reduced
     found = solve_in_slabs(problem, file.realisation, communicator)
     return None if found is None else path_dataset(given, problem, effects, [found])
-
-
-def solve_contact(file: SceneFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
-    """Fields `height, pressure, displacement, gap` over `x` and the scalars of one contact, in SI units.
-
-    Raises InputError for a scene that makes no sense; a run that fails says so in `status`.
-    """
-    given = read_contact(file, document)
-    problem, effects = given.reduced
-    with shared_by(file.numerics.threads):
-        return path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))

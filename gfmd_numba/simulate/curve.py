@@ -9,7 +9,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
-from typing import Any, Literal
+from types import GenericAlias
+from typing import Any, Literal, get_args
 
 import numpy as np
 import xarray as xr
@@ -22,25 +23,14 @@ from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_ro
 from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
-from gfmd_numba.scene import BoundaryFile, Document, InputError, Loading, Random, Scene, SceneFile, validate
+from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
-from gfmd_numba.scene.quantities import (
-    RECORD,
-    REDUCED_PRESSURE,
-    Duration,
-    Force,
-    LineLoad,
-    Pressure,
-    ReducedPressure,
-    SignedLength,
-    Speed,
-    check_scales,
-)
+from gfmd_numba.scene.plausible_numbers import implausible
+from gfmd_numba.scene.quantities import RECORD, REDUCED_PRESSURE, check_scales
 from gfmd_numba.scene.units import has_unit
 from gfmd_numba.solvers import status
 from gfmd_numba.text.input_error import brief
@@ -75,15 +65,6 @@ _SHORT = 1e-3  # of a load, or of the range of displacements: the step over whic
 
 
 _TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
-_VALUES: dict[str, Any] = {  # types, by what is prescribed
-    "reduced_pressure": tuple[ReducedPressure, ...],
-    "pressure": tuple[Pressure, ...],
-    "line_load": tuple[LineLoad, ...],
-    "force": tuple[Force, ...],
-    "displacement": tuple[SignedLength, ...],
-    _TIME: tuple[Duration, ...],
-    _SPEED: tuple[Speed, ...],
-}
 Over = Literal["loads", "times", "speeds"]
 _OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads, or one that `gfmd relaxation` finds from DMA"
 _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its scene, or a path that takes time"
@@ -93,7 +74,8 @@ _OF_ELASTIC = "times, or speeds, for a viscoelastic body, under the load of its 
 def _record(over: Over, prescribed: str) -> type[BaseModel]:
     """Record of the values that a curve is over, and of its number of realisations."""
     many = Field(min_length=1, max_length=10_000, strict=False)
-    fields: dict[str, Any] = {over: (_VALUES[prescribed], many)}
+    kind, _ = get_args(Loading.model_fields["duration" if prescribed == _TIME else prescribed].annotation)  # or None
+    fields: dict[str, Any] = {over: (GenericAlias(tuple, (kind, ...)), many)}
     return create_model("_Curve", __config__=RECORD, realisations=(int, Field(1, ge=1, le=1_000_000)), **fields)
 
 
@@ -111,9 +93,7 @@ class LoadCurve:
     realisations: int
 
 
-def read_curve(
-    file: SceneFile | BoundaryFile, document: Document, over: Over, values: object, realisations: object
-) -> LoadCurve:
+def read_curve(file: SceneFile, document: Document, over: Over, values: object, realisations: object) -> LoadCurve:
     """Check a scene and the loads, the times in s since its load began to act, or the speeds of its punch.
 
     Raises InputError, by the names of these arguments, for what makes no sense.
@@ -145,9 +125,9 @@ def read_curve(
     return curve
 
 
-def _without_path(file: SceneFile | BoundaryFile, document: Document) -> SceneFile:
+def _without_path(file: SceneFile, document: Document) -> SceneFile:
     """A scene file with its measured surfaces; raises InputError for one with a path, or without a punch."""
-    if isinstance(file, BoundaryFile):
+    if not file.scene.has_punch:
         raise document.fault(("scene",), "a loaded body without a punch", "a contact, with a loading")
     if file.path:
         allowed = "no path in the scene of a load curve, which follows the loads"
@@ -322,9 +302,7 @@ def _at_loads(lines: list[tuple[float, str]], every: set[float], unit: str) -> s
     return f"at {' to '.join(ends)}{numbers}: {line}"
 
 
-def curve_of(
-    file: SceneFile | BoundaryFile, document: Document, given: Mapping[Over, object], realisations: object
-) -> xr.Dataset:
+def curve_of(file: SceneFile, document: Document, given: Mapping[Over, object], realisations: object) -> xr.Dataset:
     """Observables over `prescribed_load`, `time` or `speed` in SI units; raises InputError as `read_curve` does.
 
     One of loads, times and speeds is `given`. The `status` says which runs failed.

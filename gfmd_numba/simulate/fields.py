@@ -5,7 +5,6 @@ The contact comes back from its dataset, if all nodes of its period are there.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -26,10 +25,9 @@ from gfmd_numba.elasticity.fields import (
     LoadedSurface,
     Periodic,
 )
-from gfmd_numba.scene import COMPONENTS, Body, BoundaryFile, InputError, LoadedBody, Scene, SceneFile
+from gfmd_numba.scene import COMPONENTS, Body, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import beyond_memory
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.records import ends_of
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
@@ -142,7 +140,7 @@ def body_fields(
     Thesis (2.4) to (2.6), (5.6).
     """
     scene, order = described(contact, body)
-    asked = scene.body if body == "body" or isinstance(scene, LoadedBody) else scene.counter_body
+    asked = scene.body if body == "body" else scene.counter_body
     assert asked is not None  # described's promise
     length = scene.length or 1.0
     elastic = scales_of(scene).bodies[0 if body == "body" else 1]
@@ -153,7 +151,7 @@ def body_fields(
     heights = _levels(elastic, length) if given is None else _checked(elastic, length, given, name, unit)
     whole = contact if "step" in contact.dims else contact.expand_dims("step")
     every = [whole.isel(step=i) for i in range(whole.sizes["step"])]
-    ends = ends_of(scene.periodic, scene.dimension)
+    ends = scene.ends
     inside = _Inside(body, asked, elastic, order, _units(contact, asked, length), nodes_of(scene), ends)
     if scene.dimension == 2:
         steps = _of_map(every, inside, _Wanted(heights, x, y, planes is not None))
@@ -319,8 +317,6 @@ def _add_peaks(dataset: xr.Dataset, largest: Largest, units: Units, failed: bool
         dataset[variable] = ("z", scaled, cf_attributes(long_name, units.names[kind]))
 
 
-Record = TypeVar("Record", BoundaryFile, SceneFile)
-
 _TRACTIONS = tuple(component.key("traction") for component in COMPONENTS[2])
 _ON_EACH = ("pressure", *_TRACTIONS)
 _FIELDS = (
@@ -331,20 +327,17 @@ _FIELDS = (
 )
 
 
-def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
+def described(contact: xr.Dataset, body: str) -> tuple[Scene, int]:
     """Scene of a dataset and the order its topography was followed to; raises InputError."""
     found = contact.variables.keys()
     solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
         raise InputError.of("contact", "no results of a contact", "what `gfmd solve` leaves")
-    if "normal_traction" in contact:
-        file: BoundaryFile | SceneFile = _recorded(BoundaryFile, contact)
-    else:
-        file = _recorded(SceneFile, contact)
-    scene, order = file.scene, file.numerics.slope_order(file.scene)
-    if isinstance(scene, Scene) and scene.creeps:
+    file = _recorded(contact)
+    scene, order = file.scene, file.slope_order
+    if scene.creeps:
         raise InputError.of("contact", "one of a viscoelastic body", "elastic bodies, as this is not built yet")
-    if isinstance(scene, Scene) and scene.body.plasticity is not None:
+    if scene.body.plasticity is not None:
         allowed = "elastic bodies: a contact of a body that flows has von_mises_stress and stress_x of its own"
         raise InputError.of("contact", "one of a body that flows inside", allowed)
     names = ["body", "counter_body"][: len(scene.deformable)]
@@ -358,7 +351,7 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene | LoadedBody, int]:
     return scene, order
 
 
-def nodes_of(scene: Scene | LoadedBody) -> tuple[str, ...]:
+def nodes_of(scene: Scene) -> tuple[str, ...]:
     """Dims of the nodes of a scene."""
     return AXES[-scene.dimension :]
 
@@ -390,13 +383,13 @@ def _found(step: xr.Dataset, names: list[str], nodes: tuple[str, ...]) -> Reals:
     return found
 
 
-def _needed(scene: Scene | LoadedBody, order: int) -> set[str]:
+def _needed(scene: Scene, order: int) -> set[str]:
     """Names of the tractions without which prescribed ones, or those on inclined surfaces, would be incomplete."""
     names = [component.key("traction") for component in COMPONENTS[scene.dimension]]
     needed = set()
     if scene.boundary is not None:
-        needed |= {("" if isinstance(scene, LoadedBody) else _PRESCRIBED) + name for name in names}
-    if isinstance(scene, Scene) and order > 0 and scene.touches_inclined:
+        needed |= {(_PRESCRIBED if scene.has_punch else "") + name for name in names}
+    if order > 0 and scene.touches_inclined:
         needed |= {whose + name for whose in ("", _COUNTER) for name in ("pressure", *names[:-1])}
         if scene.counter_body is None:
             needed -= {name for name in needed if name.startswith(_COUNTER)}
@@ -431,9 +424,9 @@ def _is_whole(contact: xr.Dataset, nodes: tuple[str, ...]) -> bool:
     return laid_out and numbers and named and contact.sizes.get("step", 1) > 0
 
 
-def _recorded(record: type[Record], contact: xr.Dataset) -> Record:
+def _recorded(contact: xr.Dataset) -> SceneFile:
     """Scene file that a dataset was solved from; raises InputError if its attribute is no such thing any more."""
     try:
-        return record.model_validate_json(contact.attrs["scene"])
+        return SceneFile.model_validate_json(contact.attrs["scene"])
     except ValueError:
         raise InputError.of("contact", "a contact whose scene is unreadable", "what `gfmd solve` leaves") from None

@@ -9,13 +9,13 @@ from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
-from gfmd_numba.contact.plausible_numbers import implausible
 from gfmd_numba.contact.rough_surfaces import usable
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
 from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
 from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
+from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import given_with_units

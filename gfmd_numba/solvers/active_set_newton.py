@@ -5,13 +5,12 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
-from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate, refine
+from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles.near_field import FarField
 
@@ -54,7 +53,6 @@ class ActiveSetNewton(PressureIterate):
         rows, n = len(batch.punch), self.field.n
         self.changed = np.full(rows, n)  # nodes that changed sides in the last step
         self.touching = np.full(rows, n)  # nodes in contact before it
-        self._coarse_transforms = np.zeros(rows)
         self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
         self._careful = np.zeros(rows, dtype=np.bool_)
         shape = self.field.shape
@@ -68,11 +66,6 @@ class ActiveSetNewton(PressureIterate):
         self._nodes = np.empty(n, dtype=np.int64)
         self._room, self._uniform = np.empty((2, n)), np.empty(n)
 
-    @property
-    def n_transforms(self) -> npt.NDArray[np.int64]:
-        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        return self.field.n_transforms + np.ceil(self._coarse_transforms).astype(np.int64)
-
     def advance(self, active: Indices) -> None:
         """Solve for the pressure on the contact of each active row, and revise its contact."""
         n = self.field.n
@@ -83,7 +76,7 @@ class ActiveSetNewton(PressureIterate):
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
             spent = self._inverse.transforms
             self._close_gap(row, count)
-            self._coarse_transforms[i] += self._inverse.transforms - spent
+            self.elsewhere[i] += self._inverse.transforms - spent
             changed = self._revise(row, count) or self._opened(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
             if changed:
@@ -160,19 +153,14 @@ class ActiveSetNewton(PressureIterate):
 
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""
-        n, fine_shape = self.field.n, self.field.shape
-        shape = tuple(-(-nodes // self._tuning.coarsening) for nodes in fine_shape)
+        shape = tuple(-(-nodes // self._tuning.coarsening) for nodes in self.field.shape)
         coarse = type(self)(batch.coarsened(shape), replace(options, residual=_SETTLED))
         active = np.arange(len(batch.punch))
         for _ in range(_COARSE_STEPS):
             coarse.advance(active)
             active = active[coarse.changed[active] > _SETTLED * coarse.touching[active]]
-        m = coarse.field.n
-        for fine, p in zip(self.pressure, coarse.pressure, strict=True):
-            refine(p[:m].reshape(-1, shape[-1]), fine[:n].reshape(-1, fine_shape[-1]))
+        self.begin_at(coarse)
         self._balance()
-        cost = m * np.log(m) / (n * np.log(n))
-        self._coarse_transforms = coarse.n_transforms * cost
 
     def _balance(self) -> None:
         """Scale the pressure of each realisation to its load, or move it there between its bounds."""

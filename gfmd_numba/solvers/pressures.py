@@ -9,6 +9,7 @@ import numpy.typing as npt
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.arrays.threads import team
+from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.iteration import Batch
 
@@ -44,11 +45,19 @@ class PressureIterate:
         self.certificate = batch.certificate()
         self.certificate.conditions = kernels.Conditions(self.hardness)
         self.rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
+        self.elsewhere: Reals = np.zeros(rows)  # transforms on other grids, in those of this one
 
     @property
     def n_transforms(self) -> npt.NDArray[np.int64]:
-        """Transforms made so far for each realisation."""
-        return self.field.n_transforms
+        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
+        return self.field.n_transforms + np.ceil(self.elsewhere).astype(np.int64)
+
+    def begin_at(self, coarse: "PressureIterate") -> None:
+        """Begin with the pressure that was found on a coarser grid."""
+        n, m, nx = self.field.n, coarse.field.n, self.field.shape[-1]
+        for fine, p in zip(self.pressure, coarse.pressure, strict=True):
+            refine(p[:m].reshape(-1, coarse.field.shape[-1]), fine[:n].reshape(-1, nx))
+        self.elsewhere[:] = coarse.n_transforms * relative_cost(m, n)
 
     def violation(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.

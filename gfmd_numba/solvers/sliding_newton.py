@@ -17,9 +17,8 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from gfmd_numba.arrays import Complexes, Flags, Indices, Reals
-from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.solvers.iteration import Batch, Start
-from gfmd_numba.solvers.pressures import PressureIterate, refine
+from gfmd_numba.solvers.pressures import PressureIterate
 from gfmd_numba.solvers.table import Options
 
 _PATIENCE = 6  # guesses that change no fewer nodes than earlier ones before they are taken to go round in circles
@@ -50,17 +49,11 @@ class SlidingNewton(PressureIterate):
         self._weights = np.full(len(batch.punch), 0.0 if self._lag <= _LAG else self._lag)
         self._targets = np.full(len(batch.punch), options.residual)
         self._solved = np.zeros(len(batch.punch), dtype=np.bool_)
-        self._coarse_transforms = np.zeros(len(batch.punch), dtype=np.int64)
         start = batch.start.displacement
         if not np.array_equal(start, Start.at_rest(batch.punch).displacement):
             self._begin_at(start.reshape(len(start), -1))
         elif self.field.n > _COARSEST:
             self._guess(batch, options)
-
-    @property
-    def n_transforms(self) -> Indices:
-        """Transforms made so far for each realisation, those of coarser grids in proportion to their cost."""
-        return self.field.n_transforms + self._coarse_transforms
 
     def advance(self, active: Indices) -> None:
         """Solve the problem of each active row under its weight, and choose the next weight."""
@@ -83,16 +76,12 @@ class SlidingNewton(PressureIterate):
 
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure on a coarser grid."""
-        n, fine = self.field.n, self.field.shape
-        shape = tuple(-(-nodes // _COARSER) for nodes in fine)
+        shape = tuple(-(-nodes // _COARSER) for nodes in self.field.shape)
         coarse = type(self)(batch.coarsened(shape), replace(options, residual=_ROUGH))
         for _ in range(_COARSE_STEPS):
             coarse.advance(np.flatnonzero(~coarse._solved))
         self._weights[:] = coarse._weights
-        for p, found in zip(self.pressure, coarse.pressure, strict=True):
-            refine(found[: coarse.field.n].reshape(-1, shape[-1]), p[:n].reshape(-1, fine[-1]))
-        cost = relative_cost(coarse.field.n, n)
-        self._coarse_transforms += np.ceil(coarse.n_transforms * cost).astype(np.int64)
+        self.begin_at(coarse)
 
     def _begin_at(self, displacement: Reals) -> None:
         """Begin with the pressure that displacements `[realisation, node]` take where they touch the wall."""

@@ -63,16 +63,6 @@ def replace(path: Path, content: bytes | memoryview, ours: Ours, mode: int = 0o6
         raise
 
 
-def create(path: Path, content: bytes) -> None:
-    """Write a new file; raises FileExistsError for one that is there, OSError as `replace` does."""
-    os.close(os.open(path, os.O_CREAT | os.O_EXCL, 0o666))
-    try:
-        replace(path, content, lambda present: not len(present))
-    except BaseException:
-        path.unlink()
-        raise
-
-
 def foreign(path: Path, ours: Ours = mark.is_product) -> str:
     """Return what stands at a path and must stay, as a clause; empty if it is nothing, an empty file, or `ours`."""
     try:
@@ -161,12 +151,12 @@ def sync(folder: Path) -> None:
         os.close(found)
 
 
-def temporary(path: Path, token: str = "") -> Path:
-    """Return a name next to a path for an unfinished file, always the same for a `token` of 16 hexadecimal digits.
+def temporary(path: Path) -> Path:
+    """Return a name next to a path for an unfinished file.
 
     Its last digits follow from the rest, so that no other program's file is mistaken for a leftover of a kill.
     """
-    token = token or uuid4().hex[:16]
+    token = uuid4().hex[:16]
     return path.with_name(f"{path.name}.{token}{_proof(path.name, token)}.tmp")
 
 

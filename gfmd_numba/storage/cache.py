@@ -12,8 +12,6 @@ from pathlib import Path
 
 import platformdirs
 
-KERNELS = "kernels"  # the folder whose files are code
-
 
 @cache
 def directory() -> Path:
@@ -29,7 +27,7 @@ def directory() -> Path:
         folder = folder.resolve()  # a link may lead elsewhere once it was looked at
         with tempfile.TemporaryFile(dir=folder):
             pass
-        if _is_safe(folder):
+        if is_private(folder.stat()):
             return folder
     except (OSError, RuntimeError):
         pass
@@ -57,19 +55,3 @@ def is_private(state: os.stat_result) -> bool:
     if sys.platform == "win32":
         return True  # folders of users are their own there
     return state.st_uid == os.geteuid() and not state.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-
-
-def _is_safe(folder: Path) -> bool:
-    """Return whether nobody else can have put code into a cache, nor put another in its place."""
-    above = [level.stat() for level in folder.parents]
-    inside = [Path(level, name) for level, names, _ in os.walk(folder / KERNELS) for name in names]
-    own = [folder.stat(), *(level.lstat() for level in (folder / KERNELS, *inside) if os.path.lexists(level))]
-    return all(map(is_private, own)) and all(map(_keeps, above))
-
-
-def _keeps(state: os.stat_result) -> bool:
-    """Return whether a folder of this state, above a private one, lets nobody else replace that one."""
-    if sys.platform == "win32":
-        return True
-    for_all = state.st_mode & stat.S_IWOTH and not state.st_mode & stat.S_ISVTX
-    return state.st_uid in (0, os.geteuid()) and not for_all

@@ -26,7 +26,7 @@ def folder() -> Path | None:
     for source in sorted(_SOURCES.glob("*.py")):
         state.update(source.read_bytes())
     try:
-        path = user_cache.directory() / user_cache.KERNELS / state.hexdigest()[:16]
+        path = user_cache.directory() / "kernels" / state.hexdigest()[:16]
         user_cache.make(path)
     except OSError:
         return None

@@ -69,6 +69,9 @@ def test_with_exact_exponents_all_is_sampling_and_interactions():
     fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=MIDDLE)
     assert [part(fit, name) for name in MIDDLE] == [0.0, 0.0, 0.0]
     assert whole(fit) == pytest.approx(fit["kappa_r_tfc_error"].item(), rel=1e-12)
+    for of in ("", "_error"):  # C eps^alpha is the correction
+        of_c = [fit[f"C{of}"].sel(limit=name).item() * REFERENCE[name] ** alpha for name, alpha in MIDDLE.items()]
+        assert of_c == pytest.approx(fit[f"correction{of}"].sel(limit=list(MIDDLE)).values[0])
     # what no cross level tells has nothing to do with the surfaces
     of_c_and_f = fit["interaction_error"].sel(pair="eps_c eps_f").item()
     of_t = fit["correction_error"].sel(limit="eps_t").item()

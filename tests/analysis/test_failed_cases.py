@@ -109,6 +109,15 @@ def test_a_failed_reference_still_fixes_where_corrections_are_quoted():
     np.testing.assert_allclose(fit["correction"].sel(limit="eps_t"), 0.15, rtol=1e-7)
 
 
+def test_a_reference_that_failed_bridges_no_distance():
+    """The limit is as far as the finest level that has results."""
+    dataset = campaign(levels={"eps_f": [1 / 128, 1 / 256, 1 / 512]}, coefficients={"eps_f": C["eps_f"]})
+    for failed, finest in (([], 1 / 1024), (0, 1 / 512)):
+        at = fit_tfc(fails(dataset, case=failed), fixed=KNOWN).isel(group=0).sel(limit="eps_f")
+        assert at["finest_eps"] == finest
+        np.testing.assert_allclose(at["extrapolated"], C["eps_f"] * finest ** ALPHA["eps_f"], rtol=1e-7)
+
+
 def test_a_group_that_failed_entirely_does_not_take_the_others_along():
     dataset = campaign((0.3, 0.8), cross=CROSS)
     dataset = fails(dataset, case=np.flatnonzero(dataset["hurst"].values == 0.3))

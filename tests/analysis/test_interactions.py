@@ -37,6 +37,12 @@ def test_planted_interactions_are_found_with_cross_levels(fixed):
     np.testing.assert_allclose(fit["kappa_r_tfc"], TFC[0.8], atol=1e-7)
     np.testing.assert_allclose(fit["C"], list(C.values()), rtol=1e-6)
     assert "corrections" not in fit["message"].item()  # the interactions say it
+    # how far the finest levels are from the limit, other corrections there or not
+    for name, finest in fit["finest_eps"].to_series().items():
+        alone = C[name] * finest ** ALPHA[name]
+        by_pairs = sum(size for pair, size in PLANTED.items() if name in pair)
+        together = alone + by_pairs * (finest / REFERENCE[name]) ** ALPHA[name]
+        assert fit["extrapolated"].sel(limit=name).item() == pytest.approx(max(alone, together), abs=1e-7)
 
 
 def test_planted_interactions_lie_within_their_errors():

@@ -64,6 +64,15 @@ def test_a_power_is_that_of_thesis_4_3():
     assert (free.low, free.high, free.is_free, free.logarithmic) == (0.1, 5.0, True, True)
 
 
+def test_without_a_usual_value_all_of_a_range_are_as_likely():
+    """Or their logarithms; the variance is that of a uniform distribution."""
+    even, octaves = Parameter("eps_c", 1.0, 4.0), Parameter("eps_c", 1.0, 4.0, logarithmic=True)
+    assert (even.middle, even.variance) == pytest.approx((2.5, 0.75))
+    assert (octaves.middle, octaves.variance) == pytest.approx((2.0, np.log(4.0) ** 2 / 12.0))
+    assert even.log_density(np.array([1.0, 3.0])) == pytest.approx([-np.log(3.0)] * 2)
+    assert Parameter("eps_c", 2.0, 2.0).log_density(np.array([2.0])) == [0.0]
+
+
 LIMITS = ("eps_c", "eps_f", "eps_t")
 
 
@@ -119,6 +128,15 @@ def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution(
     assert mean == pytest.approx(np.log(parameter.middle), abs=1e-9) == np.log(0.8)
     assert trapezoid(density * (logarithms - mean) ** 2, logarithms) == pytest.approx(parameter.variance)
     assert parameter.positions(parameter.values(logarithms)) == pytest.approx(logarithms)
+
+
+@pytest.mark.parametrize("median", [1.0, 1.9, 3.0])
+def test_what_is_likely_adds_up_to_one_over_a_range_that_cuts_a_distribution_off(median):
+    parameter = Parameter("eps_f", 1.0, 2.0, logarithmic=True, usual=(median, 1.5))
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    low, high = parameter.ends
+    density = np.exp(parameter.log_density(low + (high - low) * (1.0 + nodes) / 2.0))
+    assert density @ weights * (high - low) / 2.0 == pytest.approx(1.0)
 
 
 def test_contacts_see_shorter_waves_the_larger_the_load_is():

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import t as student
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.exponent_posterior import Means, along, shares, weighed
+from gfmd_numba.analysis.exponent_posterior import Means, _narrowed, along, shares, weighed
 from gfmd_numba.analysis.gauss_markov import means_of
 from gfmd_numba.analysis.laws import power, unseen_slope
 from gfmd_numba.analysis.selection import groups_to_fit
@@ -260,3 +260,26 @@ def test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_
         [Means(values, whitener, levels, dict.fromkeys(levels, 1 / 4))], {n: power(n, {n: (1.0, 1.0)}) for n in levels}
     )
     np.testing.assert_allclose(choice.fits[0].coefficients[0], [3.0, 0.5, -0.25, 0.0], atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("likeliest", "box", "found"),
+    [
+        (6, (0.2, 0.4), (0.2, 0.5)),  # by half of its width
+        (0, (0.2, 0.4), (0.1, 0.4)),
+        (6, (0.7, 0.9), (0.7, 1.0)),  # no further than its range
+        (0, (0.05, 0.25), (0.0, 0.25)),
+        (3, (0.2, 0.4), "narrower"),
+    ],
+)
+def test_a_box_grows_where_likely_parameters_lie_at_its_edge(likeliest, box, found):
+    """And is narrowed to the nodes next to likely ones elsewhere."""
+    misfit = np.full((7, 1), 1e3)  # of two parameters, one of which is exact
+    misfit[likeliest] = 0.0
+    low, high = (np.array([end, 2.0]) for end in box)
+    new_low, new_high = _narrowed(misfit, low, high, np.array([[0.0, 1.0], [2.0, 2.0]]))
+    assert (new_low[1], new_high[1]) == (2.0, 2.0)
+    if found == "narrower":
+        points = 0.2 + 0.2 * (1.0 + np.polynomial.legendre.leggauss(7)[0]) / 2.0
+        found = points[2], points[4]
+    assert (new_low[0], new_high[0]) == pytest.approx(found)

@@ -36,6 +36,7 @@ def test_planted_parameters_are_recovered_exactly(exponents, fixed):
     np.testing.assert_allclose(fit["interaction_error"], 0, atol=3e-8)
     np.testing.assert_allclose(fit["rms_residual"], 0, atol=3e-8)
     assert fit["n_cases"].values.tolist() == [13, 13]
+    assert fit["freedom"].values.tolist() == [6, 6]  # less the limit, three corrections and three interactions
 
 
 def test_corrections_taken_one_at_a_time_leave_open_whether_they_add_up():

@@ -35,6 +35,10 @@ CAMPAIGNS = {
         ("realisations: 30", "realisations: {eps_c: 3}"),
         "bad.yaml:3:1: realisations.reference: you gave nothing; gfmd needs a whole number from 1 to 1000000",
     ),
+    "a body without a punch": (
+        (CAMPAIGN[CAMPAIGN.index("  roughness:") : CAMPAIGN.index("reference:")], "  boundary: {normal_traction: 0}\n"),
+        "bad.yaml:4:1: scene.loading: you gave nothing; gfmd needs a loading, and an interface, as campaigns are of",
+    ),
     "key of another level": (
         ("seed: 2018", "seed: 2018\nlength: 1e-6"),
         "bad.yaml:3:1: length: you gave an unknown key; gfmd allows one of 'name', 'seed', "

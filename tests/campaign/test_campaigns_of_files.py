@@ -239,9 +239,9 @@ def test_a_file_is_read_once_however_many_surfaces_are_made_of_it(folder, monkey
     [
         (
             {"cutoff": [5e-5, 5e-3]},
-            r"grid.cutoff\[1\]: you gave a.csv \(no wave as long as cutoff = 0.005 in the period",
+            r"grid.file\[0\]: you gave a.csv \(no wave as long as cutoff = 0.005 in the period",
         ),
-        ({"cutoff": [5e-8]}, r"grid.cutoff\[0\]: you gave a.csv \(no wave shorter than cutoff = 5e-08"),
+        ({"cutoff": [5e-8]}, r"grid.file\[0\]: you gave a.csv \(no wave shorter than cutoff = 5e-08"),
         ({"cutoff": [0.0]}, r"grid.cutoff\[0\]: you gave 0.0; gfmd allows a number from 1e-30"),
         ({"points": [128, 3]}, r"grid.points\[1\]: you gave 3; gfmd allows a whole number from 4"),
         ({"points": [128.0]}, r"grid.points\[0\]: you gave 128.0; gfmd allows a whole number from 4"),
@@ -252,7 +252,7 @@ def test_a_file_is_read_once_however_many_surfaces_are_made_of_it(folder, monkey
         ({"file": ["data/a.csv", "words.csv"]}, r"grid.file\[1\]: you gave words.csv \("),
     ],
 )
-def test_a_value_of_the_treatment_that_makes_no_surface_is_told_where_it_stands(folder, change, said):
+def test_a_value_of_the_treatment_that_makes_no_surface_is_told_with_its_file(folder, change, said):
     (folder / "words.csv").write_text("no numbers\n")
     with pytest.raises(InputError, match=said):
         plan(write(folder, grid=TREATED | change))
@@ -263,7 +263,7 @@ def test_a_map_too_large_for_the_memory_is_refused_before_it_is_made(folder):
     scene = SCENE | {"body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 0.05}}
     with pytest.raises(
         InputError,
-        match=r"grid.points\[1\]: you gave map.npy \(1000000 x 1000000 points after resampling, not",
+        match=r"grid.file\[0\]: you gave map.npy \(1000000 x 1000000 points after resampling, not",
     ):
         plan(write(folder, scene=scene, grid={"file": ["map.npy"], "points": [16, 1_000_000]}))
 

@@ -4,7 +4,6 @@ import json
 
 import numpy as np
 import pytest
-import xarray as xr
 import yaml
 
 import gfmd_numba
@@ -15,7 +14,7 @@ from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.rounds import Round, pilot_plan
+from gfmd_numba.campaign.rounds import pilot_plan
 from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, verify
 from gfmd_numba.scene import InputError
@@ -207,19 +206,6 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("halved", "step"), [(0.01, 2.0), (0.2, 4.0)])
-def test_levels_become_as_fine_as_their_laws_ask(refined, halved, step):
-    """Twice as fine where that leaves less open than allowed, else by the usual step."""
-    results = gfmd_numba.open_campaign(refined.results)
-    state = refined.rounds.model_copy(update={"goal": GOAL.model_copy(update={"budget": None})})
-    doubts = [next_round._Doubt(0.2, "eps_f", halved, 0.2)]
-    known = next_round.Known(results, next_round.Fit("kappa", {}))
-    standing = next_round._Standing(known, xr.Dataset(), 0.1, None, doubts, None)
-    finer = next_round._refined(state, standing, 0.1)
-    assert finer.now.levels[0][0][1] == state.now.levels[0][0][1] / step
-
-
-@pytest.mark.long
 def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_path, monkeypatch):
     monkeypatch.setattr(next_round, "_MOST", 2)
     goal = GOAL.model_copy(update={"targets": {"kappa": 0.02}})
@@ -229,28 +215,6 @@ def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_pat
     counts = [dict(zip(each.cases, each.realisations, strict=True)) for each in (before, last)]
     assert any(counts[1][case] > counts[0][case] for case in before.cases if case[0] == 1)
     assert all(counts[1][case] >= counts[0][case] for case in before.cases)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize(
-    ("sizes", "finer", "futile"),
-    [
-        ((np.inf, 0.01), ((0, 1), (0, 1)), True),
-        ((np.inf, 0.01), ((1,), (1,)), False),
-        ((np.inf, 0.01), ((0,), (1,)), False),
-        ((0.01, 0.01), ((0, 1), (0, 1)), False),
-        ((np.inf, 0.01), ((0, 1),), False),
-    ],
-)
-def test_levels_of_a_group_that_became_finer_twice_in_vain_end_a_run(sizes, finer, futile):
-    """Each of `finer` names the groups whose levels a round has made finer."""
-    level, levels = (1 / 4, 1 / 8, 1 / 2), [((), ())]
-    for groups in finer:
-        levels.append(tuple(of_group + (level,) * (group in groups) for group, of_group in enumerate(levels[-1])))
-    rounds = [Round(realisations=(1,), is_last=False, levels=each) for each in levels]
-    doubts = [next_round._Doubt(size, "eps_f", 0.0, size) for size in sizes]
-    why = next_round._indescribable(rounds, xr.Dataset({"misfit": ("group", [2.0, 1.0])}), doubts)
-    assert bool(why) == futile
 
 
 def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):

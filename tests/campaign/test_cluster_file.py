@@ -17,12 +17,12 @@ def test_a_cluster_file_may_give_memory_and_walltime_with_units(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("seconds", "spelt", "lifetime"),
-    [(60.0, "0-00:01:00", 45), (5400.0, "0-01:30:00", 5280), (180_000.5, "2-02:00:01", 179_880)],
+    ("seconds", "lifetime"),
+    [(60.0, 45), (5400.0, 5280), (180_000.5, 179_880)],
 )
-def test_workers_leave_before_their_walltime_ends(seconds, spelt, lifetime):
+def test_workers_leave_before_their_walltime_ends(seconds, lifetime):
     cluster = load_cluster({"cores": 1, "memory": 1e9, "walltime": seconds, "jobs": {"max": 1}})
-    assert (cluster.slurm_walltime, cluster.lifetime) == (spelt, lifetime)
+    assert cluster.lifetime == lifetime
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import failures
-from gfmd_numba.campaign.collection import NOTES, noted
+from gfmd_numba.campaign.collection import NOTED, NOTES, noted
 from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.output_directory import at_work, claimed
 from gfmd_numba.campaign.plan import plan
@@ -62,22 +62,6 @@ def test_a_file_without_our_mark_says_nothing(tmp_path, content):
     assert noted(tmp_path) == {}
 
 
-@pytest.mark.parametrize("given", [None, [[1]], float("inf"), float("nan"), 10**400, True, -1])
-def test_what_is_no_number_is_not_noted(tmp_path, given):
-    json_file.write(tmp_path / NOTES, {"last_run_seconds": given, "last_run_blocks": 2})
-    assert noted(tmp_path) == {"last_run_blocks": 2}
-
-
-@pytest.mark.parametrize(
-    ("status", "reason"), [(None, None), ("exploded", "boom"), (["crashed"], "boom"), ("crashed", {})]
-)
-def test_a_failure_of_an_unknown_kind_is_none(tmp_path, status, reason):
-    file = failures.path_of(tmp_path, "block")
-    file.parent.mkdir()
-    json_file.write(file, {"status": status, "reason": reason})
-    assert failures.of(tmp_path, "block") is None
-
-
 @pytest.mark.parametrize("content", FEW)
 def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     block = next(plan(out / "campaign.yaml").blocks)
@@ -88,8 +72,13 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     for command in ("status", "collect"):
         assert gfmd(command, out).exit_code == 0
     assert int((gfmd_numba.open_campaign(out)["status"] == Ending.unfinished).sum()) == 2
-    assert_kept(out, out / "shards" / f"{block.name}.failed")
+    note = out / "shards" / f"{block.name}.failed"
+    content_of_it = note.read_bytes()
     gfmd_numba.run(out / "campaign.yaml", out)
+    assert note.read_bytes() == content_of_it
+    said = gfmd("verify", out)
+    assert said.exit_code == (3 if content_of_it else 0)
+    note.unlink()
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
 
@@ -107,7 +96,7 @@ def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
     assert gfmd("collect", out).exit_code == 0
     before = gfmd_numba.open_campaign(out).attrs
     (out / "run.json").unlink(missing_ok=True)
-    json_file.write(out / "run.json", {name: "forged" for name in before} | {"last_run_seconds": 2.5})
+    json_file.write(out / "run.json", dict.fromkeys(before.keys() - set(NOTED), "forged") | {"last_run_seconds": 2.5})
     assert gfmd("collect", out).exit_code == 0
     after = gfmd_numba.open_campaign(out).attrs
     assert "forged" not in map(str, after.values())

@@ -16,9 +16,7 @@ from distributed.comm import connect
 from distributed.security import Security
 
 from gfmd_numba.campaign import cluster
-from gfmd_numba.campaign.execution import Workers, execute
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.shards import Finished
 from support.campaigns import campaign
 
 
@@ -102,41 +100,23 @@ def test_a_worker_that_takes_long_to_start_again_is_waited_for():
         assert client.submit(sum, [1, 2]).result(timeout=120) == 3
 
 
-@pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
-def test_a_frozen_worker_is_replaced_at_the_deadline_and_changes_nothing(tmp_path, monkeypatch):
-    monkeypatch.setattr(cluster, "_HEARTBEATS", 8.0)
-    blocks = list(plan(campaign(tmp_path)).blocks)
-    stopped, ended = [], []
-
-    for number, failures in execute([(block,) for block in blocks], tmp_path, Workers(1), 2.0):
-        if not stopped:
-            members = [child for child in psutil.Process().children(recursive=True) if child.num_threads() > 3]
-            workers = [child for child in members if not child.children()]
-            stopped.append(workers[0])
-            workers[0].send_signal(signal.SIGSTOP)
-        assert failures == {}
-        ended.append(number)
-    assert not stopped[0].is_running()
-    assert sum(ended) == len(blocks)
-    assert all(Finished(tmp_path).is_sound(block.name) for block in blocks)
+def is_worker(child):
+    try:
+        return not child.children() and "spawn_main" in str(child.cmdline())
+    except psutil.NoSuchProcess:  # one that has just ended
+        return False
 
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path):
     path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 600\ncase_timeout: 6"}), tmp_path / "out"
-    code = (
-        "import sys; from gfmd_numba.campaign import cluster; cluster._HEARTBEATS = 8.0\n"
-        "if __name__ == '__main__':\n    from gfmd_numba.cli import main; main(sys.argv[1:])"
-    )
-    script = tmp_path / "run.py"
-    script.write_text(code)
-    command = [sys.executable, str(script), "run", str(path), "-o", str(out), "--workers=2"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
+    soon = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "8s"}  # dask looks for silent workers as often
+    process = subprocess.Popen(command, env=soon, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     while process.poll() is None and len(list(out.glob("shards/*.shard"))) < 1:
         time.sleep(0.01)
-    workers = [child for child in family(process)[1:] if not child.children() and "spawn_main" in str(child.cmdline())]
+    workers = list(filter(is_worker, family(process)[1:]))
     workers[-1].suspend()
     said = process.communicate(timeout=300)[0]
     assert process.returncode == 0, said

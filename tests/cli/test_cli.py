@@ -59,7 +59,7 @@ def test_init_writes_a_campaign_that_can_be_run(tmp_path, monkeypatch):
     assert "campaign.yaml: this file exists, and gfmd overwrites nothing; choose a new name" in again.output
 
 
-@pytest.mark.parametrize("kind", ["campaign", "scene", "boundary", "surface"])
+@pytest.mark.parametrize("kind", ["campaign", "scene", "surface"])
 def test_schemas_are_json(kind):
     schema = json.loads(gfmd("schema", kind).output)
     assert schema["additionalProperties"] is False

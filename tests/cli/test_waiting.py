@@ -22,7 +22,7 @@ with terminal.progress_bar() as watch:
 """
 
 
-@pytest.mark.parametrize(("script", "shown"), [(SPINNER, "fitting"), (BAR, "blocks, writing the results")])
+@pytest.mark.parametrize(("script", "shown"), [(SPINNER, "fitting"), (BAR, "4/4")])
 def test_a_terminal_says_what_is_waited_for_and_a_pipe_has_the_results(script, shown):
     terminal, screen = pty.openpty()
     command = [sys.executable, "-c", script]

@@ -12,7 +12,7 @@ import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import main
 from gfmd_numba.contact.combinations import REFUSALS
-from gfmd_numba.interface.table import LAWS
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.solvers.table import able
 from support.faulty_files import CAMPAIGN, SCENE, changed, complaint
 

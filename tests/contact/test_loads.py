@@ -139,10 +139,15 @@ def test_a_campaign_varies_each_load(name, tmp_path):
     assert (stiffness["stiffness"] > 0.0).all()
 
 
-def test_a_load_far_beyond_all_measure_is_refused_in_a_campaign():
-    scene = {"body": BODY | {"youngs_modulus": 1e-30}, "roughness": ROUGH, "interface": {"hard_wall": {}}}
+@pytest.mark.parametrize(
+    ("modulus", "said"),
+    [
+        ("1 mPa", r"scene.loading.pressure: you gave 1e.30; gfmd allows a reduced pressure"),
+        (1e-30, r"scene.body.youngs_modulus: you gave 1e-30; gfmd allows what goes with the load, in a unit: "),
+    ],
+)
+def test_a_load_far_beyond_all_measure_is_refused_in_a_campaign(modulus, said):
+    scene = {"body": BODY | {"youngs_modulus": modulus}, "roughness": ROUGH, "interface": {"hard_wall": {}}}
     file = CAMPAIGN | {"scene": scene | {"loading": {"pressure": 1e30}}}
-    with pytest.raises(
-        gfmd_numba.InputError, match=r"scene.loading.pressure: you gave 1e.30; gfmd allows a reduced pressure"
-    ):
+    with pytest.raises(gfmd_numba.InputError, match=said):
         gfmd_numba.run(file, "nowhere", workers=0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from plastic_flow import elements, first_yield, parabola, pressed, random_scene, violations
 
-from gfmd_numba.contact import plastic_measures
+from gfmd_numba.contact import evaluation, plastic_measures
 from gfmd_numba.contact.plastic_flow import Mixing
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.plasticity import Plasticity
@@ -106,3 +106,13 @@ def test_a_sinusoid_flows_as_finite_elements_do(capsys):
     told = capsys.readouterr().out
     for name in ("peak pressure", "from the middle", "largest plastic strain"):
         assert abs(float(told.split(f"{name} ")[1].split("%")[0])) < 1.0
+
+
+def test_edges_above_what_has_flowed_are_where_the_last_nodes_put_them():
+    """Pressure ends at a finite value there: nodes are counted right in the mean, and each edge is uncertain."""
+    flows, elastic = cylinder([0.45, 0.9], ratio=10.0, hardening=0.0)[-1], cylinder([0.9], ratio=1.5)[0]
+    assert evaluation.contact_area_fraction(flows) == evaluation.contact_area_fraction_counted(flows)
+    assert evaluation.contact_area_fraction(elastic) < evaluation.contact_area_fraction_counted(elastic)
+    for contact in (flows, elastic):
+        np.testing.assert_allclose(evaluation.contact_area_fraction_error(contact), np.sqrt(2.0 / 12.0) / 64)
+    assert evaluation.kappa_edges_error(flows) > 0.0

@@ -15,11 +15,11 @@ from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.cli import main
 from gfmd_numba.cli.inspection import schemas
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
-from gfmd_numba.scene import BoundaryFile, SceneFile
+from gfmd_numba.scene import SceneFile
 from gfmd_numba.scene.surface_file import SurfaceFile
 from support.command_line import gfmd
 
-FILES = {"campaign": Campaign, "scene": SceneFile, "boundary": BoundaryFile, "surface": SurfaceFile, "cluster": Cluster}
+FILES = {"campaign": Campaign, "scene": SceneFile, "surface": SurfaceFile, "cluster": Cluster}
 
 
 def _records_in(annotation):

@@ -130,7 +130,7 @@ AXIS = Recipe(
     "campaign/axes.py",
     (
         (
-            '    Axis("breadth", "roughness", "b", "$b$", "breadth of the model", "height"),\n',
+            '    Axis("breadth", "roughness", "b", "$b$", "breadth of the model"),\n',
             '    Axis("eps_c",',
         ),
     ),

@@ -192,20 +192,3 @@ def test_length_anisotropy_with_equal_lengths_is_the_k_correlation_model():
     hurst, xi = 0.7, 0.2
     isotropic = KCorrelationSpectrum(2, hurst, xi * np.sqrt(2 * hurst)).psd(q)
     np.testing.assert_allclose(LengthAnisotropicSpectrum(hurst, (xi, xi)).psd(0.6 * q, 0.8 * q), isotropic, rtol=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("make", "message"),
-    [
-        (lambda: SelfAffineSpectrum(1, 1.2, 0.1, 0.5, 1.0), "Hurst exponent of 1.2"),
-        (lambda: SelfAffineSpectrum(1, 0.8, 0.6, 0.5, 1.0), "in this order"),
-        (lambda: ExponentialSpectrum(1, 0.0, 0.5), "Hurst exponent of 0"),
-        (lambda: KCorrelationSpectrum(2, 0.5, -1.0), "correlation length of -1"),
-        (lambda: Mounded(ExponentialSpectrum(1, 0.5, 2.0), 1.0), "mounds cannot be larger"),
-        (lambda: LengthAnisotropicSpectrum(1.5, (1.0, 1.0)), "Hurst exponent of 1.5"),
-        (lambda: ScalingAnisotropicSpectrum((0.5, 0.5), (1.0, 0.0)), "correlation length of 0"),
-    ],
-)
-def test_models_that_make_no_sense_are_refused(make, message):
-    with pytest.raises(ValueError, match=message):
-        make()

@@ -95,6 +95,18 @@ LOADS = {
         "bad.yaml:1:20: numerics.solver: you gave 'fire'; gfmd allows 'verlet' or 'auto', the solver of both "
         "displacements",
     ),
+    "a path without a punch": (
+        ("scene:", "path: [{displacement: 0.1}]\nscene:"),
+        "bad.yaml:1:7: path: you gave [{'displacement': 0.1}]; gfmd allows nothing without a punch",
+    ),
+    "a window without a punch": (
+        ("0.5}", "0.5}\n  periodic: false"),
+        "bad.yaml:3:13: scene.periodic: you gave false; gfmd allows true without a punch: ",
+    ),
+    "a counter body without a loading": (
+        ("0.5}", "0.5}\n  counter_body: {poissons_ratio: 0.3}"),
+        "bad.yaml:1:1: scene.interface: you gave nothing; gfmd needs ",
+    ),
     "a loading without a punch": (
         ("scene:", "scene:\n  loading: {reduced_pressure: 0.1}"),
         "bad.yaml:1:1: scene.interface: you gave nothing; gfmd needs ",
@@ -117,6 +129,10 @@ FAULTS_UNDER_A_PUNCH = {
         "bad.yaml:11:22: scene.boundary.normal_traction: you gave long.csv (20 values); gfmd allows one value for "
         "each of "
         "the 16 nodes",
+    ),
+    "points under a punch": (
+        ("scene:", "points: 16\nscene:"),
+        "bad.yaml:1:9: points: you gave 16; gfmd allows nothing here, as the surfaces have a grid of their own",
     ),
     "displacements under a punch": (
         ("wave.csv", "wave.csv\n    tangential_displacement: 0"),

@@ -29,7 +29,7 @@ FORMS = {
     "unknown key at the top": (
         ("numerics: {", "numeric: {"),
         "bad.yaml:10:1: numeric: you gave an unknown key; gfmd allows one of 'scene', "
-        "'numerics', 'discretisation', "
+        "'numerics', 'points', 'discretisation', "
         "'seed', 'realisation', 'path'; did you mean 'numerics'?",
     ),
     "unknown choice": (

@@ -57,6 +57,7 @@ def test_a_scene_is_refused_exactly_where_its_arrays_do_not_fit(law, steps, arra
     [
         ({"body": {"poissons_ratio": 0.3, "relaxation": [{"modulus": 1.0, "time": 1.0}] * 2}}, 72),
         ({"interface": {"hard_wall": {}, "wear": {"rate": 1.0}}}, 32),
+        ({"body": FILE["scene"]["body"] | {"roughness": FILE["scene"]["roughness"]}}, 56),
     ],
 )
 def test_what_remembers_its_past_takes_more(changes, arrays, memory):

@@ -200,7 +200,7 @@ LAYERED = {"layers": [{"height": 0.1, "youngs_modulus": 1.0, "poissons_ratio": 0
         (
             {"roughness": PSD},
             {"points": 64},
-            "points: you gave 64; gfmd allows nothing, as the topography of the body has",
+            "points: you gave 64; gfmd allows nothing here, as the surfaces have a grid",
         ),
         (
             {"roughness": PSD | {"rms_gradient": 9.0}},

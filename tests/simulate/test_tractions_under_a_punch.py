@@ -6,11 +6,12 @@ import pytest
 import gfmd_numba
 from gfmd_numba.contact.problem import Tractions
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.rough_surfaces import PressedSurfaces
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.scene import BoundaryFile, Numerics, Scene
+from gfmd_numba.scene import Numerics, Scene, SceneFile
 from support.coupled_bodies import NX, X, flat
 
 
@@ -29,7 +30,7 @@ def test_a_file_in_si_units_is_the_same_problem(tmp_path):
     one = gfmd_numba.solve(plain)
     assert int(one["status"]) == 0
     assert one["normal_traction"].units == one["x"].units == "1"
-    for same in (plain["scene"], BoundaryFile.model_validate(plain)):
+    for same in (plain["scene"], SceneFile.model_validate(plain)):
         np.testing.assert_array_equal(gfmd_numba.solve(same)["normal_traction"], one["normal_traction"])
     length, young = 1e-4, 70e9
     modulus = young / (1 - 0.3**2)
@@ -110,10 +111,10 @@ def test_tractions_are_part_of_the_identity_and_of_the_effects():
         "interface": {"hard_wall": {}},
         "loading": {"reduced_pressure": 0.01},
     }
-    drawn = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0)
+    drawn = PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
 
     def reduced(*prescribed):
-        return reduce(Scene.model_validate(scene), drawn, 0.01, Numerics(), *prescribed)
+        return reduce(Scene.model_validate(scene), drawn, Numerics(), (), *prescribed)
 
     problem, effects = reduced()
     assert problem.tractions is None

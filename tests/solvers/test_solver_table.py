@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.rough_surfaces import PressedSurfaces
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
-from gfmd_numba.interface.table import LAWS
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import Interface, Numerics, Scene
+from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.solvers.equilibrium import begin
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.table import ABILITIES, MAX_ITERATIONS, RESIDUAL, SOLVERS, Options, able, automatic
@@ -26,12 +27,12 @@ SCENE = {
 
 
 def identity(**numerics):
-    asked = Scene.model_validate(SCENE), RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01, Numerics(**numerics)
-    return reduce(*asked)[0].identity
+    surfaces = PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
+    return reduce(Scene.model_validate(SCENE), surfaces, Numerics(**numerics))[0].identity
 
 
 def test_tables_are_data():
-    code = "import sys, gfmd_numba.solvers.table, gfmd_numba.interface.table; print(*sys.modules)"
+    code = "import sys, gfmd_numba.solvers.table, gfmd_numba.scene.interface_records; print(*sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert not {"numpy", "numba", "dask", "scipy", "xarray"} & set(done.stdout.split())
 

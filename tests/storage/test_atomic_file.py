@@ -48,7 +48,6 @@ def test_only_our_names_are_those_of_leftovers(tmp_path):
         assert not is_temporary(f"x{ours.name}")
         assert not is_temporary(f"{name}.{uuid.uuid4().hex}.tmp")
     assert not is_temporary("notes.late.tmp")
-    assert temporary(tmp_path / "a.late", "0" * 16) == temporary(tmp_path / "a.late", "0" * 16)
 
 
 def test_what_is_no_regular_file_is_neither_read_nor_replaced(tmp_path):

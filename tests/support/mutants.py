@@ -11,7 +11,7 @@ from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.evaluation import measure
-from gfmd_numba.scene import BoundaryFile, load_scene
+from gfmd_numba.scene import load_scene
 from gfmd_numba.scene.surface_file import load_surface
 from support.alterations import SIZES, changed_bytes, changed_number, changed_text, changed_value
 
@@ -172,7 +172,7 @@ def use(kind, path):
                 measure(solution.solve(replace(problem, numerics=numerics), range(1)))
     else:
         file = load_scene(path)[0]
-        if isinstance(file, BoundaryFile):
+        if not file.scene.has_punch:
             if (file.points or 1) <= MOST_NODES:
                 gfmd_numba.solve(_quick(file))
         elif _nodes(file) <= MOST_NODES and len(file.path) < 5:

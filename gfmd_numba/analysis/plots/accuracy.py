@@ -11,7 +11,7 @@ from matplotlib.transforms import ScaledTranslation
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import ACCURACY
-from gfmd_numba.analysis.plots.style import MARKERS, Width, log_ticks, ordered_colours, sheet, small
+from gfmd_numba.analysis.plots.style import MARKERS, Width, log_ticks, ordered_colours, sheet, small, symbol
 from gfmd_numba.arrays import Reals
 
 TITLES = {
@@ -27,7 +27,6 @@ TITLES = {
 _EQUAL = {"solver residual": 1e-10, "topography order": 1e-16}  # errors below are drawn there
 _AS_THEY_ARE = {"surfaces", "load steps", "topography order"}  # settings next to the points, and those of one over eps:
 _WRITTEN = {"eps_c", "eps_f", "eps_t"} | _AS_THEY_ARE
-_SYMBOLS = {"kappa": r"$\kappa$", "contact_area_fraction": "contact area"}
 _OF_PATHS = {"hysteresis": "hysteresis_error", "pull-off pressure": "pull_off_pressure_error"}
 _YLABELS = {
     "damping of Verlet": "Processor time (s)",
@@ -88,9 +87,7 @@ def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:
 
 def _symbol(study: xr.Dataset) -> str:
     """What the errors of a study are about."""
-    known = study["variable"].values.tolist() if "variable" in study else []
-    about = str(known[0]) if known else "kappa"
-    return _SYMBOLS.get(about, about)
+    return symbol(str(study["variable"].values[0]) if "variable" in study and study.sizes["point"] else "kappa")
 
 
 def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:

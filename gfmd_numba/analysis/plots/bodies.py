@@ -136,7 +136,9 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
         dataset = dataset.isel(y=int(most.argmax()))
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     depth, depth_label = scaled(dataset["depth"], "Depth", "L_x")
-    edges = np.append(0.0, np.cumsum(_thicknesses(depth)))
+    edges = [0.0]  # of sublayers with these middles
+    for middle in depth:
+        edges.append(2.0 * middle - edges[-1])
     sides = np.append(x, 2.0 * x[-1] - x[-2]) - 0.5 * (x[1] - x[0])
     panels = sheet(3, 1, (9.0, 2.5), width, title=step, sharex=True, height_ratios=[3, 4, 4])
     with panels as (figure, (above, strain, stress)):
@@ -161,15 +163,6 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
             stress.contour(x, depth, plastic > 0.0, [0.5], colors="w", linewidths=0.8)
         stress.set_xlabel(x_label)
     return figure
-
-
-def _thicknesses(middles: Reals) -> Reals:
-    """Thicknesses of sublayers with these middles, the first of which begins at the surface."""
-    found, top = np.empty_like(middles), 0.0
-    for i, middle in enumerate(middles):
-        found[i] = 2.0 * (middle - top)
-        top = middle + 0.5 * found[i]
-    return found
 
 
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))

@@ -26,12 +26,12 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import si_prefix
 
+_TILTED = {"rotation": 20, "ha": "right"}
 _DASHES = ("-", "--", ":", "-.")
 
 Key = tuple[float, ...]  # parameters of a group
 Look = dict[str, Any]
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
-_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 _OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
@@ -180,19 +180,13 @@ def _without(dataset: xr.Dataset, name: str) -> xr.Dataset:
 def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     """Where the values of a parameter stand on its axis, side by side if they are names or one of them is infinite."""
     label = str(parameter.attrs.get("label", parameter.name))
-    if selection.has_names(parameter):
+    named = selection.has_names(parameter)
+    if named or not np.isfinite(parameter).all():
         levels, position = np.unique(parameter, return_inverse=True)
-        panel.set_xticks(
-            range(len(levels)),
-            list(map(selection.without_formula, values_as_text(parameter, levels))),
-            rotation=20,
-            ha="right",
-        )
-        panel.set_xlabel(label)
-        return position.astype(float)
-    if not np.isfinite(parameter).all():
-        levels, position = np.unique(parameter, return_inverse=True)
-        panel.set_xticks(range(len(levels)), [f"{level:g}" for level in levels])
+        told, look = [f"{level:g}" for level in levels], dict[str, Any]()
+        if named:
+            told, look = list(map(selection.without_formula, values_as_text(parameter, levels))), _TILTED
+        panel.set_xticks(range(len(levels)), told, **look)
         panel.set_xlabel(style.with_unit(label, parameter))
         return position.astype(float)
     values, label = (
@@ -218,7 +212,7 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Fig
     accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
     if not accepted.sizes["group"]:
         raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
-    label = style.with_unit(f"{_SYMBOLS.get(variable, variable)} in the TFC limit", fit[f"{variable}_tfc"])
+    label = style.with_unit(f"{style.symbol(variable)} in the TFC limit", fit[f"{variable}_tfc"])
     return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label, width)
 
 

@@ -10,7 +10,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from gfmd_numba.analysis.arguments import checked, targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, sheet, symbol
 
 _TARGET = COLOURS[2]
 _BARS = "rounds, bars to 90 % confidence"
@@ -38,14 +38,14 @@ def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS], width: Width | None = No
             "you gave results without a round that has an error; gfmd allows those of `gfmd run --until`"
         )
     with sheet(1, 1, (7.2, 4.2), width) as (figure, (axis,)):
-        which = _symbol(next(iter(targets))) if len(targets) == 1 else "each target"
+        which = symbol(next(iter(targets))) if len(targets) == 1 else "each target"
         ylabel = f"Relative error of {which} in the limit"
         axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=ylabel)
         seconds = dataset["round_cpu_seconds"].values[np.isfinite(dataset["round_cpu_seconds"].values)]
         axis.set_xlim(0.5 * seconds[0], 2.0 * seconds[-1])
         for number, (name, target) in enumerate(targets.items()):
             of_target = dataset.sel(target=name) if "target" in dataset.dims else dataset
-            _draw(axis, of_target, target, number, f"{_symbol(name)}: " if len(targets) > 1 else "")
+            _draw(axis, of_target, target, number, f"{symbol(name)}: " if len(targets) > 1 else "")
         _tick(axis)
         axis.grid()
         add_legend(figure, axis.get_legend_handles_labels()[0], 2)
@@ -85,7 +85,3 @@ def _tick(axis: Axes) -> None:
     axis.yaxis.set_major_locator(few)
     axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.3g} %"))
     axis.yaxis.set_minor_locator(NullLocator())
-
-
-def _symbol(variable: str) -> str:
-    return {"kappa": r"$\kappa$", "kappa_r": r"$\kappa_r$"}.get(variable, variable.replace("_", " "))

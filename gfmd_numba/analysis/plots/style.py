@@ -27,6 +27,7 @@ COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _FENCE = 3.5  # of the distance of the quartiles: three of them beyond either quartile
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
+_SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 
 
 Width = Annotated[Literal["single", "double"], Kind(Literal["single", "double"], "'single' or 'double'")]
@@ -220,6 +221,11 @@ def of_variable(dataset: xr.Dataset, variable: str) -> str:
     """Label of what is measured."""
     long_name = dataset[variable].attrs.get("long_name", variable)
     return _KAPPA if variable == "kappa" else with_unit(long_name, dataset[variable])
+
+
+def symbol(variable: str) -> str:
+    """Short name of what is measured, within a label."""
+    return _SYMBOLS.get(variable, variable.replace("_", " "))
 
 
 def with_unit(text: str, variable: xr.DataArray) -> str:

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from gfmd_numba.scene import COMPONENTS, LoadedBody, Scene
+from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surface_file import SurfaceFile
@@ -86,7 +86,7 @@ _WITHIN_PERIOD = {"range", "normal_length", "tangential_length", "rms_height", "
 _WITHIN_PERIOD |= {name for name, quantity in _OF_BOUNDARIES.items() if quantity is LENGTH}
 
 
-def implausible(file: Scene | LoadedBody | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:
+def implausible(file: Scene | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:
     """Sentences about numbers of a scene and its path, or of a surface, that are implausible for what they are.
 
     Without a length, or with a length of 1, numbers without units are in units of their own: they only have to fit
@@ -116,7 +116,7 @@ def mistaken(scene: Scene) -> tuple[Location, str] | None:
     return next(((place, told) for place, told in found if place[0] != "loading"), None)
 
 
-def _scales(file: Scene | LoadedBody | SurfaceFile) -> Compared:
+def _scales(file: Scene | SurfaceFile) -> Compared:
     if isinstance(file, SurfaceFile):
         return Compared(file.length, None, 1.0)
     # as `Scales` has it but for plane stress: checking a file loads no numpy

@@ -8,8 +8,8 @@ import pytest
 from pydantic import BaseModel
 
 import gfmd_numba
-from gfmd_numba.contact.plausible_numbers import COMMON, LOADS, implausible
-from gfmd_numba.scene import BoundaryFile, SceneFile, load_scene
+from gfmd_numba.scene import SceneFile, load_scene
+from gfmd_numba.scene.plausible_numbers import COMMON, LOADS, implausible
 from gfmd_numba.scene.surface_file import SurfaceFile, load_surface
 from gfmd_numba.scene.units import quantities
 from support.command_line import gfmd, unfolded
@@ -127,7 +127,7 @@ def records(annotation):
 
 
 def test_every_quantity_of_a_file_is_compared_with_something():
-    files = (SceneFile, BoundaryFile, SurfaceFile)
+    files = (SceneFile, SurfaceFile)
     named = {name for kind in files for record in records(kind) for name in quantities(record)}
     of_measured = {"shortest", "longest"}  # of a file, whose sizes are looked at as they are read
     assert named - COMMON.keys() - LOADS.keys() <= of_measured

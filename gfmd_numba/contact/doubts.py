@@ -261,7 +261,8 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> str:
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
     touching = found["gap"] <= 0.0
-    steep = np.where(touching, _slopes(found, scene.ends), 0.0)
+    steep = _slopes(found, scene.ends)
+    steep[~touching] = 0.0
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = _largest(shares), _largest(ratios), _largest(steep)
@@ -391,13 +392,16 @@ def _at_the_edge(given: ContactInput, found: Found) -> str:
 
 def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
     """Size of the gradient of the heights between the neighbours of each node."""
-    height, along = found["height"], []
+    height = found["height"]
+    steepness: NDArray[Any] = np.zeros(height.shape)
     for axis, dim, end in zip(range(-len(ends), 0), "yx"[-len(ends) :], ends, strict=True):
         if end:
-            along.append(np.gradient(height, found[dim][1], axis=axis))
+            slope = np.gradient(height, found[dim][1], axis=axis)
         else:
-            along.append((np.roll(height, -1, axis) - np.roll(height, 1, axis)) / (2.0 * found[dim][1]))
-    steepness: NDArray[Any] = np.linalg.norm(along, axis=0)
+            slope = np.roll(height, -1, axis)
+            slope -= np.roll(height, 1, axis)
+            slope /= 2.0 * found[dim][1]
+        np.hypot(steepness, slope, out=steepness)  # in place: a map may fill a good part of the memory
     return steepness
 
 

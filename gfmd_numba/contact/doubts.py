@@ -18,7 +18,7 @@ from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.plausibility import is_design
-from gfmd_numba.scene import Measured
+from gfmd_numba.scene import Measured, Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
@@ -137,8 +137,12 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_times(given: ContactInput, found: Found) -> str:
+    return coarse_times(given.file.numerics, found)
+
+
+def coarse_times(numerics: Numerics, found: Found) -> str:
     """Return a warning about steps in time whose divisions do not reach the tolerance, nothing for others."""
-    tolerance = given.file.numerics.time_tolerance or TIME_TOLERANCE
+    tolerance = numerics.time_tolerance or TIME_TOLERANCE
     error = _largest(found["time_error"]) if "time_error" in found else 0.0
     if not error > tolerance:
         return ""
@@ -166,12 +170,11 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_flow(given: ContactInput, found: Found) -> str:
-    """Return warnings about plastic flow that leaves its layer, or that sublayers or increments do not resolve."""
+    """Return warnings about plastic flow that leaves its layer, or that the layer does not resolve."""
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
-    deep, error = int(flows.sum(0).max()), _largest(found["increment_error"])
-    told = []
+    deep, told = int(flows.sum(0).max()), []
     if flows[-1].any():
         told.append(
             "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
@@ -180,19 +183,24 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
         told.append(
             f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
-    if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
+    return "\n".join([*told, *coarse_increments(found)])
+
+
+def coarse_increments(found: Found) -> list[str]:
+    """Return warnings about plastic flow that the increments do not resolve, or that is large."""
+    told, strain, error = [], _largest(found["largest_plastic_strain"]), _largest(found["increment_error"])
+    if strain > 0.0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
         told.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
         )
-    strain = _largest(found["largest_plastic_strain"])
     if strain > LARGEST_STRAIN:
         told.append(
             f"the largest plastic strain is {strain:.2g}, where strains are taken to be small: stresses and residual "
             "displacements next to it are off by about this share"
         )
-    return "\n".join(told)
+    return told
 
 
 def _short_stretches(problem: Problem, found: Found) -> str:
@@ -233,7 +241,9 @@ def _narrow(given: ContactInput, found: Found) -> str:
     off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
     if not off > LEAST_OFF:
         return ""
-    finer = f"points: {2 * found['x'].size} or more of the measured surface, or a larger cutoff"
+    finer = f"points: {2 * found['x'].size} or more"
+    if given.measured:
+        finer += " of the measured surface, or a larger cutoff"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
     return (
@@ -251,7 +261,8 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> str:
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
     touching = found["gap"] <= 0.0
-    steep = np.where(touching, _slopes(found, scene.ends), 0.0)
+    steep = _slopes(found, scene.ends)
+    steep[~touching] = 0.0
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = _largest(shares), _largest(ratios), _largest(steep)
@@ -381,13 +392,16 @@ def _at_the_edge(given: ContactInput, found: Found) -> str:
 
 def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
     """Size of the gradient of the heights between the neighbours of each node."""
-    height, along = found["height"], []
+    height = found["height"]
+    steepness: NDArray[Any] = np.zeros(height.shape)
     for axis, dim, end in zip(range(-len(ends), 0), "yx"[-len(ends) :], ends, strict=True):
         if end:
-            along.append(np.gradient(height, found[dim][1], axis=axis))
+            slope = np.gradient(height, found[dim][1], axis=axis)
         else:
-            along.append((np.roll(height, -1, axis) - np.roll(height, 1, axis)) / (2.0 * found[dim][1]))
-    steepness: NDArray[Any] = np.linalg.norm(along, axis=0)
+            slope = np.roll(height, -1, axis)
+            slope -= np.roll(height, 1, axis)
+            slope /= 2.0 * found[dim][1]
+        np.hypot(steepness, slope, out=steepness)  # in place: a map may fill a good part of the memory
     return steepness
 
 

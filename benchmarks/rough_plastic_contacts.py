@@ -127,11 +127,16 @@ def others(surfaces):
 
 
 def tamaas(interpreter):
-    """A rough surface on one small grid, in one increment, here and by Tamaas: 64 nodes take it above 3 minutes."""
-    for stress in (0.1, 0.2):
-        load = 0.08 * formula(stress, 2.9, 1.7)
-        plasticity = Plasticity(Hardening(stress, 0.1 * stress), 0.15, 12, 1)
-        beside_tamaas(interpreter, surface(0, GRIDS[0])[::2, ::2], load, plasticity)
+    """A rough surface on one grid, in one increment, here and by Tamaas; lower yield stresses take it minutes."""
+    for nodes, sublayers in ((24, 12), (48, 24)):
+        for stress in (0.5, 0.3):
+            load, plasticity = (
+                0.08 * formula(stress, 2.9, 1.7),
+                Plasticity(Hardening(stress, stress), 0.1, sublayers, 1),
+            )
+            heights = surface(0, GRIDS[0])[:: GRIDS[0] // nodes, :: GRIDS[0] // nodes]
+            print(f"Y = {stress} g E*, hardening as much:", end=" ")
+            beside_tamaas(interpreter, heights, load, plasticity)
 
 
 if __name__ == "__main__":

@@ -14,8 +14,6 @@ from gfmd_numba.solvers.status import Status
 # and above `STEEPEST_SLOPE` where slopes have a normal one
 _MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = doubts.LARGEST_PRESSURE / 2.42, doubts.STEEPEST_SLOPE / 2.58
 
-_A_NODE = 1.5  # hardly more than single nodes wide: a finer grid may find a third of the area
-
 
 def of_results(planned: Plan, dataset: xr.Dataset) -> Iterator[str]:
     """Reasons to doubt the contacts that are reported, those of the references where there are limits."""
@@ -25,11 +23,13 @@ def of_results(planned: Plan, dataset: xr.Dataset) -> Iterator[str]:
         yield from filter(None, [doubts.coarse_times(planned.campaign.numerics, _arrays(cases, "time_error"))])
     if "increment_error" in cases:
         yield from doubts.coarse_increments(_arrays(cases, "increment_error", "largest_plastic_strain"))
-    moduli = np.array([scales_of(planned.cases[case].scene).modulus for case in references])
     scene = planned.cases[0].scene
-    if "peak_pressure" in cases and (scene.length is not None or scene.has_moduli):
-        yield from _large_strains(cases, moduli)
-    if not scene.interface.reaches_across and "eps_c" not in dataset["limit"].values:  # whose limit takes account of it
+    if scene.length is not None or scene.has_moduli:
+        moduli = np.array([scales_of(planned.cases[case].scene).modulus for case in references])
+        yield from _large_strains(cases, None if scene.creeps else moduli)  # fast pressures strain what creeps less
+    if (
+        scene.interface.hard_wall is not None and "eps_c" not in dataset["limit"].values
+    ):  # whose limit takes account of it
         yield from _narrow(cases)
 
 
@@ -37,18 +37,20 @@ def _arrays(cases: xr.Dataset, *names: str) -> dict[str, np.ndarray]:
     return {name: cases[name].values for name in names}
 
 
-def _large_strains(cases: xr.Dataset, moduli: np.ndarray) -> Iterator[str]:
+def _large_strains(cases: xr.Dataset, moduli: np.ndarray | None) -> Iterator[str]:
     """A warning about contacts whose mean pressure or slope is beyond the theory of small strains."""
-    touching = cases["contact_area_fraction"]
-    pressure = (cases["mean_pressure"] / touching.where(touching > 0.0)).mean("realisation").transpose("case", ...)
-    pressure = pressure / xr.DataArray(moduli, dims="case")
     slope = cases["rms_gradient_contact"].mean("realisation")
-    strained = (pressure > _MEAN_OF_PRESSURES) | (slope > _MEAN_OF_SLOPES)
+    strained, largest = slope > _MEAN_OF_SLOPES, f"the rms slope in the contact is up to {float(slope.max()):.2g}"
+    if moduli is not None:
+        area = cases["contact_area_fraction"]
+        pressures = (cases["mean_pressure"] / area.where(area > 0.0)).mean("realisation")
+        pressures = pressures / xr.DataArray(moduli, dims="case")
+        strained = strained | (pressures > _MEAN_OF_PRESSURES)
+        largest += f", and the mean pressure {float(pressures.max()):.2g} E*"
     if strained.any():
-        largest = f"{float(pressure.max()):.2g} E*, and the rms slope {float(slope.max()):.2g}"
         yield (
-            f"strains are no longer small in {_of_cases(strained)}, where the mean pressure in the contact is up to "
-            f"{largest}: linear elasticity is wrong by about these fractions; check load, moduli and heights"
+            f"strains are no longer small in {_of_cases(strained)}, where {largest}: linear elasticity is wrong by "
+            "about these fractions; check load, moduli and heights"
         )
 
 
@@ -64,13 +66,11 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
     narrow = off > doubts.LEAST_OFF
     if narrow.any():
         narrowest = float(width.min())
-        wrong = f"may be off by {100.0 * float(off.max()):.2g} % beyond their errors"
-        if narrowest < _A_NODE:
-            wrong = "are there those of the grid, not of the surface"
+        wrong = doubts.off_by(narrowest, float(off.max()))
         finer = "a finer eps_c" if "eps_c" in cases.coords else "more points"
         yield (
             f"{doubts.NARROW_CONTACTS} in {_of_cases(narrow)}, {narrowest:.1f} nodes wide on average where they are "
-            f"narrowest: contact areas, kappa among them, {wrong}, and peak pressures too; take {finer}"
+            f"narrowest: contact area and kappa {wrong}, beyond their errors, and peak pressures too; take {finer}"
         )
 
 

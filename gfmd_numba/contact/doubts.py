@@ -40,6 +40,7 @@ FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
+_A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 
@@ -128,7 +129,7 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
     least = _smallest(np.where(counts > 0, counts, nan)) / _copies(given)
     closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
-    if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:
+    if not is_rough or closed or scene.form is not None or scene.interface.hard_wall is None or not least < FEW:
         return ""
     return (
         f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
@@ -232,7 +233,7 @@ def _narrow(given: ContactInput, found: Found) -> str:
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
-    if scene.interface.reaches_across or not scene.surfaces or _few_nodes(given, found):
+    if scene.interface.hard_wall is None or not scene.surfaces or _few_nodes(given, found):
         return ""
     width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
     areas = found["contact_area_fraction"]
@@ -247,9 +248,14 @@ def _narrow(given: ContactInput, found: Found) -> str:
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
     return (
-        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area may be off by {100.0 * off:.2g} %, "
-        f"the peak pressure by more; take {finer}"
+        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off)}, and the peak "
+        f"pressure too; take {finer}"
     )
+
+
+def off_by(width: float, off: float) -> str:
+    """Say by how much areas of contacts are off, which have a width in nodes: a finer grid may find a third of some."""
+    return "may be that of single nodes" if width < _A_NODE else f"may be off by {100.0 * off:.2g} %"
 
 
 def _beyond_small_strains(given: ContactInput, found: Found) -> str:
@@ -363,7 +369,7 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
     fewest = _largest(
         np.where(counts > 0, across, nan)
     )  # of a path where it is widest: each contact begins with a node
-    least = FEWEST if scene.form is not None else 1.5
+    least = FEWEST if scene.form is not None else _A_NODE
     if not fewest < least:
         return ""
     points = ceil(found["x"].size * FEWEST / fewest)

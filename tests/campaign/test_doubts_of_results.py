@@ -20,11 +20,11 @@ GRID = {"reference": {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, "realisat
     ("changed", "campaign", "said"),
     [
         ({}, {}, ""),
-        ({"loading": {"pressure": 1e3}}, {}, "those of the grid, not of the surface"),
+        ({"loading": {"pressure": 1e3}}, {}, "may be that of single nodes"),
         ({"loading": {"pressure": 1e5}}, {"grid": {"pressure": [3e3, 1e6]}}, "narrow on this grid in 1 of 2 cases"),
         ({"loading": {"pressure": 1e3}}, {"limits": {"eps_c": [1 / 2, 1 / 4]}}, ""),
         ({"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 1.0}}, {}, "no longer small in 1 of 1 cases"),
-        ({"loading": {"pressure": 5e8}}, {}, "the mean pressure in the contact is up to 0.4"),
+        ({"loading": {"pressure": 5e8}}, {}, "and the mean pressure 0.4"),
     ],
     ids=["sound", "single nodes", "one case of two", "a limit of eps_c", "steep", "pressed hard"],
 )

@@ -108,7 +108,7 @@ def _mirrored_load(given: ContactInput) -> str:
     """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
     scene = given.file.scene
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
-    if scene.length is None or unit is None or _copies(given) == 1:
+    if scene.length is None or unit is None or _copies(given) == 1 or scene.form is not None:
         return ""
     side, there = (
         with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))

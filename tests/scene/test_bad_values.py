@@ -65,7 +65,8 @@ VALUES = {
     ),
     "negative pressure": (
         ("reduced_pressure: 0.007", "reduced_pressure: -0.007"),
-        "bad.yaml:9:23: scene.loading.reduced_pressure: you gave -0.007; gfmd allows a number from 1e-30 to 1e+30",
+        "bad.yaml:9:23: scene.loading.reduced_pressure: you gave -0.007; gfmd allows a load above 0; "
+        "for no load, or a pull, prescribe a displacement",
     ),
     "both loadings": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    displacement: 0.1"),

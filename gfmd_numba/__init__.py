@@ -117,9 +117,9 @@ def load_curve(
     -------
     xarray.Dataset
         Observables over `prescribed_load`, `time` or `speed` in SI units. The contact stiffness is taken over a short
-        step before each load; over times, `time_error` is the error by the divisions of steps; over speeds,
-        `hysteretic_friction` is the coefficient of friction by the losses in the body. A load at which a run failed is
-        marked in `status`.
+        step before each load, below the first of falling ones; over times, `time_error` is the error by the divisions
+        of steps; over speeds, `hysteretic_friction` is the coefficient of friction by the losses in the body. A load at
+        which a run failed is marked in `status`.
 
     Raises
     ------

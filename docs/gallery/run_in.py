@@ -22,6 +22,7 @@ scene = {
     },
     "path": [{"sliding": f"{distance} m"} for distance in distances],
     "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 64, "eps_t": 1 / 4},
+    "numerics": {"time_tolerance": 1e-2},
     "seed": 1,
 }
 surfaces = [gfmd_numba.solve(scene | {"realisation": i}) for i in range(20)]

@@ -195,8 +195,8 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("campaign", "function", told, "physics")
     told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
     yield Refusal("slip rate", "sticking", told, "physics")
-    nothing, rubs = "nothing{ways}, as nothing here divides steps", ("friction with wear", "friction", "wear")
-    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect", (_RELAXATION, rubs))
+    nothing = "nothing{ways}, as nothing here divides steps"
+    yield Refusal("undivided steps", "time_tolerance", nothing, "without effect", (_RELAXATION, _DRAG[2]))
     told = "nothing with an infinite coefficient of friction, under which touching nodes stick and do not wear"
     yield Refusal("sticking", "wear", told, "without effect")
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
@@ -385,7 +385,7 @@ PHRASES = {
     "speed": "a sliding `speed`",
     "relaxation": "`relaxation` of a body",
     "threads": "more than one of the `threads`",
-    "undivided steps": "bodies without `relaxation`, and no wear under friction",
+    "undivided steps": "bodies without `relaxation`, and no wear",
     "unlike bodies": "two bodies that give way differently, or that rub",
     "time_tolerance": "`time_tolerance`",
     "wear": "`wear` of the punch",

@@ -425,8 +425,7 @@ def recorded_of(contact: Contact) -> dict[str, Observable]:
     if before is None or contact.step is None:
         return recorded(has_hardness, contact.ends, has_form)
     steadily, passes = contact.step.speed > 0.0, before.passing is not None
-    rubs = contact.equilibrium.tangential is not None
-    return recorded(has_hardness, contact.ends, has_form, before.memory, steadily, passes, rubs)
+    return recorded(has_hardness, contact.ends, has_form, before.memory, steadily, passes)
 
 
 def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:

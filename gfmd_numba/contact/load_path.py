@@ -6,6 +6,7 @@ The solution is a fold over the steps of the path. The contact is recorded at ev
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import repeat
 from math import isinf, isnan, nan
 from typing import Any
 
@@ -50,9 +51,8 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
     if problem.plasticity is not None:
         largest = max(step.load for step in (problem.step, *problem.path))
         return partial(plastic_flow.follow, largest=largest, tell=tell)
-    divided = sum(step.duration > 0.0 for step in (problem.step, *problem.path))
-    if problem.wears_by_slip:
-        divided = (problem.duration > 0.0) + len(problem.path)
+    steps = problem.step, *problem.path
+    divided = sum(map(time_steps.is_divided, repeat(problem), (None, *steps), steps))
     if divided and problem.time_tolerance is not None:
         return partial(time_steps.follow, tolerance=problem.time_tolerance / divided)
     return jumps.follow if problem.path and jumps.is_followed(problem) else solution.solve
@@ -173,8 +173,7 @@ def recorded_of(problem: Problem) -> dict[str, Observable]:
     """What is recorded of each contact of a problem."""
     names = [process.name for process in processes_of(problem)]
     has_hardness, steadily, passes = problem.interface.hardness is not None, problem.speed > 0.0, problem.passing
-    rubs = problem.interface.couples
-    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None, rubs)
+    rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None)
     return rows if problem.rough is None else recorded_of_rough_bodies(rows)
 
 

@@ -297,17 +297,15 @@ def recorded(
     processes: Collection[str] = (),
     steadily: bool = False,
     passes: bool = False,
-    rubs: bool = False,
 ) -> dict[str, Observable]:
     """The observables of a contact with or without a hardness, axes along which it ends, and a form of its punch.
 
-    `processes` are their names. A step that slides `steadily` takes no time, one that `passes` over the body does. A
-    punch that `rubs` wears in divisions of a step.
+    `processes` are their names. A step that slides `steadily` takes no time, one that `passes` over the body does.
     """
     has = {"": True, "hardness": hardness, "period": not any(ends), "window": any(ends), "form": form}
     has |= {name: name in processes for name in ("springs", "worn", "flow")}
     has |= {"sliding": steadily or passes, "springs": has["springs"] and not steadily}
-    has |= {"divisions": has["springs"] or (rubs and has["worn"])}
+    has |= {"divisions": has["springs"] or has["worn"]}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
 
 

@@ -91,11 +91,11 @@ class Problem:
 
     `path` is what follows that load, each step begun where the last one ended. Where topographies are followed, `rough`
     has the bodies, and the surface is the sum of theirs. A viscoelastic body has a `relaxation`, the modulus of the
-    relaxed body being that of E*, and an error of `time_tolerance` along the path. A punch wears by `wear_rate` (in
-    1 / g E*) times pressure and way. `processes` happen in addition. `sliding` of the punch (none: 0), `duration`
-    and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is moved along it
-    by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that is not
-    `periodic` is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
+    relaxed body being that of E*, and a punch wears by `wear_rate` (in 1 / g E*) times pressure and way, both with an
+    error of `time_tolerance` along the path. `processes` happen in addition. `sliding` of the punch (none: 0),
+    `duration` and `speed` are those of the load, as in a `LoadStep`. A punch that slides over a body that creeps is
+    moved along it by `passing` (g) times the sliding, in L_x; None: each node keeps facing the same one. A surface that
+    is not `periodic` is a window, around which the body is free; "x", "y": on both sides along the other axis alone.
     """
 
     surface: Surface
@@ -135,11 +135,6 @@ class Problem:
     def ends(self) -> tuple[bool, ...]:
         """Whether the punch ends along (y,) x, where the body is free around it."""
         return ends_of(self.periodic, len(self.surface.shape))
-
-    @property
-    def wears_by_slip(self) -> bool:
-        """Whether each node wears by its own slip, so that steps are divided as those that take time."""
-        return self.wear_rate is not None and self.interface.friction is not None
 
     @property
     def n_loads(self) -> int:

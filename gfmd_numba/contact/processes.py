@@ -66,13 +66,17 @@ class Deflection:
 
 @dataclass(frozen=True)
 class Wear:
-    """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times the sliding distance.
+    """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times how far it slides.
 
-    It remembers the depth `[realisation, (y,) x]` in g L_x. What a step wears off depends on the pressure at its end,
-    so that no step is too long: the load moves on to nodes that have not worn.
+    It remembers the depth `[realisation, (y,) x]` in g L_x. Under friction, each node wears by its own slip. A step
+    wears off what a mean of the pressures at its two ends does: of second order in the step where that is short against
+    what the shortest wave, of the `stiffest` response (E*/L_x), wears off in. Longer ones lean to the pressure at the
+    end, so that no wave of the grid swings to and fro. On the way the wall yields as if all nodes slipped as far as the
+    punch does, less what those that slipped by less in the last step do not wear.
     """
 
     rate: float
+    stiffest: float
     name: ClassVar[str] = "worn"
 
     def begin(self, shape: tuple[int, ...]) -> Reals:
@@ -81,50 +85,30 @@ class Wear:
 
     def change(self, state: State, step: LoadStep) -> Change:
         """The wall is lower where it has worn, and yields to the pressure of the step."""
-        return Change(wall=state.memory[self.name], yields=self.rate * state.way(step))
-
-    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
-        """Depths grow by what the step wears off."""
-        depth: Reals = state.memory[self.name] + solved.change.yields * solved.equilibrium.pressure
-        return depth
-
-
-@dataclass(frozen=True)
-class WearBySlip(Wear):
-    """The same law under friction, where each node wears by its own slip.
-
-    A step wears off what a mean of the pressures at its two ends does: of second order in the step where that is short
-    against what the shortest wave, of the `stiffest` response (E*/L_x), wears off in. Longer ones lean to the pressure
-    at the end, so that no wave of the grid swings to and fro. On the way the wall yields as if all nodes slipped as far
-    as the punch does, less what those that slipped by less in the last step do not wear.
-    """
-
-    stiffest: float
-
-    def change(self, state: State, step: LoadStep) -> Change:
-        """The wall is lower where it has worn, and yields to the pressure of the step."""
         worn, most, last = state.memory[self.name], self.rate * state.way(step), state.last
         yields = max(0.5 * most, most - 1.0 / self.stiffest)
-        if last is None or last.change.yields == 0.0 or most == 0.0:
+        if last is None or most == 0.0:
             return Change(wall=worn, yields=yields)
-        before = min(2.0 * last.change.yields, last.change.yields + 1.0 / self.stiffest)
-        share = self.rate / before * _slip(last)
+        share: Reals | float = 1.0
+        if last.equilibrium.tangential is not None:
+            before = min(2.0 * last.change.yields, last.change.yields + 1.0 / self.stiffest)
+            share = self.rate / before * _slip(last, 0.0) if before > 0.0 else yields / most
         return Change(wall=worn + (share * most - yields) * last.equilibrium.pressure, yields=yields)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
         """Depths grow by what the step wears off."""
-        most, pressure = self.rate * state.way(step), solved.equilibrium.pressure
-        share = solved.change.yields / most if most > 0.0 else 0.5
+        way, pressure = state.way(step), solved.equilibrium.pressure
+        share = solved.change.yields / (self.rate * way) if way > 0.0 else 0.5
         before = 0.0 if state.last is None else state.last.equilibrium.pressure
-        depth: Reals = state.memory[self.name] + self.rate * _slip(solved) * (share * pressure + (1.0 - share) * before)
+        worn = self.rate * _slip(solved, way) * (share * pressure + (1.0 - share) * before)
+        depth: Reals = state.memory[self.name] + worn
         return depth
 
 
-def _slip(contact: Contact) -> Reals:
-    """How far nodes have slipped in a step `[realisation, (y,) x]`."""
+def _slip(contact: Contact, way: float) -> Reals | float:
+    """How far nodes have slipped in a step `[realisation, (y,) x]`; without friction, the way of the punch."""
     found = contact.equilibrium.tangential
-    assert found is not None  # under friction
-    return np.asarray(np.linalg.norm(found.slip, axis=1))
+    return way if found is None else np.asarray(np.linalg.norm(found.slip, axis=1))
 
 
 def processes_of(problem: Problem) -> tuple[Process, ...]:
@@ -138,11 +122,9 @@ def processes_of(problem: Problem) -> tuple[Process, ...]:
 
 
 def _wear(problem: Problem, rate: float) -> Wear:
-    if not problem.wears_by_slip:
-        return Wear(rate)
     glassy = 1.0 if problem.relaxation is None else problem.relaxation.modulus(0.0)
     shortest = np.array([np.pi * np.linalg.norm(problem.surface.shape)])  # wave number
-    return WearBySlip(rate, glassy * float(problem.body.condensed_stiffness(shortest)[0]))
+    return Wear(rate, glassy * float(problem.body.condensed_stiffness(shortest)[0]))
 
 
 def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:

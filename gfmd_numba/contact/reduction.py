@@ -80,6 +80,7 @@ def reduce(
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
     steps = tuple(reduced_step(*step, rms_gradient) for step in islice(steps_of(scene, path), 1, None))
+    wear = wear_rate(scene, rms_gradient)
     if pattern is not None:
         interface = interface.patterned(pattern, free_body.padded_shape(pattern.shape, scene.ends))
     problem = Problem(
@@ -97,8 +98,8 @@ def reduce(
         duration=reduced_duration(scene),
         speed=reduced_speed(scene),
         relaxation=memory,
-        time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if memory is not None or scene.wears_by_slip else None,
-        wear_rate=wear_rate(scene, rms_gradient),
+        time_tolerance=None if memory is None and wear is None else numerics.time_tolerance or TIME_TOLERANCE,
+        wear_rate=wear,
         plasticity=plasticity(scene, rms_gradient),
         passing=passing(scene, steps, rms_gradient),
     )

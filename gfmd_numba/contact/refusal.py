@@ -108,7 +108,7 @@ def _of_bodies(scene: Scene) -> Iterator[tuple[str, Location]]:
         yield "elastic bodies", ("scene", "body")
         if not scene.has_slip_rates:
             yield "timeless", ("scene", "body")
-        if not scene.wears_by_slip:
+        if scene.interface.wear is None:
             yield "undivided steps", ("scene", "body")
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         if body.plasticity is not None:

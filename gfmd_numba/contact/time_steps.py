@@ -1,8 +1,8 @@
-"""Steps of a path that take time, divided until halving all divisions changes next to nothing.
+"""Steps of a path that take time or wear the punch, divided until halving all divisions changes next to nothing.
 
 The load and the sliding are linear in time over a step of the path. Divisions grow with the time since its beginning,
 as what a body remembers decays: they are equal in the logarithm of that time and the shortest relaxation time. Where
-the punch passes over the body, all are alike.
+the punch passes over the body or wears, all are alike.
 """
 
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Contact, State, relative_difference, with_costs
+from gfmd_numba.contact.state import Contact, LoadStep, State, relative_difference, with_costs
 from gfmd_numba.contact.viscoelasticity import tractions_of
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.solvers.equilibrium import Equilibrium
@@ -36,7 +36,8 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     found, spent = _divided(problem, state, 1)
     changes: list[float] = []
     error = 0.0
-    for halvings in range(1, HALVINGS + 1) if is_divided(problem, state) else ():
+    divided = is_divided(problem, None if state.last is None else state.last.step, problem.step)
+    for halvings in range(1, HALVINGS + 1) if divided else ():
         if found.equilibrium.status[0] != Status.ok:
             error = nan
             break
@@ -52,9 +53,11 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
     return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
 
 
-def is_divided(problem: Problem, state: State) -> bool:
-    """Whether a step that begins in a state takes time, or wears nodes by their own slip."""
-    return problem.duration > 0.0 or (problem.wears_by_slip and state.last is not None)
+def is_divided(problem: Problem, before: LoadStep | None, step: LoadStep) -> bool:
+    """Whether a step after another one, None: the first, takes time or wears the punch."""
+    if step.duration > 0.0 or before is None or problem.wear_rate is None:
+        return step.duration > 0.0
+    return problem.interface.couples or step.sliding != before.sliding  # any slip wears
 
 
 def left_open(changes: Sequence[float]) -> float:
@@ -75,7 +78,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
     series, gone, least = problem.relaxation, 0.0, inf
     spent: list[Equilibrium] = []
     slid: Reals | None = None
-    slides = (problem.passing is not None or problem.wears_by_slip) and start.sliding != problem.step.sliding
+    slides = (problem.passing is not None or problem.wear_rate is not None) and start.sliding != problem.step.sliding
     growth = _EVENLY if slides or series is None else log1p(problem.duration / min(series.times))
     for division in range(1, divisions + 1):
         share = 1.0 if division == divisions else expm1(growth * division / divisions) / expm1(growth)

@@ -376,7 +376,7 @@ class Numerics(BaseModel):
         gt=0,
         le=0.1,
         description="Largest relative error of pressures and displacements by the divisions of steps along a path, of "
-        f"a viscoelastic body or of wear under friction; None: {TIME_TOLERANCE:g}",
+        f"a viscoelastic body or of wear; None: {TIME_TOLERANCE:g}",
     )
     damping: Damping | None = Field(
         None, description="Damping as a fraction of the slowest mode's critical damping; None: the solver's own"

@@ -58,8 +58,8 @@ SHOWN = (
 _TITLES = {"time": "creep curve", "speed": "friction curve"}  # of curves that are not over loads
 _PRESSURES = {"reduced_pressure", "mean_pressure"}  # without an error where the scene prescribes them
 _METHOD = (
-    "difference of two solutions: each load is approached from a load 0.1 % before it (displacements: 0.1 % of their "
-    "range; at most half-way from the load before); no exact tangent"
+    "difference of two solutions, at each load and 0.1 % before it, at the first of falling loads below it "
+    "(displacements: 0.1 % of their range; at most half-way to the next load); no exact tangent"
 )
 _SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
 
@@ -91,6 +91,11 @@ class LoadCurve:
     prescribed: str
     loads: tuple[float, ...]
     realisations: int
+
+    @property
+    def falls(self) -> bool:
+        """Whether the punch is unloaded from the first load on."""
+        return len(self.loads) > 1 and self.loads[1] < self.loads[0]
 
 
 def read_curve(file: SceneFile, document: Document, over: Over, values: object, realisations: object) -> LoadCurve:
@@ -190,9 +195,9 @@ def _with_path(file: SceneFile, prescribed: str, loads: tuple[float, ...]) -> Sc
 def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr.Dataset]:
     """Solve one load after another, realisation by realisation: the recorded scalars of each, in SI units.
 
-    Each load is approached over a short step. `contact_stiffness` is the rise of the mean pressure over the fall of the
-    mean gap in this step. The attribute `validity` says, a sentence a line, what speaks against the result. `tell` is
-    called with the loads, or parts of one, done since the last call.
+    Each load is approached over a short step, but the first of falling ones left over one. `contact_stiffness` is the
+    rise of the mean pressure over the fall of the mean gap in this step. The attribute `validity` says, a sentence a
+    line, what speaks against the result. `tell` is called with the loads, or parts of one, done since the last call.
     """
     own = curve.given.file
     numbers = implausible(
@@ -205,8 +210,10 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
             steps = (step_dataset(given, *each) for each in _solved(curve, given, tell))
             if curve.prescribed == _TIME:
                 next(steps)  # the load itself, before any time has passed
-            for step in steps:
+            for n, step in enumerate(steps):
                 short, step = (None, step) if curve.prescribed in _TITLES else (step, next(steps))
+                if n == 0 and short is not None and curve.falls:
+                    short, step = step, short
                 scalars = step[[name for name in OBSERVABLES if name in step]]
                 if short is not None:
                     for name in ("n_iterations", "wall_time"):
@@ -239,13 +246,16 @@ def _realisation(curve: LoadCurve, i: int) -> ContactInput:
 
 
 def _approached(curve: LoadCurve) -> tuple[float, ...]:
-    """Each load behind one a little before it on the path."""
+    """Each load behind one a little before it on the path; the first of falling ones, the largest, before one below."""
     loads = np.array(curve.loads)
-    falls = len(loads) > 1 and loads[1] < loads[0]
     size = loads if curve.prescribed != "displacement" else np.full(len(loads), np.ptp(loads) or abs(loads[0]))
     short = _SHORT * size
-    short[1:] = np.minimum(short[1:], 0.5 * abs(np.diff(loads)))
-    return tuple(np.column_stack([loads + short if falls else loads - short, loads]).ravel().tolist())
+    for beside in (short[1:], short[:-1]):
+        np.minimum(beside, 0.5 * abs(np.diff(loads)), out=beside)
+    path = np.column_stack([loads + short if curve.falls else loads - short, loads])
+    if curve.falls:
+        path[0] = loads[0], loads[0] - short[0]
+    return tuple(path.ravel().tolist())
 
 
 def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:

@@ -219,7 +219,7 @@ def main(arguments=None, cases=CASES):
     page = options.parse_args(arguments).page
     peers, begun = installed(), time.process_time()
     here(next(Case((64,), 0.8, 0.1).punches()), 0.1, RESIDUAL)  # compiles kernels
-    here(next(Case((64, 64), 0.8, 0.1).punches()), 0.1, RESIDUAL)
+    here(next(Case((256, 256), 0.8, 0.007).punches()), 0.007, RESIDUAL)  # of many and of few tiles
     rows = []
     for case in cases:
         rows.append((case, measure(case, peers)))

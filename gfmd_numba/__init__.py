@@ -385,7 +385,7 @@ def fit_tfc(
     Raises
     ------
     InputError
-        The options make no sense.
+        The options make no sense, or the variable has no limit.
 
     Examples
     --------
@@ -396,7 +396,11 @@ def fit_tfc(
     import json
 
     from gfmd_numba.analysis import fit_tfc as fit
+    from gfmd_numba.contact.observables import why_no_limit
+    from gfmd_numba.text.input_error import InputError
 
+    if isinstance(variable, str) and (why := why_no_limit(variable)):
+        raise InputError(f"variable: you gave {variable!r}; gfmd allows what has a limit: {why}")
     results = _dataset("dataset", dataset, "open_campaign")
     own = json.loads(results.attrs.get("fit", "{}"))
     own = json.loads(results.attrs.get("fits_of_targets", "{}")).get(variable, own)

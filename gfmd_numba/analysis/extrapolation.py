@@ -344,8 +344,6 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation
     furthest = float((value - reach).min()), float((value + reach).max())
     width = furthest[1] - furthest[0]
-    if width <= 1e-9 * abs(furthest[0]):  # nothing scatters but by rounding
-        return furthest
     low, high = (
         scipy.optimize.brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL)
     )

@@ -123,8 +123,8 @@ def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     if not steep or choices[0].laws["eps_f"].whole:  # there is one law alone near H = 1
         return []
     return [
-        f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f), as kappa does: a power of eps_f may fit, but its "
-        f"limit is then not that of {group.variable}"
+        f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f): a power of eps_f may fit, but its limit is then "
+        f"not that of {group.variable}"
     ]
 
 

@@ -13,6 +13,7 @@ import xarray as xr
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block, Case
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
+from gfmd_numba.campaign.doubts import of_results
 from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import SENTENCES, Ending, Failure
 from gfmd_numba.campaign.plan import Plan
@@ -107,6 +108,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     made_in = rounds.read(directory)
     if made_in is not None and len(made_in.now.realisations) == len(planned.cases):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())
+    dataset.attrs["validity"] = "\n".join(filter(None, (dataset.attrs["validity"], *of_results(planned, dataset))))
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
 

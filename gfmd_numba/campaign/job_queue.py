@@ -119,8 +119,9 @@ def jobs(cluster: Cluster, directory: Path, told: QueueTold | None = None) -> It
     name = f"gfmd-{uuid4().hex[:8]}"
     with (
         dask.config.set(_ON_CLUSTER),
-        JobsCluster(
+        SLURMCluster(
             n_workers=0,
+            job_cls=ClosingJob,  # type: ignore[arg-type]  # which names the class so
             security=Security.temporary(),
             shared_temp_directory=str(folder),  # of its key, in files that nobody else can read
             scheduler_options={"dashboard": False, "dashboard_address": "127.0.0.1:0"},
@@ -189,12 +190,6 @@ class ClosingJob(SLURMJob):
         self.status = Status.closing
         await super().close()  # type: ignore[no-untyped-call]
         self.status = Status.closed
-
-
-class JobsCluster(SLURMCluster):
-    """A cluster of such jobs."""
-
-    job_cls = ClosingJob
 
 
 class _Arrivals(SchedulerPlugin):

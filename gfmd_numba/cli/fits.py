@@ -68,7 +68,9 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     with naming(file):
         fitted = _fit(dataset, **asked)
     tell(of_fit(fitted))
-    if fitted.attrs["variable"] in {fit_options(dataset).get("variable"), *targets_of(dataset)}:
+    variable, own = fitted.attrs["variable"], fit_options(dataset)
+    is_own = fit_options(dataset, **asked) == fit_options(dataset, variable=variable)
+    if is_own and variable in {own.get("variable"), *targets_of(dataset)}:
         tell(of_goal(dataset, fitted))
     if output is not None and output.suffix == ".csv":
         _write_limits(fitted, output)

@@ -12,7 +12,7 @@ import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from errno import ENOSPC
-from typing import Any, TextIO
+from typing import Any
 
 import click
 
@@ -55,7 +55,8 @@ class _Gfmd(click.Group):
         """Run a command; bad input exits with 2, an interrupt with 130, a full standard output with 1."""
         try:
             with warnings.catch_warnings():
-                warnings.showwarning = _show_warning
+                # a sentence, without the line of the program that gave it
+                warnings.showwarning = lambda message, *_, **__: _tell(printable(message))
                 _allow_files()
                 return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
@@ -96,18 +97,6 @@ def _allow_files() -> None:
         soft = most
     if soft != resource.RLIM_INFINITY and soft < _FEWEST_FILES:
         raise InputError.of("ulimit -n", f"{soft} open files", f"at least {_FEWEST_FILES}")
-
-
-def _show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
-    """Show a warning as a sentence, without the line of the program that gave it."""
-    _tell(printable(message))
 
 
 @click.group(cls=_Gfmd, context_settings={"help_option_names": ["-h", "--help"]})

@@ -6,7 +6,7 @@ import json
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from time import sleep, strftime
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -95,14 +95,8 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     replace(page, mark.marked(content.encode()), mark.is_product)
 
 
-class _Table(NamedTuple):
-    title: str
-    headings: list[str]
-    rows: list[tuple[str, ...]]
-
-
-def _parts(told: Told) -> Iterator[_Table | list[tuple[str, str]]]:
-    """Yield what is told, tables by rows, and lines that follow each other as one list."""
+def _parts(told: Told) -> Iterator[dict[str, Any] | list[tuple[str, str]]]:
+    """Yield what is told, tables with title, headings and rows, and lines that follow each other as one list."""
     lines: list[tuple[str, str]] = []
     for each in told:
         if isinstance(each, Line):
@@ -114,27 +108,21 @@ def _parts(told: Told) -> Iterator[_Table | list[tuple[str, str]]]:
         shared = {heading: cells[0] for heading, cells in each.parameters.items() if len(set(cells)) == 1}
         title = ", ".join((each.title, *(f"{heading} = {cell}" for heading, cell in shared.items() if cell != "-")))
         columns = {name: cells for name, cells in {**each.parameters, **each.values}.items() if name not in shared}
-        yield _Table(title, list(columns), list(zip(*columns.values(), strict=True)))
+        yield {"title": title, "headings": list(columns), "rows": list(zip(*columns.values(), strict=True))}
     if lines:
         yield lines
 
 
-class _Picture(NamedTuple):
-    """A picture: its width in inches and, as text, the PNG."""
-
-    name: str
-    width: float
-    content: str
-
-
-def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[_Picture]:
+def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[dict[str, Any]]:
+    """Yield each picture: its name, its width in inches and, as text, the PNG."""
     import base64
     import io
 
     for path, draw in pictures(dataset, fitted, Path("picture.png")).items():
         figure, content = draw(), io.BytesIO()
         figure.savefig(content, format="png")
-        yield _Picture(path.stem, figure.get_figwidth(), base64.b64encode(content.getvalue()).decode())
+        text = base64.b64encode(content.getvalue()).decode()
+        yield {"name": path.stem, "width": figure.get_figwidth(), "content": text}
 
 
 def _warnings(dataset: xr.Dataset) -> Iterable[str]:

@@ -199,15 +199,24 @@ def of_fit(fitted: xr.Dataset) -> Told:
         laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)
         found = f"{laws}, exponent {_exponent_found(fitted, limit)}, extrapolated {_distance(fitted, limit)}"
         yield Line(LIMITS[limit], f"{limit}: {found}", width=14)
-    if "eps_t" in varied and (fitted["aspect_ratio"] < inf).any():
-        thick = "as eps_t -> 0 a slab becomes infinitely thick, so that this limit is that of a half-space"
-        yield Line("note", f"{thick}: leave eps_t out, with levels of your own, for a slab of finite height")
+    if "eps_t" in varied:
+        yield from _thick_in_the_limit(fitted)
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
         yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom, where about 1 is expected")
     if (fitted["error_budget"] > 0).any():
         yield Line("error", _sources(fitted, factor, unit))
     yield from _notes(fitted)
+
+
+def _thick_in_the_limit(fitted: xr.Dataset) -> Told:
+    if "aspect_ratio" not in fitted:  # layered
+        thick = "layers become infinitely thick, so that this limit is that of a half-space of the uppermost one"
+    elif (fitted["aspect_ratio"] < inf).any():
+        thick = "a slab becomes infinitely thick, so that this limit is that of a half-space"
+    else:
+        return
+    yield Line("note", f"as eps_t -> 0 {thick}: leave eps_t out, with levels of your own, for a finite height")
 
 
 def of_means(dataset: xr.Dataset, variable: str) -> Told:

@@ -18,7 +18,7 @@ from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.plausibility import is_design
-from gfmd_numba.scene import Measured
+from gfmd_numba.scene import Measured, Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import with_prefix
@@ -40,6 +40,7 @@ FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
+_A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
 
@@ -107,7 +108,7 @@ def _mirrored_load(given: ContactInput) -> str:
     """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
     scene = given.file.scene
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
-    if scene.length is None or unit is None or _copies(given) == 1:
+    if scene.length is None or unit is None or _copies(given) == 1 or scene.form is not None:
         return ""
     side, there = (
         with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
@@ -128,7 +129,7 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
     least = _smallest(np.where(counts > 0, counts, nan)) / _copies(given)
     closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
-    if not is_rough or closed or scene.form is not None or scene.interface.reaches_across or not least < FEW:
+    if not is_rough or closed or scene.form is not None or scene.interface.hard_wall is None or not least < FEW:
         return ""
     return (
         f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
@@ -137,8 +138,12 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_times(given: ContactInput, found: Found) -> str:
+    return coarse_times(given.file.numerics, found)
+
+
+def coarse_times(numerics: Numerics, found: Found) -> str:
     """Return a warning about steps in time whose divisions do not reach the tolerance, nothing for others."""
-    tolerance = given.file.numerics.time_tolerance or TIME_TOLERANCE
+    tolerance = numerics.time_tolerance or TIME_TOLERANCE
     error = _largest(found["time_error"]) if "time_error" in found else 0.0
     if not error > tolerance:
         return ""
@@ -166,12 +171,11 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_flow(given: ContactInput, found: Found) -> str:
-    """Return warnings about plastic flow that leaves its layer, or that sublayers or increments do not resolve."""
+    """Return warnings about plastic flow that leaves its layer, or that the layer does not resolve."""
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
-    deep, error = int(flows.sum(0).max()), _largest(found["increment_error"])
-    told = []
+    deep, told = int(flows.sum(0).max()), []
     if flows[-1].any():
         told.append(
             "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
@@ -180,19 +184,24 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
         told.append(
             f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
-    if deep > 0 and not error <= LARGEST_INCREMENT_ERROR:
+    return "\n".join([*told, *coarse_increments(found)])
+
+
+def coarse_increments(found: Found) -> list[str]:
+    """Return warnings about plastic flow that the increments do not resolve, or that is large."""
+    told, strain, error = [], _largest(found["largest_plastic_strain"]), _largest(found["increment_error"])
+    if strain > 0.0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
         told.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
         )
-    strain = _largest(found["largest_plastic_strain"])
     if strain > LARGEST_STRAIN:
         told.append(
             f"the largest plastic strain is {strain:.2g}, where strains are taken to be small: stresses and residual "
             "displacements next to it are off by about this share"
         )
-    return "\n".join(told)
+    return told
 
 
 def _short_stretches(problem: Problem, found: Found) -> str:
@@ -224,7 +233,7 @@ def _narrow(given: ContactInput, found: Found) -> str:
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
-    if scene.interface.reaches_across or not scene.surfaces or _few_nodes(given, found):
+    if scene.interface.hard_wall is None or not scene.surfaces or _few_nodes(given, found):
         return ""
     width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
     areas = found["contact_area_fraction"]
@@ -233,13 +242,20 @@ def _narrow(given: ContactInput, found: Found) -> str:
     off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
     if not off > LEAST_OFF:
         return ""
-    finer = f"points: {2 * found['x'].size} or more of the measured surface, or a larger cutoff"
+    finer = f"points: {2 * found['x'].size} or more"
+    if given.measured:
+        finer += " of the measured surface, or a larger cutoff"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
     return (
-        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area may be off by {100.0 * off:.2g} %, "
-        f"the peak pressure by more; take {finer}"
+        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off)}, and the peak "
+        f"pressure too; take {finer}"
     )
+
+
+def off_by(width: float, off: float) -> str:
+    """Say by how much areas of contacts are off, which have a width in nodes: a finer grid may find a third of some."""
+    return "may be that of single nodes" if width < _A_NODE else f"may be off by {100.0 * off:.2g} %"
 
 
 def _beyond_small_strains(given: ContactInput, found: Found) -> str:
@@ -251,7 +267,8 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> str:
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
     touching = found["gap"] <= 0.0
-    steep = np.where(touching, _slopes(found, scene.ends), 0.0)
+    steep = _slopes(found, scene.ends)
+    steep[~touching] = 0.0
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     share, peak, slope = _largest(shares), _largest(ratios), _largest(steep)
@@ -352,7 +369,7 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
     fewest = _largest(
         np.where(counts > 0, across, nan)
     )  # of a path where it is widest: each contact begins with a node
-    least = FEWEST if scene.form is not None else 1.5
+    least = FEWEST if scene.form is not None else _A_NODE
     if not fewest < least:
         return ""
     points = ceil(found["x"].size * FEWEST / fewest)
@@ -381,13 +398,16 @@ def _at_the_edge(given: ContactInput, found: Found) -> str:
 
 def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
     """Size of the gradient of the heights between the neighbours of each node."""
-    height, along = found["height"], []
+    height = found["height"]
+    steepness: NDArray[Any] = np.zeros(height.shape)
     for axis, dim, end in zip(range(-len(ends), 0), "yx"[-len(ends) :], ends, strict=True):
         if end:
-            along.append(np.gradient(height, found[dim][1], axis=axis))
+            slope = np.gradient(height, found[dim][1], axis=axis)
         else:
-            along.append((np.roll(height, -1, axis) - np.roll(height, 1, axis)) / (2.0 * found[dim][1]))
-    steepness: NDArray[Any] = np.linalg.norm(along, axis=0)
+            slope = np.roll(height, -1, axis)
+            slope -= np.roll(height, 1, axis)
+            slope /= 2.0 * found[dim][1]
+        np.hypot(steepness, slope, out=steepness)  # in place: a map may fill a good part of the memory
     return steepness
 
 

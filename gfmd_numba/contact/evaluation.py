@@ -101,27 +101,25 @@ def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     return np.asarray(begun + now[:, 0] if any(ends) else begun)
 
 
+def _open_sides(contact: Contact, nodes: npt.NDArray[np.bool_]) -> Indices:
+    """Number of open neighbours of some touching nodes along each axis (y,) x `[axis, realisation, (y,) x]`, 0 to 2."""
+    now = touching(contact)
+    along = [[nodes & ~beside(contact, now, side, axis) for side in (1, -1)] for axis in range(1, now.ndim)]
+    return np.asarray(np.sum(along, axis=1, dtype=np.int8))
+
+
 @once
 def perimeter(contact: Contact) -> tuple[Indices, ...]:
     """Number of neighbours along x, and on maps along y, of which one touches elastically, one not `[realisation]`."""
-    return _sides(contact, elastic_nodes(contact))
-
-
-def _sides(contact: Contact, nodes: npt.NDArray[np.bool_]) -> tuple[Indices, ...]:
-    """Number of neighbours along x, and on maps along y, of which one is of some nodes, one open `[realisation]`."""
-    now = touching(contact)
-    axes = tuple(range(1, now.ndim))
-    return tuple(
-        np.sum([np.count_nonzero(nodes & ~beside(contact, now, side, axis), axis=axes) for side in (1, -1)], axis=0)
-        for axis in axes[::-1]
-    )
+    sides = _open_sides(contact, elastic_nodes(contact))
+    return tuple(each.reshape(len(each), -1).sum(axis=1) for each in sides[::-1])
 
 
 def _above_flow(contact: Contact) -> Indices | int:
     """Number of edges of profiles below which the body has flowed: anywhere within a spacing `[realisation]`."""
     if "flow" not in contact.memory:
         return 0
-    return np.asarray(_sides(contact, touching(contact))[0] - perimeter(contact)[0])
+    return np.asarray(_open_sides(contact, touching(contact) & ~elastic_nodes(contact)).sum(axis=(0, 2)))
 
 
 def contact_area_fraction_counted(contact: Contact) -> Reals:
@@ -296,14 +294,9 @@ def rms_gradient_contact(contact: Contact) -> Reals:
     square = np.zeros(contact.heights.shape)
     for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
         square += np.square(gradient, out=gradient)
-    now = touching(contact)
-    axes = tuple(range(1, now.ndim))
+    axes = tuple(range(1, contact.heights.ndim))
     bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
-    share = filled(contact).astype(float)
-    elastic = elastic_nodes(contact)
-    for axis in axes:
-        for side in (1, -1):
-            share -= bias * (elastic & ~beside(contact, now, side, axis))
+    share = filled(contact) - bias * _open_sides(contact, elastic_nodes(contact)).sum(axis=0)
     return np.asarray(np.sqrt(np.multiply(square, share, out=square).sum(axis=axes) / share.sum(axis=axes)))
 
 

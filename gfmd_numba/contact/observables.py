@@ -74,6 +74,7 @@ OBSERVABLES = {
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area corrected for its edges",
         undefined_at_times=True,
+        held="load",
     ),
     "kappa_residual_error": Observable(
         "contact",
@@ -87,12 +88,14 @@ OBSERVABLES = {
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
         undefined_at_times=True,
+        held="load",
     ),
     "kappa_r": Observable(
         "contact",
         "E*/stiffness",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
         undefined_at_times=True,
+        held="load",
     ),
     "contact_area_fraction": Observable(
         "contact", "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
@@ -181,6 +184,7 @@ OBSERVABLES = {
         "E*/stiffness",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
         undefined_at_times=True,
+        held="load",
     ),
     "kappa_edges_error": Observable(
         "contact",

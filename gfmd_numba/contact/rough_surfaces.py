@@ -139,14 +139,19 @@ def random_surface(
 
 
 def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | None:
-    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None."""
+    """Form of the punch of a scene, on the grid of its roughness, or its own where the shape of that is None.
+
+    It stands on the middle of a measured field: where the mirror image doubles that, on a quarter of the period.
+    """
     if scene.form is None:
         return None
     if shape is None:
         assert scene.form.points is not None  # the promise of a scene without roughness
         shape = (scene.form.points,) * scene.dimension
     form = in_reduced_units(scene.form, scene.length or 1.0, 1.0)
-    return Topography(SmoothSurface(form, shape), 1.0, False)
+    mirrored = any(isinstance(each, Measured) and each.periodic == "mirror" for each in scene.surfaces.values())
+    middle = tuple(0.25 if mirrored and not end else 0.5 for end in scene.ends[::-1])
+    return Topography(SmoothSurface(form, shape, middle), 1.0, False)
 
 
 def punch_on_its_form(

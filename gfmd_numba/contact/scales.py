@@ -89,7 +89,7 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
     modulus, stiffness = own[0], bodies[0].stiffness_scale
     if len(bodies) > 1:
         modulus = 1.0 / sum(1.0 / each for each in own)
-        softness = sum(body.stiffness_scale / effective_modulus(body, in_pascal=True) for body in bodies)
+        softness = sum(body.stiffness_scale / each for body, each in zip(bodies, own, strict=True))
         stiffness = rounded(modulus * softness)
     return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
 

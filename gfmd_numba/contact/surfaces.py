@@ -49,10 +49,11 @@ class GivenSurface(_OnGrid):
 
 @dataclass(frozen=True)
 class SmoothSurface:
-    """A smooth form about the middle of a period on a grid of a shape; its lengths and heights are in L_x."""
+    """A smooth form about a `middle` (x, y) on a grid of a shape; its lengths and heights are in L_x."""
 
     form: Form
     shape: tuple[int, ...]
+    middle: tuple[float, ...] = (0.5, 0.5)
 
     @property
     def nx(self) -> int:
@@ -66,7 +67,8 @@ class SmoothSurface:
 
     def moved(self, way: tuple[float, ...], ends: tuple[bool, ...] = (True, True)) -> Reals:
         """Heights `[(y,) x]` after a way (x, y), of a form that goes on where it `ends` and else repeats (L_x)."""
-        x, *y = (np.arange(n) / n - 0.5 - step for n, step in zip(self.shape[::-1], way, strict=False))
+        places = zip(self.shape[::-1], self.middle, way, strict=False)
+        x, *y = (np.arange(n) / n - middle - step for n, middle, step in places)
         x, *y = (at if end else at - np.round(at) for at, end in zip((x, *y), ends[::-1], strict=False))
         return np.asarray(self.form.heights(x, *(at[:, np.newaxis] for at in y)))
 

@@ -28,8 +28,7 @@ def psd_power(
 ) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
-    Raises ValueError for waves at or beyond Nyquist, and for a spectrum that is negative or not finite somewhere, or
-    zero everywhere.
+    Raises ValueError for a spectrum that is negative or not finite somewhere, or zero everywhere.
     """
     index = grid.wave_indices((nx,) * spectrum.dimension)
     size = np.sqrt(sum(k**2 for k in index))
@@ -43,7 +42,7 @@ def psd_power(
         density = spectrum.psd(q_x, q_y)
     power = np.zeros(kept.shape)
     power[kept] = density * step ** len(index)
-    return _usable(power, largest_index, nx)
+    return _usable(power)
 
 
 def filter_power(model: Isotropic | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
@@ -68,7 +67,7 @@ def filter_power(model: Isotropic | Anisotropic, nx: int, largest_index: int, pe
         rows = [np.arange(-largest_index, largest_index + 1)] * (dimension - 1)
         columns = np.arange(largest_index + 1)
         power[np.ix_(*rows, columns)] = found[np.ix_(*rows, columns)]
-    return _usable(power, largest_index, nx)
+    return _usable(power)
 
 
 def surfaces(power: Reals, nx: int, largest_index: int, seed: int, realisations: range) -> Reals:
@@ -150,11 +149,7 @@ def generator(record: records.Spectral, _: Discretisation | None, period: float,
     return ModelWaves.of(model, record, period, nx)
 
 
-def _usable(power: Reals, largest_index: int, nx: int) -> Reals:
-    if not 1 <= largest_index < nx / 2:
-        raise ValueError(
-            f"waves up to index {largest_index} on {nx} points, where 1 to {(nx - 1) // 2} lie below Nyquist"
-        )
+def _usable(power: Reals) -> Reals:
     if not np.isfinite(power).all():
         where = tuple(int(i[0]) for i in np.nonzero(~np.isfinite(power)))
         raise ValueError(f"a spectrum of {power[where]} at wave index {where}, not finite")

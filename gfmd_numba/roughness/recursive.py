@@ -30,7 +30,7 @@ from gfmd_numba.scene.surfaces import MidpointDisplacement, SuccessiveAddition
 class Recursion:
     """How a surface of period 1 is subdivided (thesis 3.5.1); `cut_on` and `roll_off` are wavelengths in periods.
 
-    Raises ValueError unless 0 <= H <= 1 and 0 < 2 cut_on <= roll_off <= 1.
+    Raises ValueError unless 0 < 2 cut_on <= roll_off <= 1.
     """
 
     unit_gradient: ClassVar = False
@@ -41,8 +41,6 @@ class Recursion:
     roll_off: float
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.hurst <= 1.0:
-            raise ValueError(f"a Hurst exponent of {self.hurst:g}, not from 0 to 1")
         if not 0.0 < 2.0 * self.cut_on <= self.roll_off <= 1.0:
             raise ValueError(
                 f"a roll_off of {self.roll_off:g} periods, not at least twice cut_on = {self.cut_on:g} and at most 1"

@@ -1,9 +1,9 @@
 """Records of the loading: what is prescribed, at first and after each step of a path."""
 
 from collections.abc import Iterator
-from typing import Self
+from typing import Any, Self
 
-from pydantic import BaseModel, Field, model_validator
+from pydantic import BaseModel, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.quantities import (
@@ -48,6 +48,15 @@ class Controls(BaseModel):
         description="Speed of the punch along x in m/s (L_x/s without a length), at which it has slid over a "
         "viscoelastic body for ever; None: it does not slide",
     )
+
+    @field_validator(*LOADS, mode="before")
+    @classmethod
+    def _presses(cls, given: Any, info: ValidationInfo) -> Any:
+        quantity = quantities(cls).get(info.field_name or "")
+        value = given if quantity is None else quantity.read(given)
+        if isinstance(value, (int, float)) and not isinstance(value, bool) and value <= 0.0:
+            raise broken_rule((), "a load above 0; for no load, or a pull, prescribe a displacement")
+        return given
 
 
 class Loading(Controls):

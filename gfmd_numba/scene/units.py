@@ -27,6 +27,7 @@ _NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
 NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
 _SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
 _LONGEST = 100  # of a text that is looked at
+_OVER_NM = re.compile(r"/\s*(?:N\s*[*·]?\s*m\b|\(\s*N\s*[*·]?\s*m\s*\))$")  # as wear rates are mostly written
 METRES = {
     "m": 1.0,
     "km": 1e3,
@@ -39,6 +40,7 @@ METRES = {
     "angstrom": 1e-10,
     "in": 0.0254,
     "mil": 0.0254e-3,
+    "uin": 0.0254e-6,
 }
 PERIOD = "L_x"  # the unit of lengths that count in periods of the result
 LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}"])
@@ -113,7 +115,7 @@ class Quantity:
             return float("nan")
 
     def _in_si(self, unit: str) -> Decimal:
-        registry = _registry()
+        registry, unit = _registry(), _OVER_NM.sub("/N/m", unit)
         written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
             if re.fullmatch(_UNIT, unit) is None:
@@ -291,6 +293,9 @@ _SPELLINGS = {
     "inch": "in",
     "inches": "in",
     "mils": "mil",
+    "\u03bcin": "uin",
+    "microinch": "uin",
+    "microinches": "uin",
 }
 _SPELLINGS |= {
     f"{prefix}{metre}": f"{letter}m"

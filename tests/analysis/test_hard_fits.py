@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.analysis.gauss_markov import covariance_of_one
+from gfmd_numba.analysis.gauss_markov import covariance_of_one, scatter_of_means
 from support.synthetic_campaigns import REFERENCE, TFC, campaign, noisy
 
 quick = settings(derandomize=True, deadline=None, max_examples=1)
@@ -149,3 +149,19 @@ def test_variances_come_from_all_values_of_a_case():
     floor = np.nanvar(values - np.nanmean(values, axis=0), axis=0)  # of the order of the residuals it is mixed with
     assert (abs(np.diag(ragged) - variance) < 6 / (n + 6) * 2 * floor.max()).all()
     assert (abs(ragged - whole) < 0.25 * np.sqrt(np.outer(variance, variance))).all()
+
+
+def test_the_scatter_of_means_is_that_of_each_design_about_its_own_mean():
+    """White's sum over realisations: what each adds to the means, less the mean of those asked of the same cases."""
+    values = np.random.default_rng(5).normal(size=(7, 2)) + 3.0
+    values[3:6, 1] = np.nan
+    values[6, 0] = np.nan  # alone, it has no mean to take off but that of its case
+    covariance, of_means = np.array([[1.0, 0.4], [0.4, 2.0]]), np.array([[0.3, 0.1], [0.1, 0.5]])
+    expected = np.zeros((2, 2))
+    for rows, there in ((slice(0, 3), [0, 1]), (slice(3, 6), [0]), (slice(6, 7), [1])):
+        adds = [
+            of_means[:, there] @ np.linalg.inv(covariance[np.ix_(there, there)]) @ row
+            for row in (values[rows] - np.nanmean(values, axis=0))[:, there]
+        ]
+        expected += len(adds) * np.cov(adds, rowvar=False) if len(adds) > 1 else np.outer(adds[0], adds[0])
+    np.testing.assert_allclose(scatter_of_means(values, covariance, of_means), expected, rtol=1e-12)

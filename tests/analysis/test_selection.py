@@ -72,6 +72,8 @@ def test_the_reference_is_the_finest_marked_case_or_the_finest_levels():
     assert reference_levels(dataset) == REFERENCE
     assert reference_levels(several) == REFERENCE | {"eps_f": 1 / 4096}
     assert reference_levels(none) == {name: min(levels) for name, levels in LEVELS.items()}
+    (group,) = groups_to_fit(none, "kappa", omit_nyquist=True)  # which no case has
+    assert np.isnan([group.reference_mean, group.reference_error]).all()
 
 
 @pytest.mark.parametrize(

@@ -74,6 +74,7 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
     assert not list(out.glob("jobs/.dask*")), "a key outlived its run"
 
 
+@pytest.mark.long
 def test_a_run_whose_jobs_wait_says_so_and_why_and_ends_whatever_still_holds_them(tmp_path, slurm, monkeypatch):
     """The queue is full until that has been told; a cluster that closes asks each job that is not yet forgotten."""
     (slurm / "full").touch()

@@ -1,7 +1,6 @@
 """Looking at a campaign while it runs and afterwards: status, collect, verify, and running parts of it."""
 
 import json
-import re
 import shlex
 import shutil
 
@@ -39,7 +38,6 @@ def test_parts_of_a_campaign_add_up_to_the_whole(finished, tmp_path):
     assert f"{8 * 6} of the 60 simulations of the whole campaign have not run yet: a run without --only" in unfolded(
         ran.output
     )
-    assert re.findall(r"blocks +(.*)", ran.output) == ["1 of 3", "2 of 3"]
     part = gfmd_numba.open_campaign(out)
     done = part["status"].values == 0
     assert done.all(axis=1).sum() == 2
@@ -232,7 +230,7 @@ def test_results_are_of_the_versions_of_their_blocks_not_of_those_that_collect_t
     monkeypatch.setattr(provenance, "version", lambda name: "9")
     provenance.versions_of_numbers.cache_clear()
     try:
-        assert gfmd("collect", out).stderr == ""
+        assert "different versions" not in unfolded(gfmd("collect", out).stderr)
     finally:
         provenance.versions_of_numbers.cache_clear()
     after = json.loads(gfmd_numba.open_campaign(out).attrs["versions"])

@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from gfmd_numba import fit_tfc
@@ -105,3 +106,25 @@ def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
     said = unfolded(capsys.readouterr().out)
     assert "H = 0.3: means lie 1.1 times off" in said
     assert "H = 0.8: means lie 1.2 times off" in said
+
+
+@pytest.mark.parametrize(
+    ("aspect_ratio", "said"),
+    [
+        (np.inf, ""),
+        (0.1, "as eps_t -> 0 a slab becomes infinitely thick"),
+        (None, "as eps_t -> 0 layers become infinitely thick"),
+    ],
+    ids=["half-space", "slab", "layers"],
+)
+def test_a_limit_of_eps_t_says_what_becomes_of_slabs_and_layers(aspect_ratio, said, capsys):
+    dataset = noisy(campaign(), np.random.default_rng(1))
+    heights = dataset["aspect_ratio"]
+    if aspect_ratio is None:
+        dataset = dataset.drop_vars("aspect_ratio")
+    else:
+        dataset = dataset.assign_coords(aspect_ratio=heights.copy(data=np.full(heights.shape, aspect_ratio)))
+    tell(of_fit(fitted(dataset)))
+    printed = unfolded(capsys.readouterr().out)
+    assert said in printed
+    assert ("infinitely thick" in printed) == bool(said)

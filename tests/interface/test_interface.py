@@ -286,7 +286,7 @@ path: []
         (
             "path: []",
             "path: [{reduced_pressure: -0.1}]",
-            "9:27: path[0].reduced_pressure: you gave -0.1; gfmd allows a number from 1e-30 to 1e+30",
+            "9:27: path[0].reduced_pressure: you gave -0.1; gfmd allows a load above 0",
         ),
         (
             "{reduced_pressure: 0.05}",

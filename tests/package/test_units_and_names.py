@@ -98,10 +98,10 @@ def test_a_campaign_says_what_each_of_its_numbers_is(campaign):
 
 
 def test_a_fit_says_what_each_of_its_numbers_is(campaign, tmp_path):
-    fitted = gfmd_numba.fit_tfc(campaign, variable="mean_pressure", fixed={"eps_c": 1.0})
+    fitted = gfmd_numba.fit_tfc(campaign, variable="mean_gap", fixed={"eps_c": 1.0})
     described(fitted)
-    assert fitted["mean_pressure_tfc"].units == fitted["C"].units == "Pa"
-    assert fitted["mean_pressure_tfc"].long_name == "mean_pressure in the thermodynamic, fractal and continuum limit"
+    assert fitted["mean_gap_tfc"].units == fitted["C"].units == "m"
+    assert fitted["mean_gap_tfc"].long_name == "mean_gap in the thermodynamic, fractal and continuum limit"
     assert not [name for name in fitted.variables if "kappa" in name]
     assert "kappa_tfc" not in str(fitted.attrs) + str({n: fitted[n].attrs for n in fitted.variables})
     assert fitted["alpha"].units == "1"

@@ -109,18 +109,16 @@ class Broken:
 
 
 @pytest.mark.parametrize(
-    ("spectrum", "largest", "message"),
+    ("spectrum", "message"),
     [
-        (Broken(np.nan), 5, r"spectrum of nan at wave index \(2,\)"),
-        (Broken(np.inf), 5, r"spectrum of inf at wave index \(2,\)"),
-        (Broken(-1.0), 5, r"negative at wave index \(2,\)"),
-        (Broken(1.0), 16, "waves up to index 16 on 32 points, where 1 to 15 lie below Nyquist"),
-        (Broken(1.0), 0, "waves up to index 0"),
+        (Broken(np.nan), r"spectrum of nan at wave index \(2,\)"),
+        (Broken(np.inf), r"spectrum of inf at wave index \(2,\)"),
+        (Broken(-1.0), r"negative at wave index \(2,\)"),
     ],
 )
-def test_spectra_that_cannot_be_drawn_are_refused(spectrum, largest, message):
+def test_spectra_that_cannot_be_drawn_are_refused(spectrum, message):
     with pytest.raises(ValueError, match=message):
-        model_surfaces.psd_power(spectrum, 32, largest)
+        model_surfaces.psd_power(spectrum, 32, 5)
 
 
 @pytest.mark.parametrize(("hurst", "octave", "shortest"), [(0.3, 2.05, 3.08), (0.5, 1.57, 2.47), (0.8, 1.31, 2.18)])

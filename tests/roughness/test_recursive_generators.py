@@ -114,7 +114,6 @@ def test_resampling_a_wave_at_nyquist_keeps_the_cosine():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ((1.5, 0.1, 0.5), "Hurst exponent of 1.5"),
         ((0.5, 0.3, 0.5), "not at least twice"),
         ((0.5, 0.1, 2.0), "at most 1"),
     ],

@@ -65,7 +65,13 @@ VALUES = {
     ),
     "negative pressure": (
         ("reduced_pressure: 0.007", "reduced_pressure: -0.007"),
-        "bad.yaml:9:23: scene.loading.reduced_pressure: you gave -0.007; gfmd allows a number from 1e-30 to 1e+30",
+        "bad.yaml:9:23: scene.loading.reduced_pressure: you gave -0.007; gfmd allows a load above 0; "
+        "for no load, or a pull, prescribe a displacement",
+    ),
+    "decimal comma in braces": (
+        ("loading:\n    reduced_pressure: 0.007", "loading: {pressure: 1,5 MPa}"),
+        "bad.yaml:8:25: scene.loading['5 MPa']: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
+        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'speed'; decimals have a point, like 1.5",
     ),
     "both loadings": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    displacement: 0.1"),

@@ -13,7 +13,7 @@ from gfmd_numba.scene import Body, Interface, Scene, load_scene
 from gfmd_numba.scene.quantities import Length, Pressure, WorkOfAdhesion
 from gfmd_numba.scene.records import SceneFile
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.scene.units import QUANTITIES, WithUnit
+from gfmd_numba.scene.units import QUANTITIES, WEAR_RATE, WithUnit
 from gfmd_numba.text.input_error import InputError
 from support.command_line import python
 from support.faulty_files import CAMPAIGN, assert_complaint, changed, complaint, load_checked
@@ -65,6 +65,11 @@ def test_a_number_with_a_unit_is_the_float_nearest_to_its_value(kind, unit, numb
     (quantity,) = (each for each in QUANTITIES if each.name == kind)
     for text in (f"{number} {unit}", f" {number}{unit} "):
         assert quantity.si_value(text) == float(Fraction(number) * Fraction(FACTORS[kind, unit])), text
+
+
+@pytest.mark.parametrize("unit", ["mm^3/Nm", "mm³/Nm", "mm3/N m", "mm^3/(N m)", "mm^3/(N*m)", "mm3/(N·m)", "mm^3/N/m"])
+def test_a_wear_rate_is_read_as_it_is_mostly_written(unit):
+    assert WEAR_RATE.si_value(f"2 {unit}") == 2e-9
 
 
 def test_the_documentation_lists_these_quantities_and_units():

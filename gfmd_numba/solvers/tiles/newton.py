@@ -214,14 +214,11 @@ class MapContact:
         """Find the gap on the tiles as well as the compliance between them is known."""
         before = self._level.transforms()
         self._choose()
-        self._open_on_tiles()
-        self.error = self._error()
-        self.coarse_transforms += self._level.transforms() - before
-
-    def _open_on_tiles(self) -> None:
         self._soften(self.pressure, self._gap)
         self._take(self.wall, self._moved)
         self._gap += self._moved
+        self.error = self._error()
+        self.coarse_transforms += self._level.transforms() - before
 
     def _sharpen(self) -> None:
         """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
@@ -310,20 +307,15 @@ class MapContact:
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
-        overlap = self._wrong_gaps()[1]
+        overlap = float(kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])[1])
         if self.count == 0:
             return np.inf if overlap > self._rounding else 0.0
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
-    def _wrong_gaps(self) -> tuple[float, float]:
-        """Largest size of a gap in contact, and largest overlap elsewhere."""
-        open_by, overlap = kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])
-        return float(open_by), float(overlap)
-
     def bound(self) -> float:
         """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
-        peak = max(float(self.pressure.max()), np.finfo(np.float64).tiny)
-        return max(self._wrong_gaps()) * self._level.largest_traction / peak
+        wrong = float(max(kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])))
+        return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
 
     def _zeros(self) -> Reals:
         """Room on the tiles for pressure, gap, and what an iteration moves: memory is taken where it is touched."""

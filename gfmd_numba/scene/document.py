@@ -24,6 +24,7 @@ Location = tuple[str | int, ...]
 DEEPEST = 20
 _LONGEST = 100  # of a text that may be a number, and
 _MOST_HOMES = 6  # of a key, that a message names
+_POINT = "decimals have a point, like 1.5"
 _MEASURED = "'measured' for the heights of a file: add `method: measured`"
 
 
@@ -204,7 +205,10 @@ class _PlainLoader(yaml.SafeLoader):
             key = plain_scalar(key_node.value) if scalar and key_node.style is None else key_node.value
             if not isinstance(key, str) or key == "<<":
                 given = f"the key {brief(key)}" if scalar else "a list or mapping as a key"
-                raise self.fault(key_node.start_mark, location, given, "keys that are text, no merge keys")
+                allowed = "keys that are text, no merge keys"
+                if isinstance(key, int | float):
+                    allowed = f"keys that are text; {_POINT}"
+                raise self.fault(key_node.start_mark, location, given, allowed)
             inner = (*location, key)
             if key in mapping:
                 given = f"the key a second time (first on line {self.key_positions[inner][0]})"
@@ -294,7 +298,8 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             siblings = list(_at(schema, fault["loc"][:-1])[1]["properties"])
             if document.flat and len(location) == 2:
                 siblings += [key for key in schema["properties"] if key != "scene"]
-            hint = _belongs(schema, location) or nearest(location[-1], siblings)
+            comma = _POINT if str(location[-1])[:1].isdigit() else ""
+            hint = comma or _belongs(schema, location) or nearest(location[-1], siblings)
             return document.key_line(location, "an unknown key", _listed(siblings), hint)
         case "union_tag_invalid" | "union_tag_not_found":
             given = document.value(location)

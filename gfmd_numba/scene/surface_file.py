@@ -11,6 +11,7 @@ from gfmd_numba.scene.quantities import RECORD, Dimension, Length, Seed, broken_
 from gfmd_numba.scene.scene_file import located
 from gfmd_numba.scene.surfaces import Surface
 from gfmd_numba.scene.units import in_unit_of
+from gfmd_numba.text.input_error import ABSENT, InputError
 
 
 class HurstRange(BaseModel):
@@ -68,6 +69,9 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
         document, file = Document(None, "", source.model_dump()), source
     else:
         document = document_of(source, "surface")
+        if document.value(("surface",)) is ABSENT and document.value(("scene",)) is not ABSENT:
+            allowed = "a file of a surface: write the scene's roughness under `surface`, and its length below that"
+            raise InputError(document.key_line(("scene",), "a scene", allowed))
         file = validate(document, SurfaceFile)
     if file.surface.points is not None:
         nodes = float(file.surface.points) ** (file.dimension or 1)

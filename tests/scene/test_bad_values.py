@@ -68,6 +68,11 @@ VALUES = {
         "bad.yaml:9:23: scene.loading.reduced_pressure: you gave -0.007; gfmd allows a load above 0; "
         "for no load, or a pull, prescribe a displacement",
     ),
+    "decimal comma in braces": (
+        ("loading:\n    reduced_pressure: 0.007", "loading: {pressure: 1,5 MPa}"),
+        "bad.yaml:8:25: scene.loading['5 MPa']: you gave an unknown key; gfmd allows one of 'reduced_pressure', "
+        "'pressure', 'line_load', 'force', 'displacement', 'duration', 'speed'; decimals have a point, like 1.5",
+    ),
     "both loadings": (
         ("    reduced_pressure: 0.007", "    reduced_pressure: 0.007\n    displacement: 0.1"),
         "bad.yaml:9:5: scene.loading: you gave {'displacement': 0.1, 'reduced_pressure': 0.007}; "

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 import yaml
 
-from gfmd_numba import make_surface
+from gfmd_numba import InputError, make_surface
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import KCorrelationSpectrum
 from gfmd_numba.scene.surface_file import load_surface
@@ -252,3 +252,8 @@ def test_a_file_that_is_not_there_and_a_length_too_many_are_told(tmp_path):
     assert "positions over a period of 4 m, one spacing for each of the 4 points, not length = 0.001 m" in message
     message = complaint(tmp_path, make_surface, "surface: {method: measured, file: steel.csv}\ndimension: 1\n")
     assert "dimension: you gave 1; gfmd allows nothing" in message
+
+
+def test_a_scene_in_place_of_a_surface_is_told_what_to_write():
+    with pytest.raises(InputError, match=r"^scene: you gave a scene; gfmd allows a file of a surface: write the"):
+        make_surface({"scene": {"roughness": {"method": "psd"}}})

@@ -12,7 +12,7 @@ from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.arrays.regions import regions
-from gfmd_numba.text.recorded_scene import is_form_alone
+from gfmd_numba.text.recorded_scene import has_form
 from gfmd_numba.theory import persson
 
 _BINS = 60
@@ -22,21 +22,27 @@ _BINS = 60
 def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Return distributions over the nodes of solved contacts, `[..., pressure | gap | length or area]`.
 
-    The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2
-    for a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the
-    fraction of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
-    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16); a form without roughness has
-    neither. On profiles, `segments` counts the stretches of contact whose number of nodes lies between two powers of 2,
-    at their geometric mean. On maps, `clusters` counts groups of nodes that share sides in the same way, over their
-    `area`. `perimeter` is the length of the edges of all clusters, by Crofton's formula in four directions: within 5 %
-    for edges of one direction, and exact on average over all. `mean_gap` is in rms heights. Dimensions other than `y`
-    and `x`, like `step` or one along which results were concatenated, stay. Raises UnusableDataError for a dataset
-    without these fields, or of a run that is not ok.
+    The dataset is what `gfmd solve` leaves. Pressures are in units of their rms fluctuation in full contact (g E*/2 for
+    a half-space), gaps in rms heights of the punch, and lengths in L_x. `pressure_density` integrates to the fraction
+    of nodes that touch, `gap_density` to the fraction that does not. `pressure_density_persson` is (4.9), and
+    `contact_area_fraction_persson`, which estimates `contact_area_fraction`, is (4.16). The relaxed body under
+    `relaxed_pressure` stands for one that creeps, exactly so while contact only grows. On profiles, `segments` counts
+    the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
+    `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
+    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
+    on average over all. `mean_gap` is in rms heights. Of a punch with a form there are neither `mean_gap` nor Persson's
+    estimates. Dimensions other than `y` and `x`, like `step` or one along which results were concatenated, stay. Raises
+    UnusableDataError for a dataset without these fields, or of a run that is not ok.
     """
-    nodes = check_fields(dataset, _NEEDED)
+    creeps = "relaxed_pressure" in dataset
+    nodes = check_fields(dataset, (*_NEEDED, *["relaxed_pressure"] * creeps))
     touching = dataset["gap"] == 0.0
     rms_height = dataset["height"].std(nodes)
-    pressure, gap = dataset["pressure"] / dataset["full_contact_pressure"], dataset["gap"] / rms_height
+    full_contact = dataset["full_contact_pressure"]
+    if creeps:  # of the modulus with which the body has crept so far
+        stiffer = dataset["mean_pressure"] / dataset["relaxed_pressure"].mean(nodes)
+        full_contact = full_contact * stiffer.where(stiffer > 0.0, 1.0)
+    pressure, gap = dataset["pressure"] / full_contact, dataset["gap"] / rms_height
     lowest = min(0.0, float(pressure.where(touching).min()))  # an adhesive law may pull on touching nodes
     highest = float(pressure.max())  # below 0 where an adhesive law pulls and nothing touches
     pressures = np.linspace(lowest, highest if highest > lowest else lowest + 1.0, _BINS + 1)
@@ -53,16 +59,16 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result["pressure"] = ("pressure", 0.5 * (pressures[1:] + pressures[:-1]))
     result["gap"] = ("gap", 0.5 * (gaps[1:] + gaps[:-1]))
     result[size] = (size, np.sqrt(octaves[1:] * octaves[:-1]) / total)
-    if not is_form_alone(dataset.attrs.get("scene", "{}")):
+    if not has_form(dataset.attrs.get("scene", "{}")):
+        result["mean_gap"] = gap.mean(nodes)
         # a hard wall bears no tension, of which Persson's formulas would make a negative contact area
-        reduced = (dataset["mean_pressure"] / dataset["full_contact_pressure"]).clip(min=0.0)
+        reduced = (dataset["mean_pressure"] / full_contact).clip(min=0.0)
         result["pressure_density_persson"] = xr.apply_ufunc(
             persson.pressure_density, result["pressure"], reduced, 1.0
         ).transpose(*result["pressure_density"].dims, missing_dims="ignore")
         result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
     if "contact_area_fraction" in dataset:
         result["contact_area_fraction"] = dataset["contact_area_fraction"]
-    result["mean_gap"] = gap.mean(nodes)
     if len(nodes) == 2:
         result["perimeter"] = xr.apply_ufunc(
             _perimeter, touching, kwargs={"around": around}, input_core_dims=[nodes], vectorize=True

@@ -297,7 +297,7 @@ ROUNDS = Form(
 )
 
 
-_FIELDS = ("height", "pressure", "gap")
+_FIELDS = ("height", "pressure", "gap", "relaxed_pressure")
 _POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"
 
 

@@ -13,8 +13,10 @@ from gfmd_numba.arrays.regions import regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact, once
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
+from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.status import Status
 
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
@@ -30,7 +32,12 @@ def touching(contact: Contact) -> npt.NDArray[np.bool_]:
 def edge(contact: Contact) -> area_correction.Edge:
     """What the grid makes of the edges of the contact."""
     now = contact.heights[0]
-    return area_correction.edge(contact.stiffness, 1.0 / now.shape[-1], now.ndim)
+
+    def felt(q: Reals) -> Reals:
+        return contact.change.felt(SpectralResponse.of_normal(contact.stiffness(q))).normal
+
+    of_waves = felt if contact.change.yields else contact.stiffness
+    return area_correction.edge(of_waves, 1.0 / now.shape[-1], now.ndim)
 
 
 @once
@@ -371,10 +378,18 @@ def _traction_along(contact: Contact, surface: Reals) -> Reals:
 
 
 def full_contact_pressure(contact: Contact) -> Reals:
-    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on."""
+    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on.
+
+    That of a body that creeps is what the relaxed one bears, or under a steadily sliding punch that one itself.
+    """
+    change = contact.change
     if contact.ends:
         return np.asarray(0.5 * rms_gradient(contact))
-    return contact.equilibrium.full_contact_pressure
+    if change.factor == 1.0 and change.yields == 0.0:
+        return contact.equilibrium.full_contact_pressure
+    # the solver knows a division of the step alone, with what has crept before and what wears off
+    bodies = SpectralResponse.of_normal(contact.stiffness(grid.magnitudes(contact.heights.shape[1:])))
+    return pressure_scale(contact.heights - contact.memory.get("worn", 0.0), bodies)
 
 
 def nayak(contact: Contact) -> Reals:

@@ -10,7 +10,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import bear_again, processes_of
-from gfmd_numba.contact.state import Change, Contact, State
+from gfmd_numba.contact.state import Contact, State
 from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -66,7 +66,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
-        response = felt(_response(problem), change)
+        response = change.felt(_response(problem))
         equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
@@ -79,7 +79,6 @@ def solve(problem: Problem, state: State | range) -> Contact:
     if change.yields > 0.0:  # the wall, and not the body
         yielded = change.yields * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
-        of_waves = partial(_stiffness_felt, problem, change)
     law = problem.interface.normal_law
     pull = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
     found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach, pull=pull)
@@ -92,7 +91,7 @@ def _without_period(
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     shape, change = punch.shape[1:], state.change(problem.step)
     laws = problem.interface.lasting(problem.duration)
-    response = felt(free_response(problem), change)
+    response = change.felt(free_response(problem))
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
@@ -134,14 +133,6 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     return Start(displacement, moved, -tangential.slip)
 
 
-def felt(response: SpectralResponse, change: Change) -> SpectralResponse:
-    """Response of bodies that are stiffer by a factor, or lag behind, with a punch that yields."""
-    response = response.scaled(change.factor)
-    if change.modulus is not None:
-        response = response.lagging(change.modulus)
-    return response if change.yields == 0.0 else response.with_yielding(change.yields)
-
-
 def _response(problem: Problem) -> SpectralResponse:
     """Of all that deforms: of the normal displacement alone, or of all."""
     shape, counter = problem.surface.shape, problem.counter
@@ -158,11 +149,6 @@ def free_response(problem: Problem) -> SpectralResponse:
     return (
         own if counter is None else own.in_series(free_body.response(shape, counter.body, ends, couples), counter.share)
     )
-
-
-def _stiffness_felt(problem: Problem, change: Change, q: Reals) -> Reals:
-    """Stiffness of the deformable bodies and a punch that yields, at wave numbers q, in E*/L_x."""
-    return felt(SpectralResponse.of_normal(condensed_stiffness(problem, q)), change).normal
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

@@ -14,6 +14,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import stiffness
+from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
@@ -76,6 +77,13 @@ class Change:
         factor, yields = prod(each.factor for each in every), sum(each.yields for each in every)
         modulus = next((each.modulus for each in every if each.modulus is not None), None)
         return cls(wall, out, along, factor, modulus, yields, carried, sum(each.lifted for each in every))
+
+    def felt(self, response: SpectralResponse) -> SpectralResponse:
+        """Response of bodies that are stiffer by the factor, or lag behind, with a punch that yields."""
+        response = response.scaled(self.factor)
+        if self.modulus is not None:
+            response = response.lagging(self.modulus)
+        return response if self.yields == 0.0 else response.with_yielding(self.yields)
 
 
 NO_CHANGE = Change()

@@ -1,6 +1,7 @@
 """What is told of a ball without roughness: its force and radius, and nothing that counts in roughness."""
 
 import json
+import warnings
 
 import pytest
 from click.testing import CliRunner
@@ -66,6 +67,18 @@ def test_a_rough_ball_is_none():
     assert not is_form_alone(json.dumps(rough))
     assert is_form_alone(json.dumps({"scene": {"form": {"radius": 1.0}, "body": {}, "counter_body": None}}))
     assert not is_form_alone(json.dumps({"scene": {"roughness": {"method": "psd"}, "body": {}}}))
+
+
+@pytest.mark.parametrize("rough", [False, True])
+def test_statistics_of_a_form_have_nothing_that_depends_on_the_cut_out(rough):
+    roughness = {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.001}} if rough else {}
+    levels = {"discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}} if rough else {}
+    form = {"radius": "1 mm"} | ({} if rough else {"points": 24})
+    with warnings.catch_warnings(action="ignore"):
+        contact = gfmd_numba.solve({"scene": BALL | roughness | {"form": form}} | levels)
+    found = gfmd_numba.contact_statistics(contact)
+    assert not [name for name in found.variables if "persson" in name or name == "mean_gap"]
+    plot_statistics(found)
 
 
 def test_a_rough_counter_body_is_no_form_alone():

@@ -91,6 +91,17 @@ def test_a_body_that_creeps_wears_the_same_volume(periodic):
     np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-8)
 
 
+@pytest.mark.parametrize("relaxation", [None, [{"modulus": 3.0, "time": 1.0}]])
+def test_full_contact_is_that_of_the_relaxed_body_and_the_punch_as_worn(relaxation):
+    """By Parseval for a half-space: how a step is divided makes no difference."""
+    path = [{"sliding": way} | ({"duration": 1.0} if relaxation else {}) for way in (0.1, 0.2)]
+    numerics = {"time_tolerance": 0.1, "residual": 1e-10} if relaxation else {}
+    found = solved(scene(relaxation=relaxation), path, numerics=numerics)
+    waves = np.fft.rfft(found["height"] - found["worn_depth"]) / found.sizes["x"]
+    expected = np.sqrt((2.0 * abs(np.pi * np.arange(waves.shape[-1]) * waves) ** 2).sum(axis=-1))
+    np.testing.assert_allclose(found["full_contact_pressure"], expected, rtol=1e-3)
+
+
 def test_units_make_no_difference():
     numerics = {"residual": 1e-12, "time_tolerance": 0.1}
     plain = solved(scene(), [{"sliding": 0.5}], numerics=numerics)

@@ -256,6 +256,4 @@ def test_a_file_that_is_not_there_and_a_length_too_many_are_told(tmp_path):
 
 def test_a_scene_in_place_of_a_surface_is_told_what_to_write():
     with pytest.raises(InputError, match=r"^scene: you gave a scene; gfmd allows a file of a surface: write the"):
-        InputError, match="^scene: you gave a scene; gfmd allows a file of a surface: write the scene's"
-    ):
         make_surface({"scene": {"roughness": {"method": "psd"}}})

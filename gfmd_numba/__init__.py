@@ -59,7 +59,7 @@ def solve(
     Returns
     -------
     xarray.Dataset
-        Fields over x (and y) and scalars, in SI units. A run that fails is marked in `status`.
+        Fields over x (and y) and scalars, in SI units. A run that fails is marked in `status`, and warned of.
 
     Raises
     ------

@@ -14,14 +14,15 @@ from gfmd_numba.contact.loaded_body import solve_loaded_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import Document, SceneFile
+from gfmd_numba.solvers.status import SENTENCES, Status
 
 
 def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
     """Solve what a file describes, a contact or a loaded body without a punch, in SI units.
 
     `tell` is called with the steps of a path, or parts of a step, done since the last call.
-    Warns of what its `validity` says. Raises InputError for a file that makes no sense; a run that fails says so in
-    `status`.
+    Warns of what its `validity` says, and of a `status` that is not ok. Raises InputError for a file that makes no
+    sense.
     """
     given = read(file, document)
     if isinstance(given, ContactInput):
@@ -31,7 +32,9 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     else:
         assert isinstance(given, LoadedBodyInput)  # the other of the two
         dataset = loaded_body_dataset(given, solve_loaded_body(given))
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
+    endings = sorted(set(dataset["status"].values.ravel().tolist()) - {Status.ok})
+    failed = [f"{Status(ended).name}: {SENTENCES[Status(ended)]}" for ended in endings]
+    for sentence in (*failed, *filter(None, dataset.attrs["validity"].split("\n"))):
         warnings.warn(sentence, stacklevel=2)
     return dataset
 

@@ -170,6 +170,7 @@ def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path):
     assert gfmd_numba.run(path, out, 0).attrs["content_sha256"] == dragged.attrs["content_sha256"]
 
 
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     """The first loading takes fewer iterations than the drag."""
     file = DRAGGED | {"numerics": {"solver": "verlet", "max_iterations": 600}, "realisations": 1}

@@ -124,12 +124,13 @@ def _solve_with(monkeypatch, field, value):
 def test_a_spoiled_contact_is_not_ok(tmp_path, monkeypatch, field, value, dimension):
     _solve_with(monkeypatch, field, value)
     (tmp_path / "s.yaml").write_text(SCENE + f"dimension: {dimension}\n")
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), pytest.warns(UserWarning, match="^nonfinite: A traction was no finite number"):
         found = gfmd_numba.solve(tmp_path / "s.yaml")
     assert int(found["status"]) == Status.nonfinite
     assert np.isnan(found["kappa"])
 
 
+@pytest.mark.filterwarnings("ignore:nonfinite:UserWarning")
 def test_a_spoiled_rough_body_is_not_ok(monkeypatch):
     _solve_with(monkeypatch, "pressure", np.nan)
     rough = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
@@ -140,6 +141,7 @@ def test_a_spoiled_rough_body_is_not_ok(monkeypatch):
     assert int(found["status"]) == Status.nonfinite
 
 
+@pytest.mark.filterwarnings("ignore:nonfinite:UserWarning")
 def test_a_spoiled_loaded_body_is_not_ok(monkeypatch):
     deform = loaded_body.deform
     monkeypatch.setattr(

@@ -562,6 +562,7 @@ def test_periodic_is_true_or_false():
         gfmd_numba.solve(wrong)
 
 
+@pytest.mark.filterwarnings("ignore:no_equilibrium:UserWarning")
 def test_a_contact_that_reaches_around_the_window_is_not_ok(monkeypatch):
     """As if a body bulged beyond every wall around the window."""
     monkeypatch.setattr(free_window, "FARTHER", (-5.0,))

@@ -395,6 +395,7 @@ def test_springs_remember_the_largest_load():
     assert low.memory["springs"].largest[0] == pytest.approx(high.memory["springs"].largest[0])
 
 
+@pytest.mark.filterwarnings("ignore:stagnated:UserWarning")
 def test_where_a_division_of_time_fails_nothing_is_said_of_the_end_of_the_step(monkeypatch):
     """The contact is then one on the way, of fewer nodes, and its error in time is unknown."""
     solve_one, loading = solve, {"line_load": 0.25 * np.pi * 0.25**2 / 4.0, "duration": 1.0}

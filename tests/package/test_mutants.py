@@ -28,6 +28,7 @@ def tried(folder, kind, seed):
 
 
 @pytest.mark.parametrize("kind", mutants.TEXTS)
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_what_the_mutants_were_made_from_is_good(tmp_path, kind):
     path = mutants.write_mutant(tmp_path, kind, 0)
     for text in mutants.TEXTS[kind]:

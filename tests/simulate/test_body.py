@@ -105,6 +105,7 @@ def test_every_step_of_a_path_has_its_fields():
     np.testing.assert_allclose(fields.stress_3.mean("x").isel(z=0), -contact.pressure.mean("x"))
 
 
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_run_that_failed_has_no_fields():
     contact = gfmd_numba.solve(scene() | {"numerics": {"max_iterations": 1}})
     fields = gfmd_numba.body_fields(contact)

@@ -149,6 +149,7 @@ def test_units_are_those_of_the_contact(contact):
     np.testing.assert_allclose(in_si.peak_y, 1e-4 * bare.peak_y)
 
 
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_run_that_failed_has_no_fields():
     contact = gfmd_numba.solve(scene() | {"numerics": {"solver": "conjugate_gradients", "max_iterations": 1}})
     fields = gfmd_numba.body_fields(contact, [-0.1])

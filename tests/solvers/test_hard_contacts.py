@@ -175,6 +175,8 @@ def test_a_shorter_range_of_the_same_work_pulls_in_more():
 
 @pytest.mark.parametrize("damping", [0.0, 100.0])
 @pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen"])
+@pytest.mark.filterwarnings("ignore:stagnated:UserWarning")
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_badly_damped_run_is_right_or_says_that_it_is_not(damping, solver):
     numerics = {"solver": solver, "damping": damping, "time_step": 1.0, "max_iterations": 20_000}
     result = gfmd_numba.solve(scene_file() | {"numerics": numerics})
@@ -245,6 +247,8 @@ def test_an_incompressible_slab_that_hardly_has_room_left_keeps_its_volume(nodes
     assert pressure.max() < 0.1
 
 
+@pytest.mark.filterwarnings("ignore:stagnated:UserWarning")
+@pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_huge_uniform_pressure_does_not_hide_that_the_volume_changes():
     """Conjugate gradients take it from full contact, and tractions are measured by the largest pressure."""
     numerics = {"solver": "conjugate_gradients", "max_iterations": 3000}

@@ -56,7 +56,7 @@ def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
         time.sleep(0.001)
     time.sleep(np.random.default_rng().uniform(0, 0.2))
     os.killpg(process.pid, signal.SIGINT)
-    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("blocks ")]
+    said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("busy ")]
     assert process.returncode == 130
     assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]
     finished = Finished(out)

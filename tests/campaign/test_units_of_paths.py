@@ -150,7 +150,7 @@ def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
     for system in SYSTEMS:
         with pytest.warns(UserWarning, match="does not resolve"):
             results = gfmd_numba.run(campaign(system, "adhesion", UNRESOLVED) | {"realisations": 1}, tmp_path / system)
-        said.add(results.attrs["validity"].splitlines()[-1])
+        said.add(results.attrs["validity"].splitlines()[-2])  # the last line is about narrow contacts
     assert len(said) == 1
     assert "does not resolve the interaction law" in said.pop()
 

@@ -10,8 +10,8 @@ from gfmd_numba.contact import doubts
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.solvers.status import Status
 
-# Of means over the contact: 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution. Slopes
-# need not have a normal one, as those of a wave have not: a tenth of these is above `STEEPEST_SLOPE`
+# Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
+# above `STEEPEST_SLOPE` where slopes have a normal one; those of a single wave are still below it
 _MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = doubts.LARGEST_PRESSURE / 2.42, doubts.STEEPEST_SLOPE / 1.5
 
 
@@ -70,7 +70,7 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
         finer = "a finer eps_c" if "eps_c" in cases.coords else "more points"
         yield (
             f"{doubts.NARROW_CONTACTS} in {_of_cases(narrow)}, {narrowest:.1f} nodes wide on average where they are "
-            f"narrowest: contact area and kappa {wrong}, whatever their errors, and peak pressures too; take {finer}"
+            f"narrowest: the contact area, and kappa with it, {wrong}, whatever the printed errors say; take {finer}"
         )
 
 

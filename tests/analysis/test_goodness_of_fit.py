@@ -31,6 +31,7 @@ def alarms(n, truth, number):
     return sum(excess_of(noisy(truth, rng, spread=0.1), ALPHA)[0] > 1.0 for _ in range(number))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "cross", [pytest.param((), id="one at a time", marks=pytest.mark.long), pytest.param(CROSS, id="cross")]
 )

@@ -217,6 +217,7 @@ def test_groups_that_need_no_finer_levels_get_surfaces_in_the_same_round(tmp_pat
     assert all(counts[1][case] >= counts[0][case] for case in before.cases)
 
 
+@pytest.mark.long
 def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):
     twice = run_until(COARSE | {"grid": {"poissons_ratio": [0.3, 0.33]}}, GOAL, tmp_path / "out", HERE)
     once, both = ([each.price for each in outcome.rounds.rounds] for outcome in (refined, twice))

@@ -106,6 +106,7 @@ def test_a_state_of_the_queue_counts_jobs_that_have_begun():
     assert QueueState.of(columns_of("")) == QueueState()
 
 
+@pytest.mark.long
 def test_jobs_that_end_before_their_workers_come_stop_the_run(tmp_path, slurm):
     with pytest.raises(StoppedError, match=r"before any of their workers came; what they printed is in .*out/jobs"):
         gfmd_numba.run(campaign(tmp_path), tmp_path / "out", CLUSTER | {"python": "false", "jobs": {"max": 6}})

@@ -84,6 +84,7 @@ def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_one():
         np.testing.assert_allclose(found[name], 4.0 * elastic[name], atol=1e-7 * 4.0 * float(elastic["pressure"].max()))
 
 
+@pytest.mark.long
 def test_work_is_stored_dissipated_or_rubbed_away():
     """A rough cylinder that is pressed into a half-space, slides to and fro, and is drawn off by a part of its way.
 

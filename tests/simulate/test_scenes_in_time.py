@@ -176,6 +176,7 @@ def test_what_does_not_go_together_is_refused_where_it_stands(name):
     assert end in str(refused.value)
 
 
+@pytest.mark.long
 def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
     campaign = {key: CREEP[key] for key in ("scene", "path", "seed")}
     campaign |= {"name": "creep", "realisations": 2, "reference": CREEP["discretisation"]}

@@ -130,7 +130,8 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
         index = octaves[:, np.newaxis] * (1.0 + nodes) / 2.0  # logarithms of the wave index (level, point)
         slope = weights * np.exp((2.0 - 2.0 * hurst) * (index - octaves[:, np.newaxis]))
         unseen = (slope / (1.0 + np.exp(steepness * (index - half)))).sum(axis=-1) / slope.sum(axis=-1)
-        return np.asarray(1.0 / np.sqrt(1.0 - unseen[same]) - 1.0)
+        # 1 / sqrt(1 - unseen) - 1, of which in full contact next to nothing is left
+        return np.asarray(np.expm1(-0.5 * np.log1p(-unseen[same])))
 
     factor_of_cuts, factor_of_tails = _FACTORS[is_measured]
     cut = Parameter("eps_f", *_CUTS, logarithmic=True)

@@ -108,7 +108,8 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     made_in = rounds.read(directory)
     if made_in is not None and len(made_in.now.realisations) == len(planned.cases):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())
-    dataset.attrs["validity"] = "\n".join(filter(None, (dataset.attrs["validity"], *of_results(planned, dataset))))
+    doubtful = of_results(planned.cases, planned.campaign.numerics, dataset)
+    dataset.attrs["validity"] = "\n".join(filter(None, (dataset.attrs["validity"], *doubtful)))
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
 

@@ -1,13 +1,19 @@
-"""Reasons to doubt the contacts of a campaign, in sentences, from what it has recorded of them."""
+"""Reasons to doubt a campaign, in sentences: its bodies and grids before it runs, and then what it has recorded."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from math import pi
 
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact import doubts
+from gfmd_numba.arrays import Reals
+from gfmd_numba.campaign.cases import Case
+from gfmd_numba.contact import doubts, law_resolution
+from gfmd_numba.contact.problem import RoughBodies
+from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.scales import scales_of
+from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.status import Status
 
 # Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
@@ -15,29 +21,76 @@ from gfmd_numba.solvers.status import Status
 _MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = doubts.LARGEST_PRESSURE / 2.42, doubts.STEEPEST_SLOPE / 1.5
 
 
-def of_results(planned: Plan, dataset: xr.Dataset) -> Iterator[str]:
+def doubt_of_bodies(cases: Sequence[Case]) -> str:
+    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
+    if cases[0].problem.rough is None:
+        return ""
+    followed = dict.fromkeys((case.problem.surface, case.problem.rough) for case in cases)
+    bodies = [(surface, rough) for surface, rough in followed if isinstance(surface, SummedSurface) and rough]
+    return "\n".join(filter(None, (_of_slopes(bodies), _of_films(bodies))))
+
+
+def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
+    own = ((surface, body.part) for surface, rough in bodies for body in rough.bodies)
+    steepest = max((surface.parts[part].rms_gradient for surface, part in own if part is not None), default=0.0)
+    if steepest <= STEEPEST:
+        return ""
+    return (
+        f"a deformable surface has an rms gradient of up to {steepest:.3g}, above {STEEPEST:g}: "
+        "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
+    )
+
+
+def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
+    """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
+    films = []
+    for surface, rough in bodies:
+        thicknesses = (body.elastic.top.aspect_ratio for body in rough.bodies)
+        # thin compared with the longest waves
+        if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
+            drawn = surface.drawn(0)
+            films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
+    return doubts.too_thin(films)
+
+
+def unresolved(cases: Sequence[Case]) -> str:
+    """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
+    if not cases[0].scene.interface.reaches_across:
+        return ""
+    doubtful = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
+    if not doubtful:
+        return ""
+    worst = least_resolved(doubtful)
+    return f"in {len(doubtful)} of {len(cases)} cases {law_resolution.doubt(worst.problem, worst.discretisation)}"
+
+
+def least_resolved(cases: Sequence[Case]) -> Case:
+    """Case whose grid resolves its law least."""
+    return max(cases, key=lambda case: law_resolution.resolution(case.problem))
+
+
+def of_results(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -> Iterator[str]:
     """Reasons to doubt the contacts that are reported, those of the references where there are limits."""
-    references = np.flatnonzero(dataset["is_reference"].values)
-    cases = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
-    if "time_error" in cases:
-        yield from filter(None, [doubts.coarse_times(planned.campaign.numerics, _arrays(cases, "time_error"))])
-    if "increment_error" in cases:
-        yield from doubts.coarse_increments(_arrays(cases, "increment_error", "largest_plastic_strain"))
-    scene = planned.cases[0].scene
+    references = np.flatnonzero(dataset["is_reference"].values).tolist()
+    found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
+    if "time_error" in found:
+        yield from filter(None, [doubts.coarse_times(numerics, _arrays(found, "time_error"))])
+    if "increment_error" in found:
+        yield from doubts.coarse_increments(_arrays(found, "increment_error", "largest_plastic_strain"))
+    scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
-        moduli = np.array([scales_of(planned.cases[case].scene).modulus for case in references])
-        yield from _large_strains(cases, None if scene.creeps else moduli)  # fast pressures strain what creeps less
-    if (
-        scene.interface.hard_wall is not None and "eps_c" not in dataset["limit"].values
-    ):  # whose limit takes account of it
-        yield from _narrow(cases)
+        moduli = np.array([scales_of(cases[case].scene).modulus for case in references])
+        yield from _large_strains(found, None if scene.creeps else moduli)  # fast pressures strain what creeps less
+    has_limit_of_grids = "eps_c" in dataset["limit"].values  # that takes account of narrow contacts
+    if scene.interface.hard_wall is not None and not has_limit_of_grids:
+        yield from _narrow(found)
 
 
-def _arrays(cases: xr.Dataset, *names: str) -> dict[str, np.ndarray]:
+def _arrays(cases: xr.Dataset, *names: str) -> dict[str, Reals]:
     return {name: cases[name].values for name in names}
 
 
-def _large_strains(cases: xr.Dataset, moduli: np.ndarray | None) -> Iterator[str]:
+def _large_strains(cases: xr.Dataset, moduli: Reals | None) -> Iterator[str]:
     """A warning about contacts whose mean pressure or slope is beyond the theory of small strains."""
     slope = cases["rms_gradient_contact"].mean("realisation")
     strained, largest = slope > _MEAN_OF_SLOPES, f"the rms slope in the contact is up to {float(slope.max()):.2g}"

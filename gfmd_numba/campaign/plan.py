@@ -1,13 +1,12 @@
 """The plan of a campaign: its cases, the distinct problems behind them, their cost, and the tasks of a run.
 
-It also knows reasons to doubt a campaign before it runs: steep or thin bodies, coarse grids, limits that no fit finds.
+It also refuses coarse grids, and names limits that no fit will find.
 """
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from math import pi
 from pathlib import Path
 from typing import Any
 
@@ -31,64 +30,19 @@ from gfmd_numba.campaign.cases import (
 from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, described_coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, predict
+from gfmd_numba.campaign.doubts import doubt_of_bodies, least_resolved, unresolved
 from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.contact import law_resolution
-from gfmd_numba.contact.doubts import too_thin
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
-from gfmd_numba.contact.problem import Effect, Problem, RoughBodies
-from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
 from gfmd_numba.scene.document import Location, Source
 
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
-
-
-def doubt_of_bodies(cases: Sequence[Case]) -> str:
-    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
-    if cases[0].problem.rough is None:
-        return ""
-    followed = dict.fromkeys((case.problem.surface, case.problem.rough) for case in cases)
-    bodies = [(surface, rough) for surface, rough in followed if isinstance(surface, SummedSurface) and rough]
-    return "\n".join(filter(None, (_of_slopes(bodies), _of_films(bodies))))
-
-
-def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
-    own = ((surface, body.part) for surface, rough in bodies for body in rough.bodies)
-    steepest = max((surface.parts[part].rms_gradient for surface, part in own if part is not None), default=0.0)
-    if steepest <= STEEPEST:
-        return ""
-    return (
-        f"a deformable surface has an rms gradient of up to {steepest:.3g}, above {STEEPEST:g}: "
-        "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
-    )
-
-
-def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
-    """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
-    films = []
-    for surface, rough in bodies:
-        thicknesses = (body.elastic.top.aspect_ratio for body in rough.bodies)
-        # thin compared with the longest waves
-        if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
-            drawn = surface.drawn(0)
-            films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
-    return too_thin(films)
-
-
-def unresolved(cases: Sequence[Case]) -> str:
-    """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
-    if not cases[0].scene.interface.reaches_across:
-        return ""
-    doubtful = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
-    if not doubtful:
-        return ""
-    worst = _worst(doubtful)
-    return f"in {len(doubtful)} of {len(cases)} cases {law_resolution.doubt(worst.problem, worst.discretisation)}"
 
 
 def is_resolved(cases: Sequence[Case]) -> bool:
@@ -100,7 +54,7 @@ def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]
     """Raise InputError, at the value of the grid that causes it, for a case that does not resolve its law at all."""
     if not campaign.scene.interface.reaches_across:
         return
-    worst = _worst(cases)
+    worst = least_resolved(cases)
 
     def locate(location: Location) -> Location:
         for axis in OF_THE_SCENE:
@@ -110,10 +64,6 @@ def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]
         return location
 
     law_resolution.check_resolved(document, worst.scene.interface, worst.problem, worst.discretisation, locate)
-
-
-def _worst(cases: Sequence[Case]) -> Case:
-    return max(cases, key=lambda case: law_resolution.resolution(case.problem))
 
 
 def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:

@@ -4,6 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -165,3 +166,14 @@ def test_the_scatter_of_means_is_that_of_each_design_about_its_own_mean():
         ]
         expected += len(adds) * np.cov(adds, rowvar=False) if len(adds) > 1 else np.outer(adds[0], adds[0])
     np.testing.assert_allclose(scatter_of_means(values, covariance, of_means), expected, rtol=1e-12)
+
+
+def test_a_campaign_in_full_contact_is_fitted():
+    """Kappa is the same in every case, so that no correction is left and no exponent can be found."""
+    dataset = campaign()
+    alike = dataset.assign(kappa=xr.full_like(dataset["kappa"], 0.2))
+    alike["reduced_pressure"] = xr.full_like(dataset["reduced_pressure"], 5.0)
+    known = fit_tfc(alike, fixed={"eps_c": (1.0, 3.0), "eps_f": (0.2, 2.0), "eps_t": (0.5, 2.0)})
+    np.testing.assert_allclose(known["kappa_tfc"], 0.2)
+    free = fit_tfc(alike, exponents="free")
+    assert "give the ranges" in str(free["message"].values)

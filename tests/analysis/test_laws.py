@@ -38,6 +38,12 @@ def test_at_hurst_1_the_integral_is_elementary(cut, tail):
     np.testing.assert_allclose(excess(1.0, eps, cut, tail), (1 - unseen / octaves) ** -0.5 - 1, rtol=1e-8)
 
 
+def test_next_to_nothing_unseen_is_in_proportion_to_the_cut():
+    """Nearly full contacts see all waves: the excess is far below the spacing of numbers around 1."""
+    eps = np.array([1 / 2, 1 / 64, 1e-6])
+    np.testing.assert_allclose(excess(0.8, eps, 1e-18, 1.0), 1e-3 * excess(0.8, eps, 1e-15, 1.0), rtol=1e-12)
+
+
 def test_at_hurst_1_the_correction_falls_as_one_over_a_logarithm():
     cut, tail = 3.0, 2.0
     eps = np.array([1e-20, 1e-40])

@@ -11,6 +11,7 @@ from gfmd_numba.campaign.run import run_until
 from gfmd_numba.contact.observables import LIMITED, OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import InputError
 from gfmd_numba.theory.exponent_ranges import exponent_ranges
+from support import synthetic_campaigns as synthetic
 from support.campaigns import campaign
 from support.command_line import refused
 
@@ -85,6 +86,12 @@ def test_what_vanishes_or_grows_in_a_scene_is_refused_with_the_reason(scene, var
 )
 def test_what_has_a_limit_in_a_scene_is_a_target(scene, variable, file):
     assert loaded(scene, variable, **file).fit.variable == variable
+
+
+@pytest.mark.parametrize("variable", ["peak_pressure", "mean_segment_length"])
+def test_what_never_has_a_limit_is_fitted_nowhere(variable):
+    with pytest.raises(InputError, match=rf"variable: you gave '{variable}'; .*{variable} has no limit, because"):
+        gfmd_numba.fit_tfc(synthetic.campaign(), variable=variable)
 
 
 def test_what_the_contacts_do_not_have_is_refused():

@@ -38,6 +38,13 @@ def reached(tmp_path_factory, laws_that_hold):
     return folder / "out", done
 
 
+@pytest.mark.parametrize(("options", "own"), [([], True), (["--fixed=eps_c=1.5"], True), (["--fixed=eps_f=1"], False)])
+def test_a_fit_tells_how_a_run_ended_only_if_it_is_that_of_the_run(reached, options, own):
+    said = gfmd("fit", reached[0], *options)
+    assert said.exit_code == 0
+    assert ("until kappa to 4.00%" in unfolded(said.stdout)) == own
+
+
 def test_it_says_round_by_round_what_was_reached(reached):
     said = unfolded(reached[1].stdout)
     assert "round 0: error" in said

@@ -237,6 +237,15 @@ def mirrored_map(**loading):
     return {"scene": scene | {"interface": {"hard_wall": {}}, "loading": loading}}
 
 
+def test_contacts_are_narrow_also_where_a_law_acts_across_the_gap():
+    given = mirrored_map(pressure=1e6)
+    given["scene"]["interface"] |= {"exponential": {"work_of_adhesion": 1e-3, "range": 2e-8}}
+    with catch_warnings(action="ignore"):
+        said = gfmd_numba.solve(given).attrs["validity"]
+    assert "narrow on this grid, 1.0 nodes wide on average: the contact area may be that of single nodes" in said
+    assert "few asperities of the measured field touch" in said
+
+
 def test_few_and_narrow_contacts_of_a_map_are_warned_of_also_by_what_crosses_them():
     with catch_warnings(action="ignore"):
         contact = gfmd_numba.solve(mirrored_map(pressure=1e6))

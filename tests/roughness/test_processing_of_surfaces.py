@@ -113,7 +113,7 @@ def test_an_instrument_that_states_no_unit_needs_them(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "name"), [("µm", "um"), ("μm", "um"), ("micron", "um"), ("Å", "angstrom"), ("inch", "in")]
+    ("given", "name"), [("µm", "um"), ("μm", "um"), ("micron", "um"), ("Å", "angstrom"), ("inch", "in"), ("µin", "uin")]
 )
 def test_a_unit_has_several_spellings(given, name):
     assert FileUnits(z=given).z == name

@@ -3,8 +3,11 @@
 import warnings
 
 import pytest
+import xarray as xr
 
 import gfmd_numba
+from gfmd_numba.campaign.doubts import of_results
+from gfmd_numba.campaign.plan import plan
 
 SCENE = {
     "length": 1e-3,
@@ -13,6 +16,7 @@ SCENE = {
     "interface": {"hard_wall": {}},
     "loading": {"pressure": 1e6},
 }
+FLOWS = {**SCENE["body"], "plasticity": {"yield_stress": 1e7, "depth": 1e-4, "sublayers": 8, "increments": 1}}
 GRID = {"reference": {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, "realisations": 4}
 
 
@@ -25,8 +29,9 @@ GRID = {"reference": {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, "realisat
         ({"loading": {"pressure": 1e3}}, {"limits": {"eps_c": [1 / 2, 1 / 4]}}, ""),
         ({"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 1.0}}, {}, "no longer small in 1 of 1 cases"),
         ({"loading": {"pressure": 5e8}}, {}, "and the mean pressure 0.4"),
+        ({"body": FLOWS}, {}, "because strains turn within an increment"),
     ],
-    ids=["sound", "single nodes", "one case of two", "a limit of eps_c", "steep", "pressed hard"],
+    ids=["sound", "single nodes", "one case of two", "a limit of eps_c", "steep", "pressed hard", "flow"],
 )
 def test_it_says_what_a_contact_alone_would(tmp_path, monkeypatch, changed, campaign, said):
     monkeypatch.chdir(tmp_path)
@@ -36,3 +41,14 @@ def test_it_says_what_a_contact_alone_would(tmp_path, monkeypatch, changed, camp
         validity = gfmd_numba.run(given).attrs["validity"]
     assert said in validity
     assert bool(said) == bool(validity)
+
+
+def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    creeps = {"body": SCENE["body"] | {"relaxation": [{"modulus": 1e9, "time": 1.0}]}}
+    given = {"name": "creeps", "seed": 1, "scene": SCENE | creeps, "path": [{"duration": 1.0}]} | GRID
+    planned, dataset = plan(given), gfmd_numba.run(given)
+    assert dataset.attrs["validity"] == ""
+    coarse = dataset.assign(time_error=xr.full_like(dataset["time_error"], 0.1))
+    (said,) = of_results(planned.cases, planned.campaign.numerics, coarse)
+    assert said.startswith("the divisions of steps leave an error of 0.1")

@@ -1,12 +1,10 @@
-"""Rough elastoplastic contacts: what Pei and others find by finite elements, and Tamaas on the same grid.
+"""Rough elastoplastic contacts: how their area goes with load and yield stress, and Tamaas on the same grid.
 
 python benchmarks/rough_plastic_contacts.py [SURFACES], by default 3, which takes 2 minutes of processor time
 python benchmarks/rough_plastic_contacts.py tamaas PYTHON, the interpreter of an environment that has Tamaas and SciPy
 
-Pei, Hyun, Molinari and Robbins (J. Mech. Phys. Solids 53:2385, 2005) say of self-affine surfaces: the area rises
-linearly with the load, faster the lower the yield stress is, as a power of it; a simple formula holds for all
-plasticities and morphologies; large pressures become rarer and large clusters likelier; the plastic work of a cycle
-hardly changes over a wide range of yield stresses. Pressures are in g E*, lengths in L_x.
+It prints what there is to compare with the finite elements of Pei, Hyun, Molinari and Robbins (J. Mech. Phys. Solids
+53:2385, 2005), whose numbers are not in this repository. Pressures are in g E*, lengths in L_x.
 """
 
 import sys

@@ -82,7 +82,7 @@ def solve(
     """
     from gfmd_numba import simulate
 
-    return simulate.solve(*_scene(scene, heights))
+    return _warned(simulate.solve(*_scene(scene, heights)))
 
 
 def load_curve(
@@ -215,7 +215,7 @@ def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Da
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
 
-    return surface_dataset(*load_surface(surface))
+    return _warned(surface_dataset(*load_surface(surface)))
 
 
 def run(
@@ -532,16 +532,24 @@ def _goal(
     until: Mapping[str, float] | None,
     budget: float | str | None,
 ) -> Goal | None:
-    """Goal that is given, or that of the campaign, if any; raises InputError for arguments of another kind."""
-    from gfmd_numba.campaign.file import target_of_run
+    """Goal that is given, or that of the campaign, if any; raises InputError for arguments of another kind.
+
+    Warns the caller of the function that asks for it if the results of another version are replaced.
+    """
+    from gfmd_numba.campaign.file import load_campaign, target_of_run
     from gfmd_numba.campaign.goal import goal_of
+    from gfmd_numba.campaign.output_directory import replaced
 
     if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError.of("output", f"{output!r:.60}", "the path of a directory")
     targets = until if until is not None else target_of_run(campaign)
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
-    return None if targets is None else goal_of(targets, budget)
+    goal = None if targets is None else goal_of(targets, budget)
+    loaded, document = load_campaign(campaign, None if goal is None else goal.targets)
+    if told := replaced(Path(output or loaded.name), document.text):
+        warnings.warn(told, stacklevel=3)
+    return goal
 
 
 def _scene(
@@ -556,8 +564,11 @@ def _scene(
 
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset, whose sentences on its validity become warnings of the caller of the function that returns it."""
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
+    """Dataset; how runs failed and the sentences on validity become warnings of the caller of what returns it."""
+    status = dataset.get("status")
+    endings = [] if status is None else status.attrs["flag_sentences"].split("\n")
+    failed = [ending for i, ending in enumerate(endings) if i and status is not None and (status == i).any()]
+    for sentence in (*failed, *filter(None, dataset.attrs["validity"].split("\n"))):
         warnings.warn(sentence, stacklevel=3)
     return dataset
 

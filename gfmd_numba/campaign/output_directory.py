@@ -65,10 +65,13 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
         yield
 
 
-def holds_another_version(directory: Path, text: str) -> bool:
-    """Whether the last run in an output directory was of another text of the campaign."""
+def replaced(directory: Path, text: str) -> str:
+    """Say that a run replaces the results of another text of the campaign in a directory; nothing if it does not."""
     present = atomic_file.read(directory / LABEL)
-    return present is not None and not _is_text(present, text.encode())
+    if present is None or _is_text(present, text.encode()):
+        return ""
+    kept = "its results are replaced, and finished blocks that both share are kept (another output runs elsewhere)"
+    return f"{directory} holds another version of this campaign: {kept}"
 
 
 def at_work(directory: Path) -> bool:

@@ -72,7 +72,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     says that the limit has the error you want.
     """
     from gfmd_numba.campaign.file import load_campaign, target_of_run
-    from gfmd_numba.campaign.output_directory import holds_another_version
+    from gfmd_numba.campaign.output_directory import replaced
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
 
@@ -83,10 +83,8 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     with told_as(_OF_A_GOAL):
         goal = goal_in(file, until, budget) if until else None
     campaign, document = load_campaign(file, None if goal is None else goal.targets)
-    directory = output or Path(campaign.name)
-    if holds_another_version(directory, document.text):
-        replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
-        say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
+    if told := replaced(output or Path(campaign.name), document.text):
+        say("note", printable(told))
     try:
         if goal is not None:
             reached = _run_rounds(file, output, who, choice, goal)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -80,8 +79,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     described, document = read() if mpi is None else of_the_first(mpi, read)
     tells = described.path or described.scene.body.plasticity
     total = 1 + len(described.path) if tells else None
-    # warnings are told below, in the words of the file
-    with waiting("solving", total) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("solving", total) as told:
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
@@ -140,8 +138,7 @@ def surface(file: Path, output: Path) -> None:
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
-    # warnings are told below, in the words of the file
-    with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("making the surface"):
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))

@@ -565,12 +565,19 @@ def _scene(
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:
     """Dataset; how runs failed and the sentences on validity become warnings of the caller of what returns it."""
-    status = dataset.get("status")
-    endings = [] if status is None else status.attrs["flag_sentences"].split("\n")
-    failed = [ending for i, ending in enumerate(endings) if i and status is not None and (status == i).any()]
-    for sentence in (*failed, *filter(None, dataset.attrs["validity"].split("\n"))):
+    for sentence in (*_failures(dataset), *filter(None, dataset.attrs["validity"].split("\n"))):
         warnings.warn(sentence, stacklevel=3)
     return dataset
+
+
+def _failures(dataset: xr.Dataset) -> Iterator[str]:
+    """How runs failed, behind the steps or loads of a path at which they did."""
+    status = dataset.get("status")
+    for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
+        ended = dataset["status"] == i
+        where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
+        if i and ended.any():
+            yield f"at {ended.dims[0]} {where}: {ending}" if where else ending
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

@@ -128,6 +128,8 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
 
 
 def _of_cases(doubtful: xr.DataArray) -> str:
-    """How many cases are doubtful at any step."""
+    """How many cases are doubtful at any step, and at which."""
     cases = doubtful.any([dim for dim in doubtful.dims if dim != "case"])
-    return f"{int(cases.sum())} of {cases.size} cases"
+    steps = doubtful.any("case").values
+    where = doubts.steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
+    return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

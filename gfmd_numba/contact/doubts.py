@@ -1,6 +1,7 @@
 """Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from math import ceil, dist, inf, nan, pi, sqrt
 from typing import Any
@@ -26,6 +27,7 @@ from gfmd_numba.text.numbers import with_prefix
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
+MOST_RANGES = 3  # of steps that a sentence names one by one
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
@@ -49,17 +51,14 @@ Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are t
 
 
 def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies = given.surfaces.bodies
-    rough = "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, dataset)
-    each = (
+    """Return the reasons to doubt the steps of a path, one sentence a line; those of some steps begin with these."""
+    bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
+    own = (
         _coarse_times,
-        _coarse_steps,
         _coarse_flow,
         _beyond_small_strains,
         _outside_branches,
-        _few_nodes,
-        _narrow,
+        _few_nodes if few else _narrow,
         _few_contacts,
         _at_the_edge,
         _past_asperities,
@@ -67,10 +66,44 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _overlap,
         _closer_than_known,
     )
-    found = {str(name): variable.values for name, variable in dataset.variables.items()}
-    own = (reason(given, found) for reason in each)
-    short = _short_stretches(problem, found)
-    return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
+    each: list[Callable[[xr.Dataset], str]] = [
+        lambda steps: "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, steps),
+        *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
+        lambda steps: _short_stretches(problem, _arrays(steps)),
+    ]
+    told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
+    return "\n".join([*of_input(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
+
+
+def _arrays(dataset: xr.Dataset) -> Found:
+    return {str(name): variable.values for name, variable in dataset.variables.items()}
+
+
+def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int) -> Iterator[str]:
+    """Yield the sentences of a reason, which are those of the worst step, behind the steps that have it."""
+    said = reason(dataset).splitlines()
+    steps = range(dataset.sizes.get("step", 0) if said else 0)
+    by_step = [{wording(line) for line in reason(dataset.isel(step=i)).splitlines()} for i in steps]
+    for line in said:
+        where = steps_told([wording(line) in lines for lines in by_step], last)
+        yield f"in {where}: {line}" if where else line
+
+
+def wording(line: str) -> str:
+    """Sentence without its numbers and their units."""
+    return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
+
+
+def steps_told(doubtful: Sequence[bool], last: int) -> str:
+    """Name the steps of a path that are doubtful, of those up to the last one; nothing where all or none are."""
+    steps = [i for i, is_doubtful in enumerate(doubtful) if is_doubtful]
+    if len(steps) in (0, len(doubtful)):
+        return ""
+    ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
+    if len(ends[0]) > MOST_RANGES:
+        return f"{len(steps)} of the steps {steps[0]} to {steps[-1]} of {last}"
+    ranges = [f"{first}" if first == end else f"{first} to {end}" for first, end in zip(*ends, strict=True)]
+    return f"step{'s' * (len(steps) > 1)} {', '.join(ranges)} of {last}"
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -160,13 +193,16 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
     lost = np.nan_to_num(found["energy_lost"])
-    whole, apart = lost.sum(), lost[np.isnan(found[jump])].sum()
+    without = np.where(np.isnan(found[jump]), lost, 0.0)
+    whole, apart = lost.sum(), without.sum()
     work = _largest(abs(found["mean_pressure"])) * np.nansum(abs(np.diff(found["mean_gap"])))
     if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * work):
         return ""
+    where = steps_told(list(without > LARGEST_UNLOCATED * apart), len(given.file.path))
     return (
-        f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump, where forces "
-        "between the ends are unknown and little or nothing is lost: take shorter steps there"
+        f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump (most in "
+        f"{where or 'all of them'}), where forces between the ends are unknown and little or nothing is lost: take "
+        "shorter steps there"
     )
 
 
@@ -233,7 +269,7 @@ def _narrow(given: ContactInput, found: Found) -> str:
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
-    if scene.interface.hard_wall is None or not scene.surfaces or _few_nodes(given, found):
+    if scene.interface.hard_wall is None or not scene.surfaces:
         return ""
     width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
     areas = found["contact_area_fraction"]

@@ -20,7 +20,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
+from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts, wording
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
@@ -297,7 +297,7 @@ def _of_all(validities: Sequence[tuple[float, str]], unit: str) -> str:
     every = {load for load, _ in validities}
     said: dict[str, list[tuple[float, str]]] = {}
     for load, line in ((load, line) for load, validity in validities for line in validity.splitlines()):
-        said.setdefault(re.sub(r"[-+.\de]*\d", "", line), []).append((load, line))
+        said.setdefault(wording(line), []).append((load, line))
     return "\n".join(_at_loads(lines, every, unit) for lines in said.values())
 
 

@@ -52,3 +52,10 @@ def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
     coarse = dataset.assign(time_error=xr.full_like(dataset["time_error"], 0.1))
     (said,) = of_results(planned.cases, planned.campaign.numerics, coarse)
     assert said.startswith("the divisions of steps leave an error of 0.1")
+
+
+def test_it_names_the_steps_of_a_path_that_are_doubtful(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = [{"pressure": 5e8}, {"pressure": 1e6}]
+    with pytest.warns(UserWarning, match="no longer small in 1 of 1 cases, in step 1 of 2, where"):
+        gfmd_numba.run({"name": "pressed", "seed": 1, "scene": SCENE, "path": path} | GRID)

@@ -466,20 +466,30 @@ def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     return percolation(_dataset("dataset", dataset, "solve"))
 
 
-def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
+def leakage(
+    dataset: xr.Dataset | str | Path,
+    viscosity: float | str | None = None,
+    pressure: float | str | None = None,
+    seal: Sequence[float | str] | None = None,
+) -> xr.Dataset:
     """Find the leakage through the gap of a map, by the Reynolds equation.
 
     Parameters
     ----------
     dataset
         What `solve` returns of a map, or the path of its netCDF file.
+    viscosity, pressure
+        Viscosity of a fluid (Pa s), and how much its pressure falls (Pa), or text with units, like `1 mPa s`.
+    seal
+        Length of a seal along the flow, and its width (m, or text with units); left out: those of the map.
 
     Returns
     -------
     xarray.Dataset
         Over `direction` x and y: `hydraulic_gap`, the gap of parallel walls that leak as much, in the unit of the gap;
         `flow_factor`, its cube over that of the mean gap; `flow_residual`, the relative difference of two ways to
-        count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean.
+        count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean. With a
+        viscosity also `flow` (m^3/s).
 
     Raises
     ------
@@ -492,24 +502,31 @@ def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     array([0.54, 0.65])
     """
     from gfmd_numba.analysis import leakage as leakage_of
+    from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    return _warned(leakage_of(_dataset("dataset", dataset, "solve")))
+    found, fluid = leakage_of(_dataset("dataset", dataset, "solve")), (viscosity, pressure, seal)
+    return _warned(found if fluid == (None, None, None) else with_flow(found, *fluid))
 
 
-def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
+def contact_conductance(
+    contact: xr.Dataset | str | Path, conductivity: str | Sequence[str] | None = None
+) -> xr.Dataset:
     """Find the electrical or thermal conductance of a contact, over the conductivity of the bodies.
 
     Parameters
     ----------
     contact
         What `solve` returns, or the path of its netCDF file.
+    conductivity
+        That of both bodies, or of each, as text with units, like `60 MS/m` or `16 W/m/K`.
 
     Returns
     -------
     xarray.Dataset
         `conductance` in 1/m (1/L_x without a length): times 2 s_1 s_2 / (s_1 + s_2) of two half-spaces of
         conductivities s_1 and s_2, it is the current per nominal area over the difference of potential or temperature.
-        `current_density` over (y, x) is the current through each node over the mean.
+        `current_density` over (y, x) is the current through each node over the mean. With a conductivity also the
+        `resistance` (ohm or K/W) of the nominal area.
 
     Raises
     ------
@@ -522,8 +539,10 @@ def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
     2.0
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
+    from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    return _warned(conductance_of(_dataset("contact", contact, "solve")))
+    found = conductance_of(_dataset("contact", contact, "solve"))
+    return _warned(found if conductivity is None else with_resistance(found, conductivity))
 
 
 def _goal(
@@ -536,9 +555,8 @@ def _goal(
 
     Warns the caller of the function that asks for it if the results of another version are replaced.
     """
-    from gfmd_numba.campaign.file import load_campaign, target_of_run
+    from gfmd_numba.campaign.file import load_campaign, replaced, target_of_run
     from gfmd_numba.campaign.goal import goal_of
-    from gfmd_numba.campaign.output_directory import replaced
 
     if not (output is None or isinstance(output, str | os.PathLike)):
         raise InputError.of("output", f"{output!r:.60}", "the path of a directory")
@@ -546,8 +564,9 @@ def _goal(
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
     goal = None if targets is None else goal_of(targets, budget)
-    loaded, document = load_campaign(campaign, None if goal is None else goal.targets)
-    if told := replaced(Path(output or loaded.name), document.text):
+    of_goal = None if goal is None else goal.targets
+    loaded, _ = load_campaign(campaign, of_goal)
+    if told := replaced(Path(output or loaded.name), loaded, of_goal):
         warnings.warn(told, stacklevel=3)
     return goal
 

@@ -65,15 +65,6 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
         yield
 
 
-def replaced(directory: Path, text: str) -> str:
-    """Say that a run replaces the results of another text of the campaign in a directory; nothing if it does not."""
-    present = atomic_file.read(directory / LABEL)
-    if present is None or _is_text(present, text.encode()):
-        return ""
-    kept = "its results are replaced, and finished blocks that both share are kept (another output runs elsewhere)"
-    return f"{directory} holds another version of this campaign: {kept}"
-
-
 def at_work(directory: Path) -> bool:
     """Whether a run is at work in an output directory, which need not be writable."""
     lock = atomic_file.opened(directory / _LOCK)

@@ -71,8 +71,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
     says that the limit has the error you want.
     """
-    from gfmd_numba.campaign.file import load_campaign, target_of_run
-    from gfmd_numba.campaign.output_directory import replaced
+    from gfmd_numba.campaign.file import load_campaign, replaced, target_of_run
     from gfmd_numba.campaign.run import Choice, StoppedError
     from gfmd_numba.campaign.run import run as run_campaign
 
@@ -82,8 +81,9 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     _check_options(until, budget, choice)
     with told_as(_OF_A_GOAL):
         goal = goal_in(file, until, budget) if until else None
-    campaign, document = load_campaign(file, None if goal is None else goal.targets)
-    if told := replaced(output or Path(campaign.name), document.text):
+    of_goal = None if goal is None else goal.targets
+    campaign, _ = load_campaign(file, of_goal)
+    if told := replaced(output or Path(campaign.name), campaign, of_goal):
         say("note", printable(told))
     try:
         if goal is not None:

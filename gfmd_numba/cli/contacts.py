@@ -9,7 +9,7 @@ from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -52,6 +52,7 @@ if TYPE_CHECKING:
 
 _MOST = 10_000
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
+_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
 
 
 @main.command()
@@ -364,30 +365,58 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
 @file_argument
 @_files_option
 @json_option
-def leakage(file: Path, output: Path | None, as_json: bool) -> None:
+@click.option("--viscosity", metavar="ETA", help="Viscosity of the fluid, like '1 mPa s': prints the flow")
+@click.option("--pressure", metavar="P", help="How much the pressure of the fluid falls, like '2 bar'")
+@click.option(
+    "--seal", nargs=2, metavar="L W", help="Length of a seal along the flow, and its width  [those of the map]"
+)
+def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> None:
     """Compute how much leaks through the gap of a map.
 
     FILE is a contact that `gfmd solve` wrote of a scene with `dimension: 2`. The command solves the Reynolds equation
     along x and along y, and prints hydraulic gap and flow factor. The picture shows the channels.
     """
     from gfmd_numba.analysis import leakage as leakage_of
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    _measure(file, output, leakage_of, "computing the flow", as_json)
+    given = {
+        name: [plain_scalar(each) for each in value] if isinstance(value, tuple) else plain_scalar(value)
+        for name, value in fluid.items()
+        if value
+    }
+
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = leakage_of(contact)
+        return with_flow(found, **given) if given else found
+
+    _measure(file, output, compute, "computing the flow", as_json)
 
 
 @main.command()
 @file_argument
 @_files_option
 @json_option
-def conductance(file: Path, output: Path | None, as_json: bool) -> None:
+@click.option(
+    "--conductivity",
+    multiple=True,
+    metavar="SIGMA",
+    help="Conductivity of both bodies, or twice for one each, like '60 MS/m' or '16 W/m/K': prints the resistance",
+)
+def conductance(file: Path, output: Path | None, as_json: bool, conductivity: tuple[str, ...]) -> None:
     """Compute the electrical or thermal conductance of a contact.
 
     FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
     over the conductivity of the bodies. The picture shows the current.
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance
+    from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    _measure(file, output, contact_conductance, "computing the current", as_json)
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = contact_conductance(contact)
+        return with_resistance(found, conductivity) if conductivity else found
+
+    _measure(file, output, compute, "computing the current", as_json)
 
 
 def _contact(file: Path) -> xr.Dataset:
@@ -415,7 +444,7 @@ def _measure(
         check_output(output, file)
     contact = _contact(file)
     table = companion(output, "table", ".csv") if output is not None and "step" in contact.dims else None
-    with told_as({"contact": printable(file)}), naming(file), waiting(doing):
+    with told_as(_ARGUMENTS | {"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None and picture is not None:
         write(output, dataset, err=as_json)

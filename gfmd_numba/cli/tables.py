@@ -105,7 +105,9 @@ _MEASURES = {  # of a solved contact: words, and the unit of a contact without u
     "n_gaps": ("separate gaps", ""),
     "hydraulic_gap": ("hydraulic gap", "L_x"),
     "flow_factor": ("flow factor", ""),
+    "flow": ("flow", ""),
     "conductance": ("conductance", "1/L_x"),
+    "resistance": ("resistance", ""),
 }
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
@@ -674,6 +676,8 @@ def _cell(name: str, value: float, unit: str) -> str:
     if name.endswith("_connects"):
         return "yes" if value else "no"
     number, shown = readable(value, unit)
+    if name == "flow":
+        return f"{value:.3g} m^3/s = {3.6e6 * value:.3g} L/h"
     return f"{float(number):.5g} {shown}".rstrip()
 
 

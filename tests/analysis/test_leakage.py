@@ -30,6 +30,34 @@ def test_parallel_walls_have_the_flow_factor_one():
     np.testing.assert_allclose(found["hydraulic_gap"], 0.3, rtol=1e-12)
 
 
+def test_the_flow_is_that_of_poiseuille_between_parallel_walls():
+    """b^3 W P / (12 eta L): 3 um apart, at 2 bar, water."""
+    walls = made(OPEN, 3e-6).isel(y=slice(0, 16))
+    walls["gap"].attrs["units"] = "m"
+    walls = walls.assign_coords({dim: (1e-3 * walls[dim]).assign_attrs(units="m") for dim in ("x", "y")})
+    flow = 2.7e-17 * 2e5 / (12.0 * 1e-3)
+    found = gfmd_numba.leakage(walls, "1 mPa s", "2 bar")["flow"]
+    np.testing.assert_allclose(found, [0.5 * flow, 2.0 * flow])
+    assert found.units == "m3 s-1"
+    seal = gfmd_numba.leakage(walls, 1e-3, 2e5, ("1 mm", 0.3))["flow"]
+    np.testing.assert_allclose(seal, 300.0 * flow)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "said"),
+    [
+        ({"viscosity": "1 mPa s"}, "^pressure: you gave nothing"),
+        ({"seal": (1, 2)}, "^viscosity: you gave nothing"),
+        ({"viscosity": "1 cSt", "pressure": 1.0}, "^viscosity: .* allows a dynamic viscosity in Pa s, mPa s"),
+        ({"viscosity": 1.0, "pressure": 1.0, "seal": ("1 mm",)}, "^seal: .* allows a list of 2 numbers"),
+        ({"viscosity": 1.0, "pressure": 1.0}, "^viscosity: .* nothing for a contact without a length"),
+    ],
+)
+def test_fluids_that_make_no_sense_are_refused(fluid, said):
+    with pytest.raises(gfmd_numba.InputError, match=said):
+        gfmd_numba.leakage(made(OPEN, 0.3), **fluid)
+
+
 @pytest.mark.parametrize("depth", [0.3, 0.7])
 def test_a_wave_across_the_flow_is_a_series_of_resistances(depth):
     """1 + e cos: the mean of u^-3 is (2 + e^2) / (2 (1 - e^2)^(5/2)), that of u^3 is 1 + 3 e^2 / 2."""

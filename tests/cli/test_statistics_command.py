@@ -51,6 +51,20 @@ def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
     assert "channel along x" in done.output
 
 
+@pytest.mark.filterwarnings("ignore:The flow factor")
+def test_flow_and_resistance_are_printed_in_units_of_engineers(folder):
+    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP", "--pressure", "2e5", "--seal", "1mm", "0.3")
+    found = gfmd_numba.leakage(folder / "map.nc", 1e-3, 2e5, ("1 mm", 0.3))["flow"]
+    for along, flow in zip("xy", found.values.tolist(), strict=True):
+        assert f"flow along {along}                {flow:.3g} m^3/s = {3.6e6 * flow:.3g} L/h\n" in done.stdout
+    done = gfmd("conductance", folder / "map.nc", *["--conductivity", "16 W/m/K"] * 2)
+    found = float(gfmd_numba.contact_conductance(folder / "map.nc", "16 W/m/K")["resistance"])
+    assert f"resistance                  {found:.5g} K/W\n" in done.stdout
+    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP")
+    assert done.exit_code == 2
+    assert "--pressure: you gave nothing" in unfolded(done.output)
+
+
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:The flow factor")
 @pytest.mark.parametrize("command", TRANSPORT)

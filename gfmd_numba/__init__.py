@@ -472,12 +472,12 @@ def leakage(
     pressure: float | str | None = None,
     seal: Sequence[float | str] | None = None,
 ) -> xr.Dataset:
-    """Find the leakage through the gap of a map, by the Reynolds equation.
+    """Find the leakage through the gap of a contact, by the Reynolds equation.
 
     Parameters
     ----------
     dataset
-        What `solve` returns of a map, or the path of its netCDF file.
+        What `solve` returns, or the path of its netCDF file. The grooves of a profile go on without end along y.
     viscosity, pressure
         Viscosity of a fluid (Pa s), and how much its pressure falls (Pa), or text with units, like `1 mPa s`.
     seal
@@ -494,7 +494,7 @@ def leakage(
     Raises
     ------
     InputError
-        This is no solved map.
+        This is no solved contact, or the arguments make no sense.
 
     Examples
     --------

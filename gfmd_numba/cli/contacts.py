@@ -371,10 +371,10 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
     "--seal", nargs=2, metavar="L W", help="Length of a seal along the flow, and its width  [those of the map]"
 )
 def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> None:
-    """Compute how much leaks through the gap of a map.
+    """Compute how much leaks through the gap of a contact.
 
-    FILE is a contact that `gfmd solve` wrote of a scene with `dimension: 2`. The command solves the Reynolds equation
-    along x and along y, and prints hydraulic gap and flow factor. The picture shows the channels.
+    FILE is a contact that `gfmd solve` wrote. The command solves the Reynolds equation along x and along y, and prints
+    hydraulic gap and flow factor. The picture shows the channels. The grooves of a profile go on without end along y.
     """
     from gfmd_numba.analysis import leakage as leakage_of
     from gfmd_numba.scene.document import plain_scalar

@@ -68,6 +68,8 @@ def with_flow(found: xr.Dataset, viscosity: object = None, pressure: object = No
     given = {"viscosity": viscosity, "pressure": pressure, "seal": pair}
     fluid = validate(Document(None, "", {name: each for name, each in given.items() if each is not None}), _Fluid)
     lengths = _lengths(found, "viscosity", viscosity)
+    if fluid.seal is None and "y" not in lengths:
+        raise InputError.of("seal", "nothing", "the length and the width of a seal, as a profile has no width")
     along, width = (lengths["x"], lengths["y"]) if fluid.seal is None else fluid.seal
     shape = xr.DataArray([width / along, along / width if fluid.seal is None else width / along], dims="direction")
     flow = found["hydraulic_gap"] ** 3 * fluid.pressure / (12.0 * fluid.viscosity) * shape

@@ -155,11 +155,28 @@ def test_a_pressed_ridge_leaks_along_itself_only():
     assert found["hydraulic_gap"].units == dataset["gap"].units
 
 
-def test_profiles_do_not_leak():
-    with pytest.raises(
-        UnusableDataError, match=r"you gave the contact of a profile.*solve a scene with `dimension: 2`"
-    ):
-        leakage(made(OPEN).isel(y=0))
+@pytest.mark.parametrize("lift", [0.0, 0.01])
+def test_the_grooves_of_a_profile_leak_in_parallel_and_across_them_in_series(lift):
+    """As the map of the same grooves does."""
+    of_map = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
+    of_map["gap"] = of_map["gap"] + lift
+    found, expected = leakage(of_map.isel(y=0).drop_vars("y")), leakage(of_map)
+    cubes = [0.0 if lift == 0.0 else 1.0 / float((of_map["gap"] ** -3.0).mean()), float((of_map["gap"] ** 3).mean())]
+    np.testing.assert_allclose(found["hydraulic_gap"] ** 3, cubes, rtol=1e-12)
+    for name in ("hydraulic_gap", "flow_factor"):
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9)
+    np.testing.assert_allclose(found["local_flow"], expected["local_flow"].isel(y=0), atol=1e-9)
+    assert "its grooves go on without end along y" in found.validity
+
+
+def test_the_flow_through_a_profile_needs_the_width_of_a_seal():
+    grooves = made(OPEN, 3e-6).isel(y=0).drop_vars("y")
+    grooves["gap"].attrs["units"] = grooves["x"].attrs["units"] = "m"
+    with pytest.raises(gfmd_numba.InputError, match=r"^seal: you gave nothing; gfmd allows the length and the width"):
+        gfmd_numba.leakage(grooves, 1e-3, "2 bar")
+    with pytest.warns(UserWarning, match="that of a profile"):
+        found = gfmd_numba.leakage(grooves, 1e-3, "2 bar", ("1 mm", "10 mm"))["flow"]
+    np.testing.assert_allclose(found, 2.7e-17 * 2e5 / 12e-3 * 10.0)
 
 
 def test_the_flow_through_nodes_is_that_of_the_channel_they_are_in():

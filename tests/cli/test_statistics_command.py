@@ -124,18 +124,20 @@ def test_a_profile_has_distributions_but_no_channels(folder, tmp_path):
     done = gfmd("statistics", folder / "profile.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 0, done.output
     assert "segments" in xr.load_dataset(tmp_path / "statistics.nc")
-    for command in (("statistics", "--percolation"), ("leakage",)):
-        done = gfmd(*command, folder / "profile.nc", "-o", tmp_path / "out.nc")
-        assert done.exit_code == 2
-        said = unfolded(done.stderr)
-        assert f"{folder / 'profile.nc'}: you gave the contact of a profile" in said
-        assert "solve a scene with `dimension: 2`" in said
+    done = gfmd("statistics", "--percolation", folder / "profile.nc", "-o", tmp_path / "out.nc")
+    assert done.exit_code == 2
+    said = unfolded(done.stderr)
+    assert f"{folder / 'profile.nc'}: you gave the contact of a profile" in said
+    assert "solve a scene with `dimension: 2`" in said
 
 
-def test_a_profile_conducts_with_a_word_on_its_ridges(folder):
-    done = gfmd("conductance", folder / "profile.nc")
+@pytest.mark.parametrize(("command", "what"), [("conductance", "ridges"), ("leakage", "grooves")])
+def test_a_profile_conducts_and_leaks_with_a_word_on_its_ridges(folder, tmp_path, command, what):
+    done = gfmd(command, folder / "profile.nc", "-o", tmp_path / "out.nc")
     assert done.exit_code == 0
-    assert "ridges without end along y" in unfolded(done.stderr)
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert f"{what}" in unfolded(done.stderr)
+    assert "without end along y" in unfolded(done.stderr)
 
 
 @pytest.mark.parametrize("command", ["statistics", *TRANSPORT])

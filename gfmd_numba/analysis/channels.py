@@ -94,7 +94,7 @@ def _narrowest(gap: Reals, axis: int, around: tuple[bool, ...]) -> float:
 _REFINEMENTS, _ROUNDING = 30, 1e-14
 _LARGEST_RESIDUAL = 1e-3
 _OF_GROOVES = (
-    "The contact is that of a profile: its grooves go on without end along y, as after turning, and leak along y. Across "
+    "The contact is that of a profile: its grooves go on without end along y, as after turning, and leak there. Across "
     "them one ridge that touches holds all. For a surface that is rough along y too, solve a scene with `dimension: 2`"
 )
 _ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many channels is below 1.5

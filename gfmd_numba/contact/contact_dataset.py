@@ -11,7 +11,6 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
-from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
 from gfmd_numba.contact.loaded_body import Loaded
@@ -30,6 +29,7 @@ from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.contact.validity import path_warnings, rough_body_warnings
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
@@ -223,10 +223,10 @@ def path_dataset(
 ) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The attribute `validity` holds the warnings about the result, one sentence a line.
     """
     file, (steps, record) = given.file, _steps(given, problem, solved)
-    del solved  # and with it the last contact: doubts need its memory
+    del solved  # and with it the last contact: warnings need its memory
     joined = steps[0]
     if file.path:
         how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
@@ -241,7 +241,9 @@ def path_dataset(
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
+        "validity": "\n".join(
+            filter(None, (*implausible(file.scene, file.path), path_warnings(given, problem, dataset)))
+        ),
     }
     return dataset
 
@@ -486,7 +488,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
 def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
-    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds the warnings.
     """
     file, deformed, scene = given.file, loaded.deformed, given.file.scene
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
@@ -516,7 +518,7 @@ def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
     sentences = implausible(scene)
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(doubt_of_bodies((given.rough,), file.slope_order, dataset, "normal_displacement"))
+        sentences.append(rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement"))
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -1,4 +1,4 @@
-"""Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
+"""Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
 from collections.abc import Mapping, Sequence
 from functools import partial
@@ -42,16 +42,16 @@ FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
-THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
 Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are those of the nodes
 
 
-def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the reasons to doubt the steps of a path, one sentence a line."""
+def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
+    """Return the warnings about the steps of a path, one sentence a line."""
     bodies = given.surfaces.bodies
-    rough = "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, dataset)
+    rough = "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, dataset)
     each = (
         _coarse_times,
         _coarse_steps,
@@ -70,7 +70,7 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     found = {str(name): variable.values for name, variable in dataset.variables.items()}
     own = (reason(given, found) for reason in each)
     short = _short_stretches(problem, found)
-    return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
+    return "\n".join([*input_warnings(given), *filter(None, (rough, *own, short))])
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -88,12 +88,12 @@ def _smallest(values: NDArray[Any]) -> float:
     return -_largest(-values)
 
 
-def of_input(given: Input) -> list[str]:
-    """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
+def input_warnings(given: Input) -> list[str]:
+    """Warnings about a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
     if not isinstance(given, ContactInput):
         return found
-    coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
+    coarse = law_resolution.warning(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
@@ -484,7 +484,7 @@ def _overlap(given: ContactInput, found: Found) -> str:
     )
 
 
-def doubt_of_bodies(
+def rough_body_warnings(
     bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
 ) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
@@ -492,7 +492,7 @@ def doubt_of_bodies(
     `displacement` names the normal one in the dataset that was found.
     """
     return "\n".join(
-        filter(None, (_of_steep_bodies(bodies, found, displacement), too_thin(bodies) if order == 0 else ""))
+        filter(None, (_of_steep_bodies(bodies, found, displacement), thin_film_warning(bodies) if order == 0 else ""))
     )
 
 
@@ -516,7 +516,7 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     )
 
 
-def too_thin(bodies: Sequence[RoughBody]) -> str:
+def thin_film_warning(bodies: Sequence[RoughBody]) -> str:
     """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
     body = max(bodies, key=change_of_thickness, default=None)
     change = 0.0 if body is None else change_of_thickness(body)

@@ -21,7 +21,7 @@ from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.units import in_unit_of, quantities, rounded
+from gfmd_numba.scene.units import in_reduced_units, in_unit_of, quantities, rounded
 
 _INCOMPRESSIBLE = 0.5 - 1e-12
 SLIDING = ("sliding", "sliding_y")
@@ -66,15 +66,19 @@ class Scales:
     """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
 
     `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `stiffness` is the factor by which all that deforms is stiffer than its moduli
-    say. Each of the `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units.
+    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. `stiffness` is the
+    factor by which all that deforms is stiffer than its moduli say. Each of the `bodies` has its part E*/E_i* of the
+    compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are the branches of all that deforms over
+    its relaxed modulus and that time, None if nothing creeps.
     """
 
     length: float
     modulus: float
+    time: float
     stiffness: float
     bodies: tuple[ElasticBody, ...]
     shares: tuple[float, ...]
+    relaxation: PronySeries | None
 
 
 def scales_of(scene: Scene) -> Scales:
@@ -91,39 +95,13 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
         modulus = 1.0 / sum(1.0 / each for each in own)
         softness = sum(body.stiffness_scale / each for body, each in zip(bodies, own, strict=True))
         stiffness = rounded(modulus * softness)
-    return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
-
-
-def longest_time(scene: Scene) -> float:
-    """Longest relaxation time of a scene in s, in which durations count; 1 s without one."""
-    return max((branch.time for body in scene.deformable for branch in body.relaxation or ()), default=1.0)
-
-
-def reduced_duration(scene: Scene) -> float:
-    """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
-    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
-
-
-def reduced_speed(scene: Scene) -> float:
-    """Sliding speed of the loading of a scene in L_x over its longest relaxation time, to 12 digits; 0 without one."""
-    return rounded(rounded((scene.loading.speed or 0.0) / (scene.length or 1.0)) * longest_time(scene))
-
-
-def times_of(steps: Iterable[Scene]) -> list[float]:
-    """Times in s at the end of steps, whose scenes have the durations of their loadings."""
-    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
-
-
-def relaxation(scene: Scene) -> PronySeries | None:
-    """Branches of all that deforms over its relaxed modulus and the longest time; None if nothing creeps.
-
-    Those of a body have 12 digits. Two bodies give way alike, as the table of combinations says, each by its share.
-    """
-    if not scene.creeps:
-        return None
-    longest = longest_time(scene)
-    each = tuple(_branches(body, longest) for body in scene.deformable)
-    return each[0] if len(each) == 1 else in_series(tuple(zip(scales_of(scene).shares, each, strict=True)))
+    shares = tuple(rounded(modulus / each) for each in own)
+    times = [branch.time for body in bodies for branch in body.relaxation or ()]
+    time, relaxation = max(times, default=1.0), None
+    if times:  # two bodies give way alike, as the table of combinations says, each by its share
+        each = tuple(_branches(body, time) for body in bodies)
+        relaxation = each[0] if len(each) == 1 else in_series(tuple(zip(shares, each, strict=True)))
+    return Scales(length or 1.0, modulus, time, stiffness, elastic, shares, relaxation)
 
 
 def _branches(body: Body, longest: float) -> PronySeries:
@@ -132,29 +110,22 @@ def _branches(body: Body, longest: float) -> PronySeries:
     return PronySeries(moduli, tuple(rounded(branch.time / longest) for branch in branches))
 
 
-def wear_rate(scene: Scene, rms_gradient: float) -> float | None:
-    """Rate at which the punch wears in 1 / g E*, None if it does not."""
-    wear = scene.interface.wear
-    return None if wear is None else rounded(rounded(wear.rate * scales_of(scene).modulus) * rms_gradient)
+def times_of(steps: Iterable[Scene]) -> list[float]:
+    """Times in s at the end of steps, whose scenes have the durations of their loadings."""
+    return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
 def plasticity(scene: Scene, rms_gradient: float) -> Plasticity | None:
     """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
-    given = scene.body.plasticity
-    if given is None:
+    if scene.body.plasticity is None:
         return None
     scales = scales_of(scene)
-    first, slope, last = (
-        rounded((stress or 0.0) / scales.modulus)
-        for stress in (given.yield_stress, given.hardening, given.saturation_stress)
-    )
-    stress = rounded(first / rms_gradient)
-    voce = {}
-    if given.saturation_strain is not None:
-        rise, strain = rounded(last / rms_gradient) - stress, rounded(given.saturation_strain / rms_gradient)
+    given, voce = in_reduced_units(scene.body.plasticity, scales.length, rms_gradient * scales.modulus), {}
+    if given.saturation_stress is not None and given.saturation_strain is not None:
+        rise, strain = given.saturation_stress - given.yield_stress, rounded(given.saturation_strain / rms_gradient)
         voce = {"rise": rise, "strain": strain}
-    depth = None if given.depth is None else rounded(given.depth / scales.length)
-    return Plasticity(Hardening(stress, slope, **voce), depth, given.sublayers, given.increments)
+    slope = rounded((given.hardening or 0.0) * rms_gradient)  # over strains in g
+    return Plasticity(Hardening(given.yield_stress, slope, **voce), given.depth, given.sublayers, given.increments)
 
 
 def whole_body_yields(body: Body) -> float:
@@ -197,21 +168,17 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
 
 def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
     """Displacement of the punch (m or L_x of the scene) in g L_x."""
-    return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
+    return rounded(length / ((scene.length or 1.0) * rms_gradient))
 
 
 def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
     """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
 
-    Raises ValueError as `reduced_load` does.
+    Durations count in the longest relaxation time, speeds in L_x over that. Raises ValueError as `reduced_load` does.
     """
-    ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
-
-
-def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
-    """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
-    return rounded(rms_gradient) if scene.passes and any(any(step.sliding) for step in steps) else None
+    ways, time = tuple(reduced_length(way, scene, rms_gradient) for way in sliding), scales_of(scene).time
+    duration, speed = (scene.loading.duration or 0.0) / time, (scene.loading.speed or 0.0) / (scene.length or 1.0)
+    return LoadStep(reduced_load(scene, rms_gradient), ways, rounded(duration), rounded(speed * time))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

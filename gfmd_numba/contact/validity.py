@@ -14,7 +14,6 @@ from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.plausibility import is_design
@@ -287,10 +286,10 @@ def _outside_branches(given: ContactInput, found: Found) -> str:
 
     Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
     """
-    scene, series = given.file.scene, relaxation(given.file.scene)
+    scene, series = given.file.scene, given.scales.relaxation
     if series is None:
         return ""
-    shortest, longest = (longest_time(scene) * end for end in (min(series.times), series.longest_retardation))
+    shortest, longest = (given.scales.time * end for end in (min(series.times), series.longest_retardation))
     times, dwells, speeds = _times_and_speeds(given)
     told = []
     if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:

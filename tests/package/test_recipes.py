@@ -23,8 +23,8 @@ class QuadraticLaw:
     length: float
 
     @classmethod
-    def scaled(cls, asked, length, energy):
-        return cls(asked.work_of_adhesion / energy, asked.range / length)
+    def of(cls, asked):
+        return cls(asked.work_of_adhesion, asked.range)
 
     @property
     def strength(self):

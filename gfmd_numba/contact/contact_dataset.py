@@ -429,7 +429,7 @@ def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Descr
         return
     former = topography.forming(body.elastic, order)
     formed = topography.formed_surface(body.heights, former)
-    tangential, normal = fields.Periodic(formed, former).plane(0.0, ("stress5", "stress3"))[:, 0]
+    tangential, normal = fields.Inside((formed,), former).plane(0.0, ("stress5", "stress3"))[:, 0]
     forms = f"traction that forms the topography of the {whose} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential

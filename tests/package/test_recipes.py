@@ -121,7 +121,6 @@ def largest_pressure(contact):
         (
             """\
     "largest_pressure": Observable(
-        "contact",
         "pressure",
         "largest contact pressure",
         "gfmd_numba.contact.largest_pressure:largest_pressure",

@@ -10,10 +10,10 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
-from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
+from gfmd_numba.contact.boundary_values import BoundarySolution
+from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.loaded_body import Loaded
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -28,7 +28,7 @@ from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
 from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
-from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.contact.two_step import RoughContact
 from gfmd_numba.contact.validity import path_warnings, rough_body_warnings
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
@@ -269,7 +269,7 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
     step = contact_dataset(given, problem, solved.in_plane)
-    if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
+    if isinstance(solved, RoughContact) and given.surfaces.bodies is not None:
         _add_bodies(step, given, given.surfaces.bodies, problem, solved)
     elif given.surfaces.bodies is not None:  # of rough bodies that creep, at order 0
         for variable in step.values():
@@ -309,8 +309,8 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
     displacement, tangential = contact.equilibrium.displacement[0], contact.equilibrium.tangential
     if problem.displacement is None and not any(problem.ends):
         uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
-        pressed = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
-        displacement = displacement - displacement.mean() - pressed / contact.change.factor
+        by_mean = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
+        displacement = displacement - displacement.mean() - by_mean / contact.change.factor
     if contact.change.out is not None:
         displacement = displacement + contact.change.out[0]
     yield "height", "height", "height of the punch, peaks towards the body", contact.heights[0]
@@ -358,21 +358,21 @@ def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, A
 
 
 def _add_bodies(
-    found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, pressed: Pressed
+    found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, solved: RoughContact
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = _SUMMED
-    dims, pairing = found["height"].dims, pressed.correction.pairing
+    dims, pairing = found["height"].dims, solved.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
-    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+    for name, body, response in zip(BODIES, bodies, solved.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        alone = None if pairing is None else tractions_on(body, without, pressed, rms_gradient, pairing)
-        along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
+        alone = None if pairing is None else tractions_on(body, without, solved, rms_gradient, pairing)
+        along, pressure = tractions_on(body, problem, solved, rms_gradient, pairing)
         if any(problem.ends):
             own = [_moved_around_a_window(body, whose, along, pressure, problem.ends)]
         else:
@@ -389,14 +389,14 @@ def _add_bodies(
             own += _by_axis("tangential_traction", "pressure", rubs, rubbed)
         found.update({prefix + key: variable for key, variable in unit.variables(dims, own).items()})
     if pairing is not None and problem.interface.couples:  # what friction compares, on the axes of the surfaces
-        equilibrium = pressed.equilibrium
+        equilibrium = solved.equilibrium
         assert equilibrium.tangential is not None  # where something rubs
         told = "contact pressure along the normal of the touching surface"
         found["surface_pressure"] = whole.variable(dims, "pressure", told, equilibrium.pressure[0])
         rubs, values = "traction on the body along the touching surface", equilibrium.tangential.traction[0]
         found.update(whole.variables(dims, _by_axis("surface_traction", "pressure", rubs, values)))
     row = ROUGH_BODY_OBSERVABLES["next_order"]
-    found["next_order"] = whole.variable((), "length", row.long_name, pressed.next_order)
+    found["next_order"] = whole.variable((), "length", row.long_name, solved.next_order)
     refuse_nonfinite(found)
 
 
@@ -485,12 +485,12 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
-def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
+def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Of a rough body also its topography, and what forms that. The attribute `validity` holds the warnings.
     """
-    file, deformed, scene = given.file, loaded.deformed, given.file.scene
+    file, deformed, scene = given.file, solved.deformed, given.file.scene
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
     found: dict[str, Any] = {}
     for kind, quantity, values in (
@@ -505,13 +505,13 @@ def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
         found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
         found |= unit.variables(dims, forming_tractions(given.rough, "body", file.slope_order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
-        found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
+        found["next_order"] = unit.variable((), row.unit, row.long_name, solved.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
         row, value = OBSERVABLES[name], getattr(deformed, name)
         told = replace(row, long_name=_TOLD.get(name, row.long_name))
         found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
-    attributes |= {"solver": loaded.solver} | modulus_attributes(scene)
+    attributes |= {"solver": solved.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)
     refuse_nonfinite(dataset)

@@ -13,7 +13,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, Tractions
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.contact.scales import plasticity, reduced_step, scales_of, steps_of
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
@@ -32,7 +32,7 @@ _NO_MISMATCH = 1e-12  # of Dundurs' beta, whose share of a body in the complianc
 
 def reduce(
     scene: Scene,
-    pressed: PressedSurfaces,
+    surfaces: FacingSurfaces,
     numerics: Numerics,
     path: Iterable[Step] = (),
     tractions: Tractions | None = None,
@@ -44,11 +44,11 @@ def reduce(
     ValueError for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot
     carry.
     """
-    rms_gradient, rough, scales = pressed.rms_gradient, pressed.rough, scales_of(scene)
+    rms_gradient, rough, scales = surfaces.rms_gradient, surfaces.rough, scales_of(scene)
     first, *steps = (reduced_step(*step, rms_gradient) for step in steps_of(scene, path))
     displacement, pressure = (None, first.load) if scene.loading.displacement is None else (first.load, None)
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
-    may_slip = pressed.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
+    may_slip = surfaces.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
     length, stress = rms_gradient * scales.length, rms_gradient * scales.modulus
     acting = in_reduced_units(scene.interface, length, stress, scales.time)
     interface, interactions = _interface(acting, scales.bodies[0], facing, may_slip, (stress, length / scales.time))
@@ -68,7 +68,7 @@ def reduce(
         interface = interface.patterned(pattern, free_body.padded_shape(pattern.shape, scene.ends))
     passes = scene.passes and any(any(step.sliding) for step in steps)
     problem = Problem(
-        pressed.surface,
+        surfaces.surface,
         body,
         interface,
         pressure,
@@ -115,9 +115,9 @@ def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share
 def _all_effects(
-    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], loaded: bool, stiffness_scale: float
+    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], has_tractions: bool, stiffness_scale: float
 ) -> tuple[Effect, ...]:
-    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", loaded or None))
+    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", has_tractions or None))
     if stiffness_scale == 1.0:
         return effects
     wrong = f"all stiffnesses are {stiffness_scale:g} times too large, as the scene asks for"
@@ -139,7 +139,7 @@ def solver_options(numerics: Numerics, automatic: str) -> Options:
 
 @lru_cache(maxsize=4096)
 def _body(
-    body: ElasticBody, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
+    body: ElasticBody, interface: Interactions, mean_matters: bool, needs_nu: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal displacement determines it exactly (6.75)"
@@ -148,7 +148,7 @@ def _body(
     tangential = coupled if interface.couples else condensed
     if body.stack is None and body.aspect_ratio is None:
         off = Effect("slab", "off", "the body is a half-space")
-        if interface.couples or loaded:  # tangential tractions move the surface up and down by nu
+        if interface.couples or needs_nu:  # tangential tractions move the surface up and down by nu
             return body, (tangential, off)
         unknown = Effect(_NU, "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
@@ -166,7 +166,7 @@ def _body(
         return body, (coupled, Effect("slab" if body.stack is None else name, "on", matters))
     effect = body.deviation()
     bound = f"{what}, by at most {effect:.1e}"
-    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
+    if mean_matters or needs_nu or effect > max(_ROUNDING, tolerance):
         return body, (condensed, Effect(name, "on", bound))
     return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
 

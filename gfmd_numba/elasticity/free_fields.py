@@ -53,9 +53,9 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
             most = [2 * ceil(_HIGHEST / (shorter - 1.0) * each / (2.0 * np.pi)) for each in periods]
             waves = tuple(min(some, n) for some, n in zip(most, waves, strict=True))
         q = grid.magnitudes(waves, periods)
-        loaded = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
+        waves_of_window = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
         share = (_share(q, shorter) if parts else 1.0) - _share(q, period)
-        parts.append(fields.surface_under_waves(share * loaded, waves, body, periods))
+        parts.append(fields.surface_under_waves(share * waves_of_window, waves, body, periods))
         shorter, period = period, 2.0 * period
     x, y, z = map(float, _left(rows, body, both, shorter))
     return Inside(tuple(parts), body, (x, y, z))

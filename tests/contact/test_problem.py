@@ -8,7 +8,7 @@ import gfmd_numba
 from gfmd_numba.contact.evaluation import contact_area_fraction
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -35,7 +35,7 @@ def reduced(nu, aspect_ratio, effects, interface=None):
         "interface": interface or {"hard_wall": {}},
         "loading": {"reduced_pressure": 0.01},
     }
-    return reduce(Scene.model_validate(scene), PressedSurfaces(SURFACE, 0.01), Numerics(effects=effects))
+    return reduce(Scene.model_validate(scene), FacingSurfaces(SURFACE, 0.01), Numerics(effects=effects))
 
 
 @pytest.mark.parametrize("nu", [-0.5, 0.2, 0.33, 0.5])

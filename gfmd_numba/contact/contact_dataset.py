@@ -82,7 +82,6 @@ class Units:
         both = [unit for unit in (pascal, metre) if unit != "1"]
         each = {
             "1": (1.0, "1"),
-            "E*/stiffness": (1.0 / scales.stiffness, "1"),
             "gradient": (rms_gradient, "1"),
             "length": (scales.length, metre),
             "height": (height, metre),
@@ -139,7 +138,7 @@ def modulus_attributes(scene: Scene) -> dict[str, str]:
         return {}
     scales = scales_of(scene)
     whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
-    return {"effective_modulus": f"{scales.modulus / scales.stiffness:.17g} Pa: E* is that of {whose}"}
+    return {"effective_modulus": f"{scales.modulus:.17g} Pa: E* is that of {whose}"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -471,7 +470,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
     for (scene, sliding), load in zip(given.steps, (problem.step, *problem.path), strict=True):
-        own = {} if problem.displacement is not None else {"reduced_pressure": load.load * given.scales.stiffness}
+        own = {} if problem.displacement is not None else {"reduced_pressure": load.load}
         own[scene.loading.control] = float(getattr(scene.loading, scene.loading.control))
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():

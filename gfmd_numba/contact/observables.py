@@ -27,17 +27,17 @@ OF_TOUCHING = {  # observables, and statistics of a contact, that there are only
 class Observable:
     """A recorded quantity: what it tells of, its unit and its meaning.
 
-    Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a
-    `stiffness_scale`. `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a
-    run the equilibrium has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok:
-    without contact it is 0/0, or unknown on maps. One is recorded where what it `needs` is there.
+    Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds. `function` is "module:function" of a contact, by default
+    that of its name in `evaluation`; of a run the equilibrium has the number. One that is `undefined_at_times` may be
+    not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One is recorded where what it
+    `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
     eps_t go to 0: the load p / (g E*), the gradient g, the rms height, or nothing ("").
     """
 
-    unit: Literal["1", "E*/stiffness", "gradient", "length", "height", "pressure", "energy", "s"]
+    unit: Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
     long_name: str
     function: str | None = None
     of: Literal["contact", "surface", "run", "path"] = "contact"
@@ -54,25 +54,25 @@ class Observable:
 
 OBSERVABLES = {
     "kappa": Observable(
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, contact area corrected for its edges",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_residual_error": Observable(
-        "E*/stiffness",
+        "1",
         "largest change of kappa to expect from the residual of the solver",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_counted": Observable(
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_r": Observable(
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
         undefined_at_times=True,
         held="load",
@@ -147,13 +147,13 @@ OBSERVABLES = {
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_edges": Observable(
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_edges_error": Observable(
-        "E*/stiffness",
+        "1",
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,

@@ -88,7 +88,7 @@ def reduce(
         passing=rounded(rms_gradient) if passes else None,
     )
     effects = interactions + _slow_effects(scene)
-    return problem, _all_effects(elasticity, effects, tractions is not None, scales.stiffness)
+    return problem, _all_effects(elasticity, effects, tractions is not None)
 
 
 def _counter_body(
@@ -115,13 +115,9 @@ def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share
 def _all_effects(
-    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], has_tractions: bool, stiffness_scale: float
+    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], has_tractions: bool
 ) -> tuple[Effect, ...]:
-    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", has_tractions or None))
-    if stiffness_scale == 1.0:
-        return effects
-    wrong = f"all stiffnesses are {stiffness_scale:g} times too large, as the scene asks for"
-    return (Effect("stiffness scale", "on", wrong), *effects)
+    return (*elasticity, *interactions, _as_asked("prescribed tractions", has_tractions or None))
 
 
 def _options(numerics: Numerics, scene: Scene, abilities: tuple[str, ...]) -> Options:

@@ -29,35 +29,37 @@ _YIELDS = "the body yields at all depths"
 
 
 def effective_modulus(body: Body, in_pascal: bool) -> float:
-    """Modulus of the stiffness, in Pa, or 1 where stresses stay in E*: E* but for a `stiffness_scale`.
+    """E* in Pa, or 1 where stresses stay in E*.
 
     Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
     """
     if body.surface_modulus is None or not in_pascal:
-        return body.stiffness_scale
-    return moduli.plane_modulus(body.stiffness_scale * body.surface_modulus, body.surface_poissons_ratio, body.state)
+        return 1.0
+    return moduli.plane_modulus(body.surface_modulus, body.surface_poissons_ratio, body.state)
 
 
 @lru_cache(maxsize=4096)
-def elastic_body(body: Body, length: float | None) -> ElasticBody:
-    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known.
+def in_own_units(body: Body, length: float | None, time: float = 1.0) -> Body:
+    """Body in units of L_x, its modulus at the surface and a time, to 12 digits: it is the same in all units."""
+    found: Body = in_reduced_units(body, length or 1.0, body.surface_modulus or 1.0, time)
+    return found
 
-    Heights and moduli of layers have 12 digits, so that they are the same in all units.
-    """
-    if body.layers is None:
-        nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
-        return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
-    top = body.layers[0]
+
+def elastic_body(own: Body) -> ElasticBody:
+    """The body of a record in its own units, with all that is known of it."""
+    nu = own.effective_poissons_ratio(own.surface_poissons_ratio)
+    if own.layers is None:
+        return ElasticBody(nu, None if math.isinf(own.aspect_ratio) else own.aspect_ratio)
+    top = moduli.plane_modulus(1.0, own.surface_poissons_ratio, own.state)
 
     def material(part: Layer | MaterialRecord) -> Material:
-        shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
-        modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
-        return Material(rounded(modulus), body.effective_poissons_ratio(part.poissons_ratio))
+        modulus = moduli.plane_modulus(part.youngs_modulus, part.poissons_ratio, own.state) / top
+        return Material(rounded(modulus), own.effective_poissons_ratio(part.poissons_ratio))
 
     return ElasticBody.layered(
-        tuple(rounded(layer.height / (length or 1.0)) for layer in body.layers),
-        tuple(material(layer) for layer in body.layers),
-        None if body.base is None or body.base == "rigid" else material(body.base),
+        tuple(layer.height for layer in own.layers),
+        tuple(material(layer) for layer in own.layers),
+        None if own.base is None or own.base == "rigid" else material(own.base),
     )
 
 
@@ -66,16 +68,14 @@ class Scales:
     """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
 
     `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. `stiffness` is the
-    factor by which all that deforms is stiffer than its moduli say. Each of the `bodies` has its part E*/E_i* of the
-    compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are the branches of all that deforms over
-    its relaxed modulus and that time, None if nothing creeps.
+    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. Each of the
+    `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are
+    the branches of all that deforms over its relaxed modulus and that time, None if nothing creeps.
     """
 
     length: float
     modulus: float
     time: float
-    stiffness: float
     bodies: tuple[ElasticBody, ...]
     shares: tuple[float, ...]
     relaxation: PronySeries | None
@@ -88,26 +88,16 @@ def scales_of(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
-    elastic = tuple(elastic_body(body, length) for body in bodies)
-    own = [effective_modulus(body, in_pascal) for body in bodies]
-    modulus, stiffness = own[0], bodies[0].stiffness_scale
-    if len(bodies) > 1:
-        modulus = 1.0 / sum(1.0 / each for each in own)
-        softness = sum(body.stiffness_scale / each for body, each in zip(bodies, own, strict=True))
-        stiffness = rounded(modulus * softness)
-    shares = tuple(rounded(modulus / each) for each in own)
-    times = [branch.time for body in bodies for branch in body.relaxation or ()]
-    time, relaxation = max(times, default=1.0), None
-    if times:  # two bodies give way alike, as the table of combinations says, each by its share
-        each = tuple(_branches(body, time) for body in bodies)
-        relaxation = each[0] if len(each) == 1 else in_series(tuple(zip(shares, each, strict=True)))
-    return Scales(length or 1.0, modulus, time, stiffness, elastic, shares, relaxation)
-
-
-def _branches(body: Body, longest: float) -> PronySeries:
-    relaxed, branches = body.surface_modulus or 1.0, body.relaxation or ()
-    moduli = tuple(rounded(branch.modulus / relaxed) for branch in branches)
-    return PronySeries(moduli, tuple(rounded(branch.time / longest) for branch in branches))
+    time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
+    moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
+    modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
+    shares = tuple(rounded(modulus / each) for each in moduli_of)
+    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
+    branches = [body.relaxation or () for body in own]
+    series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
+    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
+        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(shares, series, strict=True)))
+    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), shares, relaxation)
 
 
 def times_of(steps: Iterable[Scene]) -> list[float]:
@@ -143,7 +133,7 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 
 def reduced_load(scene: Scene, rms_gradient: float) -> float:
-    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
+    """What the loading of a scene prescribes, a displacement (g L_x) or the mean pressure (g E*).
 
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
@@ -151,19 +141,20 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
     loading, scales = scene.loading, scales_of(scene)
     if loading.displacement is not None:
         return reduced_length(loading.displacement, scene, rms_gradient)
-    true_modulus = scales.modulus / scales.stiffness
+    one, whole, plastic = (
+        rms_gradient * scales.modulus,
+        whole_body_yields(scene.body),
+        plastic_pressure(scene.interface),
+    )
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
-    unit = 1.0 if quantity is None else quantity.scale(scales.length, true_modulus) * rms_gradient
-    found = load / unit
+    unit = 1.0 if quantity is None else quantity.scale(scales.length, scales.modulus) * rms_gradient
+    found, one = load / unit, rms_gradient * scales.modulus
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
-    whole = whole_body_yields(scene.body) / (rms_gradient * true_modulus)
-    if found >= whole:
-        raise ValueError(f"below {in_unit_of(load, whole * unit)}, at which {_YIELDS}")
-    plastic = plastic_pressure(scene.interface)
-    if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
-        raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
-    return rounded(found) / scales.stiffness
+    for most, told in ((whole, _YIELDS), (plastic, at_most(scene.interface))):
+        if most is not None and found >= most / one:
+            raise ValueError(f"below {in_unit_of(load, most / one * unit)}, at which {told}")
+    return rounded(found)
 
 
 def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:

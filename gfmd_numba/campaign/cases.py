@@ -23,8 +23,8 @@ from gfmd_numba.contact.contact_input import (
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.rough_surfaces import (
+    FacingSurfaces,
     MeasuredSurfaces,
-    PressedSurfaces,
     check_drawn,
     ensemble_of_rough_bodies,
     given_surface,
@@ -290,7 +290,7 @@ class _RoughBodies:
 
     def __call__(
         self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
-    ) -> PressedSurfaces:
+    ) -> FacingSurfaces:
         """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
         measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
         order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
@@ -299,10 +299,10 @@ class _RoughBodies:
         if known not in self._checked:
             check_drawn(scene, summed, rough, 0, document)
             self._checked.add(known)
-        return PressedSurfaces(summed, summed.rms_gradient, rough=rough)
+        return FacingSurfaces(summed, summed.rms_gradient, rough=rough)
 
 
-def _check_loads(scene: Scene, pressed: PressedSurfaces, campaign: Campaign, document: Document) -> None:
+def _check_loads(scene: Scene, pressed: FacingSurfaces, campaign: Campaign, document: Document) -> None:
     """Raise InputError for a load that cannot be reduced, at its place."""
     control = scene.loading.control
     varied = values_of(campaign.grid, control)

@@ -157,7 +157,11 @@ def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[
 
 def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
     """Return the columns (node, case, coefficient) of the fit, those known before in units of their scatter."""
-    laws_of = {limit: _relative(means, laws, limit, nodes) for limit in means.levels}
+    laws_of = {}  # over their values at the reference
+    for limit, of_cases in means.levels.items():
+        levels, case = np.unique(of_cases, return_inverse=True)
+        at = excess(laws, limit, np.append(levels, means.reference[limit]), nodes)
+        laws_of[limit] = np.asarray((at[:, :-1] / at[:, -1:])[:, case])
     whole = np.ones((len(nodes), means.values.size))
     found = []
     for (limit, column), scatter in zip(laws_of.items(), before.own, strict=True):
@@ -190,13 +194,6 @@ def excess(laws: Laws, limit: str, eps: Reals, nodes: Reals) -> Reals:
             return law.excess(eps, nodes[:, first : first + len(law.parameters)])
         first += len(law.parameters)
     raise AssertionError(limit)
-
-
-def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
-    """Return a limit's law (node, case) over its value at the reference."""
-    levels, case = np.unique(means.levels[limit], return_inverse=True)
-    found = excess(laws, limit, np.append(levels, means.reference[limit]), nodes)
-    return np.asarray((found[:, :-1] / found[:, -1:])[:, case])
 
 
 def known_before(means: Means, laws: Laws) -> Before:

@@ -6,7 +6,7 @@ is known of the exponents beforehand stands in `theory/exponent_ranges.py`, of t
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -23,7 +23,7 @@ from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import Rival
-from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error
 
@@ -126,7 +126,8 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
         left_out, found = [], whole
     doubt = limit_errors.doubtful(found.groups, found.choices, found.share)
     if doubt:
-        return [_refused(group, _doubts(group, doubt)) for group in groups]
+        advice = limit_errors.advice(doubt, variable, groups[0].dimension)
+        return [_refused(group, "\n".join([*_reasons(group, doubt), advice])) for group in groups]
     others = [
         (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
         for rival in limit_errors.rivals(found.groups, given)
@@ -200,6 +201,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
         notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
+    asserted = {rival.asserted: difference for rival, difference in differing}
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
@@ -220,11 +222,17 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": _laws(group, found),
+        "law": [
+            " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
+            for name in LIMITS
+        ],
         **_curve(index, group, means, found, share),
-        "extrapolated": limit_errors.mean_distances(index, means, found, share),
+        "extrapolated": np.sum(
+            [s @ limit_errors.distances(index, means, c) for c, s in zip(found, share, strict=True)], 0
+        ),
         "extrapolation_error": extrapolation_error,
-        "contradiction": _contradiction(group, differing),
+        # what the value differs by where an asserted exponent may have its range
+        "contradiction": [asserted.get(name, 0.0) if name in group.levels else np.nan for name in LIMITS],
     }
 
 
@@ -246,15 +254,6 @@ def _doubts_of_levels(
     return lines
 
 
-def _contradiction(group: Group, differing: Sequence[tuple[Rival, float]]) -> Reals:
-    """Return what the value differs by where an asserted exponent may have its range (limit), nan if not varied."""
-    found = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
-    for rival, difference in differing:
-        if rival.asserted in group.levels:
-            found[LIMITS.index(rival.asserted)] = difference
-    return found
-
-
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
     """Return a line with the limit by each law of eps_f, where there are several."""
     if len(found) == 1:
@@ -272,25 +271,15 @@ def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[R
 
 def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]]) -> list[str]:
     """Return a line with the limit by theory, where an exponent is asserted in its place."""
-    lines = []
-    for rival, other in others:
-        if rival.from_theory:
-            value, variance = other.limit_of(index)
-            found = with_error(value, float(np.sqrt(variance)))
-            said = f"{rival.what}, without what is given of the exponent, {group.variable}_tfc is {found}"
-            lines.append(f"{said}: the error includes this")
-    return lines
+    of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
+    return [
+        f"{what}, without what is given of the exponent, {group.variable}_tfc is "
+        f"{with_error(value, float(np.sqrt(variance)))}: the error includes this"
+        for what, (value, variance) in of_theory
+    ]
 
 
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
-
-
-def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
-    """Return the laws of each limit (limit), "" of those not varied."""
-    return [
-        " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
-        for name in LIMITS
-    ]
 
 
 def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
@@ -321,13 +310,10 @@ def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
         found["alpha"][:, limit] = 0.0 if variances else fit.exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
         found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
-    for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found["interaction"][:, PAIRS.index(pair)] = coefficients[:, row]
+    pairs = [number for number, pair in enumerate(PAIRS) if set(pair) <= set(group.levels)]
+    for row, number in enumerate(pairs, start=1 + len(group.levels)):
+        found["interaction"][:, number] = coefficients[:, row]
     return table
-
-
-def _pairs(group: Group) -> list[tuple[str, str]]:
-    return [pair for pair in PAIRS if set(pair) <= set(group.levels)]
 
 
 def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tuple[float, float]:
@@ -365,9 +351,13 @@ def _misfit(
     return float(np.sqrt(np.mean(residual**2))), chi2
 
 
-def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
-    reasons = [f"exponent of {name} {why} ({limit_errors.evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, limit_errors.advice(doubt, group.variable, group.dimension)])
+def _reasons(group: Group, doubt: Mapping[str, str]) -> Iterator[str]:
+    """Yield why the data of a group do not tell exponents: its levels and realisations."""
+    for name, why in doubt.items():
+        has = f"shared with other groups; {name} is not varied in this one"
+        if name in group.levels:
+            has = f"levels {fractions(group.levels[name])}, {limit_errors.realisations(group)}"
+        yield f"exponent of {name} {why} ({has})"
 
 
 def _refused(group: Group, reason: str) -> GroupFit:

@@ -67,17 +67,6 @@ def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals
     return scatter
 
 
-def inflation(scatter: Reals, of_means: Reals, influence: Reals, contrasts: int, fewest: int) -> float:
-    """Return the factor on the variance of an estimate, for a covariance that is only estimated.
-
-    The estimate is the sum of the means times their `influence` (case). In addition to the scatter of the means, the
-    factor counts that the weights of the `contrasts`, combinations of the means that have no influence, come from the
-    same realisations, which are the `fewest` of any case (Lavenberg and Welch 1981).
-    """
-    ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
-    return float(ratio * (1.0 + contrasts / fewest))
-
-
 def covariance_of_one(values: Reals) -> Reals:
     """Return the covariance (case, case) of one realisation's values, nan where there are none.
 
@@ -185,7 +174,10 @@ def means_of(group: Group, values: Reals) -> Means:
         return means
     influence, contrasts = linear_influence(means)
     fewest = int(np.isfinite(values).sum(axis=0).min())
-    factor = inflation(scatter, of_means, influence, contrasts, fewest)
+    ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
+    # the covariance is only estimated, and the weights of contrasts come from the same realisations as the means, of
+    # which some case has few (Lavenberg and Welch 1981)
+    factor = float(ratio * (1.0 + contrasts / fewest))
     return replace(means, whitener=means.whitener / np.sqrt(factor))
 
 

@@ -32,7 +32,7 @@ from gfmd_numba.contact.rough_surfaces import (
     random_surface,
 )
 from gfmd_numba.contact.scales import steps_of
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
+from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.roughness.surface_files import read_content
@@ -222,7 +222,7 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of = _RoughBodies(campaign, document)
+    bodies_of = partial(_rough_bodies, campaign, document, set())
     boundary = campaign.scene.boundary and located(document, campaign.scene.boundary, ("scene", "boundary"))
     arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
     interface = located(document, campaign.scene.interface, ("scene", "interface"))
@@ -230,13 +230,13 @@ def expand(
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
-        scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
-        found = measured.get(scene.roughness) or measured.get(None)
+        roughness = with_values(campaign.scene, dict(zip(places, values, strict=True))).roughness
+        found = measured.get(roughness) or measured.get(None)
         point = GridPoint(campaign.scene, places, values, found)
-        scene = scene if found is None else found.under(scene)
+        scene = point.scene
         for level in levels:
             if scene.follows_topography:
-                pressed = bodies_of(scene, level.discretisation, found)
+                pressed = bodies_of(point, level.discretisation)
             else:
                 own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
                 if own is None and scene.roughness is not None:
@@ -281,25 +281,22 @@ def _surface(
         raise InputError.of("scene.roughness", given, f"a usable surface, not {error}") from None
 
 
-class _RoughBodies:
-    """The rough bodies of a campaign's scenes. The first realisation of each sum of surfaces is checked once."""
+def _rough_bodies(
+    campaign: Campaign, document: Document, checked: set[Any], point: GridPoint, discretisation: Discretisation | None
+) -> PressedSurfaces:
+    """Return all surfaces of a scene and its bodies; raises InputError.
 
-    def __init__(self, campaign: Campaign, document: Document):
-        self._campaign, self._document = campaign, document
-        self._checked: set[tuple[SummedSurface, tuple[tuple[float, float, int], ...]]] = set()
-
-    def __call__(
-        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
-    ) -> PressedSurfaces:
-        """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
-        measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
-        order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
-        summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
-        known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
-        if known not in self._checked:
-            check_drawn(scene, summed, rough, 0, document)
-            self._checked.add(known)
-        return PressedSurfaces(summed, summed.rms_gradient, rough=rough)
+    The first realisation of each sum of surfaces is checked once, and then is among the `checked`.
+    """
+    scene, given = point.scene, point.measured
+    measured, document = ({}, document) if given is None else (given.surfaces, given.document)
+    order, seed = campaign.numerics.slope_order(scene), campaign.seed or 0
+    summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
+    known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
+    if known not in checked:
+        check_drawn(scene, summed, rough, 0, document)
+        checked.add(known)
+    return PressedSurfaces(summed, summed.rms_gradient, rough=rough)
 
 
 def _check_loads(scene: Scene, pressed: PressedSurfaces, campaign: Campaign, document: Document) -> None:
@@ -363,7 +360,7 @@ def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Itera
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Return groups of cases that differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
-    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
+    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.record]
     found: dict[tuple[float | str | None, ...], list[Case]] = {}
     for case in cases:
         found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)

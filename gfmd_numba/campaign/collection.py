@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.cases import Block, Case
+from gfmd_numba.campaign.cases import Block, Case, said_of
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.doubts import of_results
 from gfmd_numba.campaign.execution import SECONDS
@@ -79,7 +79,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **described(planned),
         "dropped_effects": dropped_effects(planned.effects),
         "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
-        **({"processing": planned.processing} if planned.measured else {}),
+        **({"processing": "\n".join(said_of(planned.measured, "done"))} if planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions() | made_with),
         "git_commit": git_commit(),
@@ -91,7 +91,10 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     rows = recorded_of(planned.cases)
-    values = [in_file_units(case, rows, measured[case.problem.identity]) for case in planned.cases]
+    values = []
+    for case in planned.cases:
+        worth, found = Units.of(case.scene, case.rms_gradient).worth, measured[case.problem.identity]
+        values.append({name: scaled(found[name], worth[row.unit]) for name, row in rows.items()})
     scene = planned.cases[0].scene  # measured ones tell their period
     coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
     dataset = campaign_dataset(coordinates, rows, values, Units.of(scene).names)
@@ -148,12 +151,6 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
         rough = case.problem.rough
         rows |= observables.recorded_along(case.scene, 0 if rough is None else rough.order)
     return rows
-
-
-def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
-    """Return the measures of a case in the units of the file, from those of its dimensionless problem."""
-    scale = Units.of(case.scene, case.rms_gradient).worth
-    return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(

@@ -27,22 +27,10 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import (
-    columns_of_measures,
-    endings,
-    named,
-    of_contact,
-    of_curve,
-    of_measures,
-    of_numbers,
-    of_steps,
-    over,
-    prescribed,
-    readable,
-    unit,
-)
-from gfmd_numba.cli.terminal import say, say_done, say_doubts, tell, waiting, warn
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, prescribed, unit, unit_of
+from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.numbers import with_prefix
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -85,23 +73,34 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
-    dataset = found
-    write(output, dataset)
-    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    if "step" in dataset.dims:
-        tell(of_steps(dataset))
-    else:
-        tell(of_contact(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    write(output, found)
+    _tell(found)
+    steps = found if "step" in found.dims else found.expand_dims("step")
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
         warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
-        for _, sentence in endings(steps["status"]):
-            warn(sentence)
+        _explain(steps)
         sys.exit(SOME_FAILED)
+
+
+def _tell(dataset: xr.Dataset) -> None:
+    """Print what came out, what was done to measured surfaces, and the reasons to doubt it."""
+    tell(of_results(dataset, None))
+    _say_done(dataset)
+
+
+def _say_done(dataset: xr.Dataset) -> None:
+    for sentence in dataset.attrs.get("processing", "").splitlines():
+        say("done", sentence)
+    say_doubts(dataset)
+
+
+def _explain(dataset: xr.Dataset) -> None:
+    """Print what it means that runs are not ok."""
+    for _, _, sentence in endings(dataset["status"]):
+        warn(sentence)
 
 
 def _with_threads(described: SceneFile, document: Document, threads: int | None) -> tuple[SceneFile, Document]:
@@ -145,9 +144,7 @@ def surface(file: Path, output: Path) -> None:
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
-    tell(of_numbers(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    _tell(dataset)
 
 
 def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[object] | None:
@@ -237,8 +234,7 @@ def curve(
 
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
-    described, document = load_scene(file)
-    described, document = _with_threads(described, document, threads)
+    described, document = _with_threads(*load_scene(file), threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
@@ -257,9 +253,7 @@ def curve(
     write_table(table, columns(dataset))
     say_written("table", table)
     _draw(dataset, picture)
-    tell(of_curve(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    _tell(dataset)
     _end(dataset, realisations)
 
 
@@ -282,8 +276,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
         loads = ", ".join(f"{load:.4g}" for load in dataset[over(dataset)].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
         warn(f"not ok at {over(dataset).removeprefix('prescribed_')} {loads}: {left}")
-        for _, sentence in endings(dataset["status"]):
-            warn(sentence)
+        _explain(dataset)
     if "interrupted" in dataset.attrs:
         told = f"interrupted {dataset.attrs['interrupted']}; the files hold these loads; the same command begins again"
         warn(told)
@@ -413,28 +406,28 @@ def _measure(
 
     from gfmd_numba.storage.atomic_file import write_table
 
-    picture = None if output is None else companion(output, "picture", ".png")
     if output is not None:
+        picture = companion(output, "picture", ".png")
         check_output(output, file)
     contact = _contact(file)
-    table = companion(output, "table", ".csv") if output is not None and "step" in contact.dims else None
+    if has_table := output is not None and "step" in contact.dims:
+        table = companion(output, "table", ".csv")
     with told_as({"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
-    if output is not None and picture is not None:
+    if output is not None:
         write(output, dataset, err=as_json)
         for path, drawing in pictures(dataset, None, picture).items():
             write_picture(path, drawing, err=as_json)
-    if table is not None:
+    if has_table:
         write_table(table, columns_of_measures(dataset))
         say_written("table", table, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
         found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)
         click.echo(json.dumps(found))  # null stands for numbers that are not finite
+        _say_done(dataset)
     else:
-        tell(of_measures(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+        _tell(dataset)
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
@@ -454,12 +447,7 @@ def largest_stress(dataset: xr.Dataset) -> str:
     if not all(map(isfinite, peaks.ravel().tolist())):
         return "unknown, as the run is not ok"
     level = last.isel(z=int(peaks.argmax()))
-    stress = " ".join(readable(float(peaks.max()), _unit(level["peak_von_mises"], "E*")))
-    places = {"x": level["peak_x"], "y": level["peak_y"], "z": level["z"]}
-    at = ", ".join(f"{name} = {' '.join(readable(float(v), _unit(v, 'L_x')))}" for name, v in places.items())
-    return f"von Mises stress of these depths{when} {stress} at {at}"
-
-
-def _unit(variable: xr.DataArray, natural: str) -> str:
-    unit = str(variable.attrs["units"])
-    return natural if unit == "1" else unit
+    stress = with_prefix(float(peaks.max()), unit_of(level, "peak_von_mises", "E*"), 6)
+    places = {"x": "peak_x", "y": "peak_y", "z": "z"}
+    at = (f"{axis} = {with_prefix(float(level[v]), unit_of(level, v, 'L_x'), 6)}" for axis, v in places.items())
+    return f"von Mises stress of these depths{when} {stress} at {', '.join(at)}"

@@ -60,10 +60,8 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    if output is not None:
-        check_output(output, file, file.parent / "campaign.yaml", suffixes=_TABLES)
-    if function is not None:
-        check_output(function, file, file.parent / "campaign.yaml", suffixes=_TABLES)
+    for path in filter(None, (output, function)):
+        check_output(path, file, file.parent / "campaign.yaml", suffixes=_TABLES)
     dataset = read_results(file)
     with naming(file):
         fitted = _fit(dataset, **asked)

@@ -28,7 +28,6 @@ from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 from gfmd_numba.text.numbers import counted
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.run import FirstDecision
@@ -65,14 +64,15 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
+    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.file import target_of_run
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.campaign.plan import refused_limits
     from gfmd_numba.campaign.rounds import pilot_plan
+    from gfmd_numba.campaign.run import first_decision
 
     _check_options(target, budget)
-    with told_as(_OF_A_TARGET):
-        goal = goal_in(file, target, budget) if target else None
+    goal = goal_in(file, target, budget, "--target") if target else None
     planned = plan_campaign(file, None if goal is None else goal.targets)
     distinct = len(planned.problems)
     click.echo(f"campaign      {planned.campaign.name}")
@@ -94,9 +94,15 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
         warn(doubt)
     well = True
     if goal is not None:
-        well = _show_decision(_run_pilot(file, goal, workers), workers)
+        try:
+            with told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
+                decided = first_decision(file, goal, Workers(workers), watch, said_of_round)
+        except KeyboardInterrupt:
+            warn("interrupted; a plan keeps no results")
+            sys.exit(INTERRUPTED)
+        well = _show_decision(decided, workers)
     else:
-        first = pilot_plan(planned, goal_in(file, of_file, None)) if of_file else planned
+        first = pilot_plan(planned, goal_in(file, of_file, None, "--target")) if of_file else planned
         _show_size(first, workers)
         if pilot:
             _show_cost(first, workers, pilot)
@@ -112,7 +118,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
 def _show_size(planned: Plan, workers: int) -> None:
     from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
 
-    click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
+    distinct, asked = sum(planned.demand.values()), sum(case.realisations for case in planned.cases)
+    click.echo(f"simulations   {distinct} of {asked} asked for")
     largest = max((case.problem.surface for case in planned.cases), key=lambda surface: surface.nodes)
     click.echo(f"largest grid  nx = {largest.nx}" + (" = ny" if len(largest.shape) == 2 else ""))
     program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
@@ -153,18 +160,6 @@ def _check_options(target: object, budget: str | None) -> None:
         )
     if target and is_given("pilot"):
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
-
-
-def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
-    from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.run import first_decision
-
-    try:
-        with told_as(_OF_A_TARGET), rounds_shown() as (watch, told):
-            return first_decision(file, goal, Workers(workers), watch, told)
-    except KeyboardInterrupt:
-        warn("interrupted; a plan keeps no results")
-        sys.exit(INTERRUPTED)
 
 
 def _show_decision(decided: FirstDecision, workers: int) -> bool:

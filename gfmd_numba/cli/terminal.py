@@ -71,12 +71,6 @@ def warn(text: str) -> None:
     say("gfmd:", text, width=6, err=True)
 
 
-def say_done(dataset: xr.Dataset) -> None:
-    """Print what was done to measured surfaces, as the attribute `processing` gives it."""
-    for sentence in dataset.attrs.get("processing", "").splitlines():
-        say("done", sentence)
-
-
 def say_doubts(dataset: xr.Dataset) -> None:
     """Print the reasons to doubt a result, as its attribute `validity` gives them."""
     for doubt in dataset.attrs.get("validity", "").splitlines():

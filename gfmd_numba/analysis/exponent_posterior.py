@@ -214,11 +214,6 @@ def known_before(means: Means, laws: Laws) -> Before:
     return Before(np.array(own), np.array(pair))
 
 
-def as_if_exact(before: Before) -> Before:
-    """Return that coefficients of which anything is known are 0."""
-    return Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
-
-
 def linear_influence(means: Means) -> tuple[Reals, int]:
     """Return the derivative of the TFC limit to each mean (case) for linear laws, and how many contrasts have none."""
     laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Linear, Means, along, shares, weighed
-from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
+from gfmd_numba.analysis.fit_dataset import N_PARAMETERS, PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
@@ -177,7 +177,6 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     at_an_end = limit_errors.pressed(found, share)
     by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
-    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
@@ -187,21 +186,12 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     extrapolation_error = np.sqrt(weight @ by_limit)
     budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
     budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
-    notes = [
-        *group.notes,
-        *_by_law(index, group, found, share),
-        *_by_theory(index, group, others),
-        *at_an_end.values(),
-        *limit_errors.logarithmic(group, found),
-        *limit_errors.additivity(group, error),
-        *limit_errors.of_thin_layers(group, means),
-        *_doubts_of_levels(whole, group, differing, left_out),
-    ]
+    notes = _notes(index, whole, others, left_out, error)
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
         notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
-    asserted = {rival.asserted: difference for rival, difference in differing}
+    asserted = {each.asserted: limit_errors.disagreement(*mine, *other.limit_of(index)) for each, other in others}
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
@@ -236,22 +226,38 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     }
 
 
-def _doubts_of_levels(
-    whole: _Weighed, group: Group, differing: Sequence[tuple[Rival, float]], left_out: Sequence[str]
+def _notes(
+    index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], left_out: Sequence[str], error: Reals
 ) -> list[str]:
-    """Return a line for each level or exponent that does not go with the others, and one for a misfit of all."""
-    lines = [f"{what} is left out, as no law describes it together with the finer levels" for what in left_out]
-    lines += [
-        f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
-        for rival, difference in differing
-        if difference and not rival.from_theory
+    """Return a line for each thing to be known of the fit of a group: of its laws, its levels and its exponents."""
+    group, found, mine = whole.groups[index], whole.choices, whole.limit_of(index)
+    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
+    of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
+    far = float(np.sqrt(whole.excess))
+    too_far = (
+        f"the means lie {far:.3g} times as far from the laws as their errors allow, which are enlarged by as much; add "
+        "finer levels, or allow other exponents"
+    )
+    return [
+        *group.notes,
+        *_by_law(index, group, found, whole.share),
+        *(
+            f"{what}, without what is given of the exponent, {group.variable}_tfc is "
+            f"{with_error(value, float(np.sqrt(variance)))}: the error includes this"
+            for what, (value, variance) in of_theory
+        ),
+        *limit_errors.pressed(found, whole.share).values(),
+        *limit_errors.logarithmic(group, found),
+        *limit_errors.additivity(group, error),
+        *limit_errors.of_thin_layers(group, whole.means[index]),
+        *(f"{what} is left out, as no law describes it together with the finer levels" for what in left_out),
+        *(
+            f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
+            for rival, difference in differing
+            if difference and not rival.from_theory
+        ),
+        *([too_far] if far > _WORTH_A_NOTE and group.n_realisations > 1 else []),
     ]
-    if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
-        lines.append(
-            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow, which are "
-            "enlarged by as much; add finer levels, or allow other exponents"
-        )
-    return lines
 
 
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
@@ -267,16 +273,6 @@ def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[R
         error = float(np.sqrt(of_law @ (variance + (value - mean) ** 2)))
         limits.append(f"{with_error(mean, error)} by {_NAMED[choice.laws['eps_f'].name]} ({weight.sum():.0%})")
     return [f"{group.variable}_tfc is {' and '.join(limits)}"]
-
-
-def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]]) -> list[str]:
-    """Return a line with the limit by theory, where an exponent is asserted in its place."""
-    of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
-    return [
-        f"{what}, without what is given of the exponent, {group.variable}_tfc is "
-        f"{with_error(value, float(np.sqrt(variance)))}: the error includes this"
-        for what, (value, variance) in of_theory
-    ]
 
 
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
@@ -301,7 +297,7 @@ def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
     """
     coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
     power = 2 if variances else 1
-    table = unknown_parameters(len(fit.misfit))
+    table = np.full((len(fit.misfit), N_PARAMETERS), np.nan)
     found = named(table)
     found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
+from gfmd_numba.analysis.exponent_posterior import Before, Choice, Laws, Means, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
@@ -346,7 +346,9 @@ def error_budget(
     sampling = variance = 0.0
     effects = dict.fromkeys(means.levels, 0.0)
     for choice, share, value in zip(choices, shares, kappa, strict=True):
-        exact = linear(means, choice.laws, choice.nodes, as_if_exact(known_before(means, choice.laws)))
+        before = known_before(means, choice.laws)  # and as if that were exact, so that known coefficients are 0
+        known = Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
+        exact = linear(means, choice.laws, choice.nodes, known)
         variance += float(share @ choice.fits[index].covariance[:, 0, 0])
         sampling += float(share @ exact.covariance[:, 0, 0])
         for limit in effects:

@@ -20,15 +20,8 @@ from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.contact import law_resolution, observables
-from gfmd_numba.contact.contact_dataset import (
-    Units,
-    campaign_dataset,
-    cf_attributes,
-    dropped_effects,
-    modulus_attributes,
-    scaled,
-)
+from gfmd_numba.contact import contact_dataset, law_resolution, observables
+from gfmd_numba.contact.contact_dataset import Units, cf_attributes
 from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
 from gfmd_numba.contact.observables import Observable
 from gfmd_numba.contact.problem import Problem
@@ -77,7 +70,7 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     made_with = joined(filter(None, (stored.made_with(block.name) for block in blocks)))
     attributes = {
         **described(planned),
-        "dropped_effects": dropped_effects(planned.effects),
+        "dropped_effects": contact_dataset.dropped_effects(planned.effects),
         "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
         **({"processing": "\n".join(said_of(planned.measured, "done"))} if planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
@@ -94,11 +87,11 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     values = []
     for case in planned.cases:
         worth, found = Units.of(case.scene, case.rms_gradient).worth, measured[case.problem.identity]
-        values.append({name: scaled(found[name], worth[row.unit]) for name, row in rows.items()})
+        values.append({name: contact_dataset.scaled(found[name], worth[row.unit]) for name, row in rows.items()})
     scene = planned.cases[0].scene  # measured ones tell their period
     coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
-    dataset = campaign_dataset(coordinates, rows, values, Units.of(scene).names)
-    dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
+    dataset = contact_dataset.campaign_dataset(coordinates, rows, values, Units.of(scene).names)
+    dataset = dataset.assign_attrs(attributes | contact_dataset.modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",

@@ -1,7 +1,7 @@
 """What a campaign is to find: the variable that is fitted, errors of variables in the limit, and a budget of time."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from math import inf
+from math import inf, nan
 from typing import Annotated, Any, Literal, cast
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -85,13 +85,10 @@ def goal_of(until: object, budget: object = None) -> Goal:
 def seconds_of(given: object) -> float | None:
     """Return the seconds in a number or in a text like `20min` or `90 s`; None if that is no time above 0."""
     try:
-        seconds = float(cast(Any, given)) if not isinstance(given, bool) else None
-    except (TypeError, ValueError):
-        try:
-            seconds = TIME.si_value(given) if isinstance(given, str) else None
-        except PydanticCustomError:
-            seconds = None
-    return seconds if seconds is not None and 0.0 < seconds < inf else None
+        seconds = nan if isinstance(given, bool) else float(TIME.read(given))
+    except (TypeError, ValueError, PydanticCustomError):
+        seconds = nan
+    return seconds if 0.0 < seconds < inf else None
 
 
 class Fit(BaseModel):

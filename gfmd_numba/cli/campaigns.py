@@ -13,17 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    NEW_FILE,
-    budget_option,
-    conditions_option,
-    file_argument,
-    is_given,
-    json_option,
-    told_as,
-    until_option,
-    workers_option,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
@@ -44,23 +34,23 @@ _OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Pyth
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
-@workers_option("Number of local worker processes; 0 works in this process")
+@arguments.workers_option("Number of local worker processes; 0 works in this process")
 @click.option("--scheduler", metavar="ADDRESS", help="Use the dask scheduler at this address")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @click.option(
     "--cluster",
-    type=NEW_FILE,
+    type=arguments.NEW_FILE,
     metavar="CLUSTER.yaml",
     help="Have jobs of a queueing system do the work, as this file describes them",
 )
-@conditions_option
+@arguments.conditions_option
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
-@until_option
-@budget_option
+@arguments.until_option
+@arguments.budget_option
 def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
 
@@ -87,7 +77,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
         say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
         if goal is not None:
-            with told_as(_OF_A_GOAL), rounds_shown() as (watched, told):
+            with arguments.told_as(_OF_A_GOAL), rounds_shown() as (watched, told):
                 outcome = run_until(file, goal, output, who, watched, choice, told)
             reached = show_results(outcome.results, outcome.failures) and outcome.reached
         else:
@@ -109,7 +99,7 @@ def _workers(options: dict[str, Any]) -> Workers:
     from gfmd_numba.campaign.cluster import load_cluster
     from gfmd_numba.campaign.execution import Workers
 
-    given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
+    given = [name for name in ("workers", "scheduler", "cluster") if arguments.is_given(name)]
     if len(given) > 1:
         raise click.UsageError(
             f"--{given[1]}: you gave --{given[0]} as well; gfmd allows one of them, as it says who works"
@@ -197,7 +187,7 @@ def goal_in(file: Path, until: dict[str, Any], budget: str | None, option: str) 
     from gfmd_numba.campaign.file import fitted_variable
     from gfmd_numba.campaign.goal import goal_of
 
-    with told_as({"until": option, "budget": "--budget"}):
+    with arguments.told_as({"until": option, "budget": "--budget"}):
         return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
 
 
@@ -268,7 +258,7 @@ _directory = click.argument("directory", type=click.Path(exists=True, file_okay=
 
 @main.command()
 @_directory
-@json_option
+@arguments.json_option
 @click.option("--watch", is_flag=True, help="Repeat every two seconds until the run has ended")
 def status(directory: Path, as_json: bool, watch: bool) -> None:
     """Show how far the campaign in an output DIRECTORY is.

@@ -14,15 +14,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    NEW_FILE,
-    file_argument,
-    json_option,
-    not_allowed,
-    output_option,
-    threads_option,
-    told_as,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
@@ -44,10 +36,10 @@ _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # 
 
 
 @main.command()
-@file_argument
-@threads_option
+@arguments.file_argument
+@arguments.threads_option
 @mpi_option
-@output_option
+@arguments.output_option
 def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
@@ -122,8 +114,8 @@ def _ending(step: xr.Dataset) -> str:
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE.
 
@@ -161,14 +153,14 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
         return [plain_scalar(text.strip()) for text in option.split(",")]
     many = count.strip()
     if len(ends) != 2 or not (many.isdecimal() and many.isascii() and len(many) < 6 and 2 <= int(many) <= _MOST):
-        raise not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+        raise arguments.not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
     (first, unit_of_first), (last, si), n = *map(_with_si_unit, ends), int(many)
     if first is None or last is None:
         return list(ends)
     if unit_of_first != si:
-        raise not_allowed(repr(option), "two ends with units of one kind, or both without")
+        raise arguments.not_allowed(repr(option), "two ends with units of one kind, or both without")
     if not (0.0 < first < inf and 0.0 < last < inf and first != last):
-        raise not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
+        raise arguments.not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
     values = [first, *(first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)), last]
     return [f"{value!r} {si}" if si else value for value in values]
 
@@ -190,7 +182,7 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @click.option(
     "--loads",
     callback=_values_given,
@@ -210,8 +202,8 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
     help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
-@threads_option
-@output_option
+@arguments.threads_option
+@arguments.output_option
 def curve(
     file: Path,
     loads: list[object] | None,
@@ -300,14 +292,14 @@ def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
 _files_option = click.option(
     "-o",
     "--output",
-    type=NEW_FILE,
+    type=arguments.NEW_FILE,
     help="netCDF file to write, with a picture (.png) and for a path a table (.csv) of the same name",
 )
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 @click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
 @click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
 @click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
@@ -326,7 +318,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     contact = _contact(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
     planes = [place(contact, "plane", given) for given in plane] or None
-    with told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
+    with arguments.told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write(output, dataset, "fields")
     with naming(file):
@@ -336,8 +328,8 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 @click.option(
     "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
 )
@@ -357,9 +349,9 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @_files_option
-@json_option
+@arguments.json_option
 def leakage(file: Path, output: Path | None, as_json: bool) -> None:
     """Compute how much leaks through the gap of a map.
 
@@ -372,9 +364,9 @@ def leakage(file: Path, output: Path | None, as_json: bool) -> None:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @_files_option
-@json_option
+@arguments.json_option
 def conductance(file: Path, output: Path | None, as_json: bool) -> None:
     """Compute the electrical or thermal conductance of a contact.
 
@@ -412,7 +404,7 @@ def _measure(
     contact = _contact(file)
     if has_table := output is not None and "step" in contact.dims:
         table = companion(output, "table", ".csv")
-    with told_as({"contact": printable(file)}), naming(file), waiting(doing):
+    with arguments.told_as({"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None:
         write(output, dataset, err=as_json)

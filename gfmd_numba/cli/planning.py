@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    LIMITS,
-    NEW_FILE,
-    budget_option,
-    file_argument,
-    is_given,
-    target_option,
-    told_as,
-    workers_option,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.campaigns import goal_in, levels_of, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
@@ -44,8 +35,8 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 @main.command()
-@file_argument
-@workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
+@arguments.file_argument
+@arguments.workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
 @click.option(
     "--pilot",
     default=10.0,
@@ -53,8 +44,8 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
     type=click.FloatRange(0),
     help="Seconds to spend on measuring the cost; 0 measures nothing",
 )
-@target_option
-@budget_option
+@arguments.target_option
+@arguments.budget_option
 def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget: str | None) -> None:
     """Predict size and cost of the campaign in FILE.
 
@@ -95,7 +86,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     well = True
     if goal is not None:
         try:
-            with told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
+            with arguments.told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
                 decided = first_decision(file, goal, Workers(workers), watch, said_of_round)
         except KeyboardInterrupt:
             warn("interrupted; a plan keeps no results")
@@ -158,7 +149,7 @@ def _check_options(target: object, budget: str | None) -> None:
             "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
             "bounds a run)"
         )
-    if target and is_given("pilot"):
+    if target and arguments.is_given("pilot"):
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
@@ -218,7 +209,7 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
     dataset = xr.Dataset(coords=described_coordinates(planned.cases[0].scene, planned.cases))
     shown = dataset.isel(case=slice(MOST_ROWS))
     parameters = cells_of_parameters(shown, dataset)
-    for name in LIMITS.keys() & parameters.keys():
+    for name in arguments.LIMITS.keys() & parameters.keys():
         parameters[name] = [fractions(np.array([eps])) for eps in shown[name].values]
     before = dict(zip(pilot.cases, pilot.realisations, strict=True))
     realisations = {
@@ -231,8 +222,8 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
 
 
 @main.command()
-@file_argument
-@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
+@arguments.file_argument
+@click.option("-o", "--output", type=arguments.NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
 @click.option(
     "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
 )

@@ -147,20 +147,14 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], N
         nonlocal told
         told = done
         if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import (
-                BarColumn,
-                MofNCompleteColumn,
-                Progress,
-                SpinnerColumn,
-                TaskProgressColumn,
-                TextColumn,
-                TimeRemainingColumn,
-            )
+            from rich import console, progress
 
-            counts = (BarColumn(), TaskProgressColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-            columns = (TextColumn("{task.description}"), *(counts if total else (SpinnerColumn(),)))
-            bars = Progress(*columns, console=Console(stderr=True), redirect_stdout=False, transient=True)
+            kinds = ("Bar", "TaskProgress", "MofNComplete", "TimeRemaining") if total else ("Spinner",)
+            columns = [getattr(progress, f"{kind}Column")() for kind in kinds]
+            on_stderr = console.Console(stderr=True)
+            bars = progress.Progress(
+                "{task.description}", *columns, console=on_stderr, redirect_stdout=False, transient=True
+            )
             bars.update(bars.add_task(what, total=total), completed=done)
             bars.start()
             shown.append(bars)

@@ -34,6 +34,10 @@ Key = tuple[float, ...]  # parameters of a group
 Look = dict[str, Any]
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
+_NOTHING_VARIES = (
+    "results in which no discretisation is varied, and no other parameter; gfmd allows results of a campaign with "
+    "limits or a grid"
+)
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
     "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
@@ -229,13 +233,10 @@ def plot_campaign(
         if np.unique(selection.select_limit(dataset, limit)[limit]).size > 1
     ]
     if not present:
-        references = dataset["is_reference"].values  # none if it is one without limits that marks no references
-        dataset = dataset.isel(case=references) if references.any() else dataset
+        references = dataset["is_reference"].values  # a campaign without limits may mark none
+        dataset = dataset.isel(case=references | ~references.any())
         if most_varied(dataset) is None:
-            raise UnusableDataError(
-                "you gave results in which no discretisation is varied, and no other parameter; gfmd allows results "
-                "of a campaign with limits or a grid"
-            )
+            raise UnusableDataError(f"you gave {_NOTHING_VARIES}")
         label = style.of_variable(dataset, variable)
         return over_parameter(dataset, partial(selection.ensemble_mean, variable=variable), label, width)
     if fit is not None and fit.attrs["variable"] != variable:
@@ -260,8 +261,8 @@ def plot_campaign(
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if len(looks.of) > 1:
-            said = "Markers are shifted sideways, so that their error bars can be seen."
-            said = said.replace(", ", ",\n") if width == "single" else said
+            said = "Markers are shifted sideways,{}so that their error bars can be seen."
+            said = said.format("\n" if width == "single" else " ")
             figure.supxlabel(said, fontsize=style.small(), color="0.35")
         if fitted:
             handles.append(Line2D([], [], color="0.4", ls=":", label=r"limit along a panel, $1/\varepsilon\to\infty$"))

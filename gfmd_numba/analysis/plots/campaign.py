@@ -221,8 +221,7 @@ def plot_campaign(
     """Draw case means with standard errors against 1/eps, one panel per varied limit, with a fit.
 
     The fit is the output of fit_tfc; open markers are kappa from counted contact nodes. Without limits the means are
-    drawn against a parameter. ValueError for an unknown variable, a fit of another variable, or a dataset in which
-    nothing is varied.
+    drawn against a parameter. ValueError for an unknown variable, a fit of another one, or data without variation.
     """
     selection.good(dataset, variable)
     read = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
@@ -261,8 +260,8 @@ def plot_campaign(
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if len(looks.of) > 1:
-            said = "Markers are shifted sideways,{}so that their error bars can be seen."
-            said = said.format("\n" if width == "single" else " ")
+            said = "Markers are shifted sideways,\nso that their error bars can be seen."
+            said = said if width == "single" else said.replace("\n", " ")
             figure.supxlabel(said, fontsize=style.small(), color="0.35")
         if fitted:
             handles.append(Line2D([], [], color="0.4", ls=":", label=r"limit along a panel, $1/\varepsilon\to\infty$"))

@@ -30,10 +30,10 @@ from gfmd_numba.campaign.cases import (
 from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, described_coordinates, meeting
 from gfmd_numba.campaign.cost import Cost, predict
-from gfmd_numba.campaign.doubts import doubt_of_bodies, least_resolved, unresolved
 from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.validity import least_resolved, rough_body_warnings, unresolved_law_warning
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
@@ -43,11 +43,6 @@ from gfmd_numba.scene.document import Location, Source
 PROGRAM_BYTES = 200_000_000  # of each process, without any work
 _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs a task
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
-
-
-def is_resolved(cases: Sequence[Case]) -> bool:
-    """Whether the grid of every case resolves its law, or there is none."""
-    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in cases)
 
 
 def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]) -> None:
@@ -118,32 +113,19 @@ class Plan:
         return demand(self.cases)
 
     @property
-    def n_simulations(self) -> int:
-        """Number of distinct simulations."""
-        return sum(self.demand.values())
-
-    @property
-    def n_asked(self) -> int:
-        """Number of simulations that the cases ask for, shared ones counted again."""
-        return sum(case.realisations for case in self.cases)
-
-    @property
     def effects(self) -> tuple[Effect, ...]:
         """What became of the effects of all scenes, each once."""
         return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
 
     @property
     def validity(self) -> str:
-        """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
+        """Warnings about the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
         implausible = said_of(self.measured, "doubts")
         scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # that a file tells
         numbers = doubt_of_numbers(scene, self.campaign.grid, self.campaign.path)
-        return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
-
-    @property
-    def processing(self) -> str:
-        """What was done to measured surfaces."""
-        return "\n".join(said_of(self.measured, "done"))
+        return "\n".join(
+            filter(None, (numbers, *implausible, rough_body_warnings(self.cases), unresolved_law_warning(self.cases)))
+        )
 
     @property
     def file_bytes(self) -> int:

@@ -42,7 +42,12 @@ def check(file: Path) -> None:
     if {"name", "realisations", "reference", "limits", "grid"} & keys:
         kind, doubt = _check_campaign(document)
     elif _describes_jobs(keys):
-        kind, doubt = _check_cluster(document)
+        from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
+
+        cluster = load_cluster(document)
+        kind = f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers"
+        usable = importlib.util.find_spec("dask_jobqueue") is not None
+        doubt = "" if usable else f"this cluster cannot be used here: {NO_JOBQUEUE}"
     elif "surface" in keys:
         kind, doubt = _check_surface(document)
     else:
@@ -68,7 +73,7 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     from gfmd_numba.simulate.prony_fit import fit_relaxation
 
     table = read_table(file, unit, poissons_ratio)
-    for sentence in table.doubts():
+    for sentence in table.warnings():
         warn(sentence)
     found = fit_relaxation(table)
     span = f"{table.frequency[0]:g} to {table.frequency[-1]:g} Hz"
@@ -85,8 +90,8 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     click.echo(f"    {nu}\n    relaxation:")
     for modulus, decay in zip(found.series.moduli, found.series.times, strict=True):
         click.echo(f"      - {{modulus: {told(modulus * found.youngs_modulus)}, time: {decay:.6g} s}}")
-    if found.doubt:
-        warn(found.doubt)
+    if found.warning:
+        warn(found.warning)
 
 
 def _describes_jobs(keys: Set[object]) -> bool:
@@ -136,14 +141,6 @@ def _has_few_levels(campaign: Campaign) -> bool:
     return False
 
 
-def _check_cluster(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
-
-    cluster = load_cluster(document)
-    lacking = "" if importlib.util.find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
-    return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", lacking
-
-
 def _check_surface(document: Document) -> tuple[str, str]:
     from gfmd_numba.scene import Measured
     from gfmd_numba.scene.plausible_numbers import implausible
@@ -164,10 +161,10 @@ def _check_scene(document: Document) -> tuple[str, str]:
     doubts: list[str] = []
     if _needs_surfaces(file.scene):
         from gfmd_numba.contact.contact_input import read
-        from gfmd_numba.contact.doubts import of_input
+        from gfmd_numba.contact.validity import input_warnings
 
         given = read(file, document)
-        file, doubts = given.file, of_input(given)
+        file, doubts = given.file, input_warnings(given)
     check_combination(document, file.scene, file.numerics, file.path)
     kind = "a scene" if file.scene.has_punch else "a loaded body"
     told = ", ".join(filter(None, (kind, dimensions(file.scene)))) if file.scene.has_punch else kind

@@ -23,7 +23,7 @@ from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State, Tell
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.contact.two_step import RoughContact
 from gfmd_numba.solvers.status import Status
 
 
@@ -180,7 +180,7 @@ def recorded_of(problem: Problem) -> dict[str, Observable]:
 def _measure(problem: Problem, solved: Contact) -> Measures:
     """Measures `[realisation]` of one contact."""
     values = measure(solved.in_plane)
-    if not isinstance(solved, Pressed):
+    if not isinstance(solved, RoughContact):
         return values
     assert isinstance(problem.surface, SummedSurface)  # of rough bodies
     error = solved.next_order / problem.surface.rms_gradient

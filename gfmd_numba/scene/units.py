@@ -66,14 +66,15 @@ def respelt(text: str) -> str:
 class Quantity:
     """A kind of quantity: its name, units to name for it, the SI unit first, and what it is counted in without units.
 
-    That is L_x to the power `length` times E* to the power `modulus`. As an annotation of a float it lets the field
-    take text like `0.2 mm`, which becomes a number in SI units.
+    That is L_x to the power `length` times E* to the power `modulus` and a time to the power `time`. As an annotation
+    of a float it lets the field take text like `0.2 mm`, which becomes a number in SI units.
     """
 
     name: str
     units: tuple[str, ...]
     length: int = 0
     modulus: int = 0
+    time: int = 0
 
     @property
     def si(self) -> str:
@@ -90,9 +91,9 @@ class Quantity:
         """What a number with a unit of it may look like, in words."""
         return f"{self.article} in {', '.join(self.units)} or the like"
 
-    def scale(self, length: float, modulus: float) -> float:
+    def scale(self, length: float, modulus: float, time: float = 1.0) -> float:
         """What it is counted in where the period is `length` and the contact modulus `modulus`."""
-        return length**self.length * modulus**self.modulus
+        return length**self.length * modulus**self.modulus * time**self.time
 
     def si_value(self, text: str) -> float | None:
         """Value in SI units of a text like `0.2 mm`, None if it is no number with a unit; nan if it is not finite.
@@ -186,8 +187,8 @@ PRESSURE = Quantity("pressure", ("Pa", "kPa", "MPa", "GPa"), modulus=1)
 ENERGY_PER_AREA = Quantity("energy per area", ("J/m^2", "mJ/m^2"), length=1, modulus=1)
 FORCE_PER_LENGTH = Quantity("force per length", ("N/m", "kN/m", "N/mm"), length=1, modulus=1)
 FORCE = Quantity("force", ("N", "mN", "kN"), length=2, modulus=1)
-TIME = Quantity("time", ("s", "min", "h"))
-SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1)
+TIME = Quantity("time", ("s", "min", "h"), time=1)
+SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1, time=-1)
 WEAR_RATE = Quantity("wear rate", ("m^2/N", "mm^2/N", "mm^3/N/m"), modulus=-1)
 MEMORY = Quantity("memory", ("B", "MB", "GB"))
 VISCOSITY = Quantity("dynamic viscosity", ("Pa s", "mPa s", "cP"))
@@ -262,18 +263,18 @@ def rounded(value: float) -> float:
 
 
 @lru_cache(maxsize=4096)
-def in_reduced_units(record: Record, length: float, modulus: float) -> Record:
-    """Record whose lengths, stresses and so on are in units of a period and of a contact modulus, to 12 digits."""
-    values = {name: (getattr(record, name), quantity) for name, quantity in quantities(type(record)).items()}
-    return record.model_copy(
-        update={
-            name: tuple(rounded(each / quantity.scale(length, modulus)) for each in value)
-            if isinstance(value, tuple)
-            else rounded(value / quantity.scale(length, modulus))
-            for name, (value, quantity) in values.items()
-            if value is not None
-        }
-    )
+def in_reduced_units(record: Record, length: float, modulus: float, time: float = 1.0) -> Record:
+    """Record, and those inside it, with all quantities in units of a length, a stress and a time, to 12 digits."""
+    of_fields = quantities(type(record))
+
+    def reduced(value: Any, quantity: Quantity | None) -> Any:
+        if isinstance(value, BaseModel):
+            return in_reduced_units(value, length, modulus, time)
+        if isinstance(value, tuple):
+            return tuple(reduced(each, quantity) for each in value)
+        return value if value is None or quantity is None else rounded(value / quantity.scale(length, modulus, time))
+
+    return record.model_copy(update={name: reduced(value, of_fields.get(name)) for name, value in record})
 
 
 @lru_cache

@@ -4,11 +4,11 @@ import xarray as xr
 
 from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
-from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput, read, read_contact
+from gfmd_numba.contact.boundary_values import solve_boundary_values
+from gfmd_numba.contact.contact_dataset import boundary_dataset, path_dataset
+from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput, read, read_contact
 from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.loaded_body import solve_loaded_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import Document, SceneFile
@@ -25,8 +25,8 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
         problem, effects = given.reduced
         with shared_by(file.numerics.threads):
             return path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
-    assert isinstance(given, LoadedBodyInput)  # the other of the two
-    return loaded_body_dataset(given, solve_loaded_body(given))
+    assert isinstance(given, BoundaryInput)  # the other of the two
+    return boundary_dataset(given, solve_boundary_values(given))
 
 
 def solve_in_processes(file: SceneFile, document: Document, communicator: Communicator) -> xr.Dataset | None:

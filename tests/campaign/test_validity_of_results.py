@@ -6,8 +6,8 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign.doubts import of_results
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.validity import result_warnings
 
 SCENE = {
     "length": 1e-3,
@@ -50,7 +50,7 @@ def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
     planned, dataset = plan(given), gfmd_numba.run(given)
     assert dataset.attrs["validity"] == ""
     coarse = dataset.assign(time_error=xr.full_like(dataset["time_error"], 0.1))
-    (said,) = of_results(planned.cases, planned.campaign.numerics, coarse)
+    (said,) = result_warnings(planned.cases, planned.campaign.numerics, coarse)
     assert said.startswith("the divisions of steps leave an error of 0.1")
 
 

@@ -1,4 +1,4 @@
-"""Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
+"""Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,7 +15,6 @@ from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.plausibility import is_design
@@ -44,14 +43,14 @@ FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
-THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
 Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are those of the nodes
 
 
-def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the reasons to doubt the steps of a path, one sentence a line; those of some steps begin with these."""
+def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
+    """Return the warnings about the steps of a path, one sentence a line; those of some steps begin with these."""
     bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
     own = (
         _coarse_times,
@@ -67,12 +66,12 @@ def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
         _closer_than_known,
     )
     each: list[Callable[[xr.Dataset], str]] = [
-        lambda steps: "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, steps),
+        lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
         *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
         lambda steps: _short_stretches(problem, _arrays(steps)),
     ]
     told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
-    return "\n".join([*of_input(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
+    return "\n".join([*input_warnings(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
 
 
 def _arrays(dataset: xr.Dataset) -> Found:
@@ -94,10 +93,10 @@ def wording(line: str) -> str:
     return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
 
 
-def steps_told(doubtful: Sequence[bool], last: int) -> str:
-    """Name the steps of a path that are doubtful, of those up to the last one; nothing where all or none are."""
-    steps = [i for i, is_doubtful in enumerate(doubtful) if is_doubtful]
-    if len(steps) in (0, len(doubtful)):
+def steps_told(affected: Sequence[bool], last: int) -> str:
+    """Name the steps of a path that have something, of those up to the last one; nothing where all or none are."""
+    steps = [i for i, has_it in enumerate(affected) if has_it]
+    if len(steps) in (0, len(affected)):
         return ""
     ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
     if len(ends[0]) > MOST_RANGES:
@@ -121,12 +120,12 @@ def _smallest(values: NDArray[Any]) -> float:
     return -_largest(-values)
 
 
-def of_input(given: Input) -> list[str]:
-    """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
+def input_warnings(given: Input) -> list[str]:
+    """Warnings about a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
     if not isinstance(given, ContactInput):
         return found
-    coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
+    coarse = law_resolution.warning(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
@@ -323,10 +322,10 @@ def _outside_branches(given: ContactInput, found: Found) -> str:
 
     Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
     """
-    scene, series = given.file.scene, relaxation(given.file.scene)
+    scene, series = given.file.scene, given.scales.relaxation
     if series is None:
         return ""
-    shortest, longest = (longest_time(scene) * end for end in (min(series.times), series.longest_retardation))
+    shortest, longest = (given.scales.time * end for end in (min(series.times), series.longest_retardation))
     times, dwells, speeds = _times_and_speeds(given)
     told = []
     if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
@@ -520,7 +519,7 @@ def _overlap(given: ContactInput, found: Found) -> str:
     )
 
 
-def doubt_of_bodies(
+def rough_body_warnings(
     bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
 ) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
@@ -528,7 +527,7 @@ def doubt_of_bodies(
     `displacement` names the normal one in the dataset that was found.
     """
     return "\n".join(
-        filter(None, (_of_steep_bodies(bodies, found, displacement), too_thin(bodies) if order == 0 else ""))
+        filter(None, (_of_steep_bodies(bodies, found, displacement), thin_film_warning(bodies) if order == 0 else ""))
     )
 
 
@@ -552,7 +551,7 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     )
 
 
-def too_thin(bodies: Sequence[RoughBody]) -> str:
+def thin_film_warning(bodies: Sequence[RoughBody]) -> str:
     """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
     body = max(bodies, key=change_of_thickness, default=None)
     change = 0.0 if body is None else change_of_thickness(body)

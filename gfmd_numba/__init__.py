@@ -275,9 +275,7 @@ def run(
         results = open_campaign(outcome.results)
         if not outcome.reached:
             warnings.warn(f"{results.attrs['until']} is {outcome.rounds.ended}", stacklevel=2)
-    if results.attrs.get("validity"):
-        warnings.warn(results.attrs["validity"], stacklevel=2)
-    return results
+    return _warned(results)
 
 
 def rounds(
@@ -590,12 +588,16 @@ def _warned(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _failures(dataset: xr.Dataset) -> Iterator[str]:
-    """How runs failed, behind the steps or loads of a path at which they did."""
+    """How runs failed, behind the steps or loads of a path at which they did, or their number in a campaign."""
     status = dataset.get("status")
     for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
         ended = dataset["status"] == i
-        where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
-        if i and ended.any():
+        if i == 0 or not ended.any() or ending.startswith("not_asked"):
+            continue
+        if ended.ndim > 1:
+            yield f"in {int(ended.sum())} of {ended.size} simulations: {ending}"
+        else:
+            where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
             yield f"at {ended.dims[0]} {where}: {ending}" if where else ending
 
 

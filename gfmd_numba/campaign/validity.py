@@ -1,6 +1,6 @@
 """Warnings about a campaign, one sentence each: its bodies and grids before it runs, and then what it has recorded."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 
 import numpy as np
@@ -63,9 +63,10 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
     references = np.flatnonzero(dataset["is_reference"].values).tolist()
     found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
     if "time_error" in found:
-        yield from filter(None, [validity.coarse_times(numerics, _arrays(found, "time_error"))])
+        yield from _by_case(found, lambda each: [validity.coarse_times(numerics, each)])
     if "increment_error" in found:
-        yield from validity.coarse_increments(_arrays(found, "increment_error", "largest_plastic_strain"))
+        yield from _by_case(found, validity.coarse_flow)
+    yield from _by_case(found, lambda each: [validity.at_the_edge(each), validity.past_asperities(each)])
     scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
         moduli = np.array([scales_of(cases[case].scene).modulus for case in references])
@@ -75,8 +76,21 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
         yield from _narrow(found)
 
 
-def _arrays(cases: xr.Dataset, *names: str) -> dict[str, Reals]:
-    return {name: cases[name].values for name in names}
+def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
+    """Yield the sentences about all cases, with how many have each and at which steps."""
+    said = list(filter(None, reasons(_arrays(cases))))
+    dims = [dim for dim in ("case", "step") if dim in cases.dims]
+    each = np.ndindex(*(cases.sizes[dim] for dim in dims)) if said else ()
+    found = {place: reasons(_arrays(cases.isel(dict(zip(dims, place, strict=True))))) for place in each}
+    for sentence in said:
+        affected = xr.DataArray(np.zeros([cases.sizes[dim] for dim in dims], dtype=np.bool_), dims=dims)
+        for place, lines in found.items():
+            affected[place] = validity.wording(sentence) in map(validity.wording, lines)
+        yield f"in {_of_cases(affected)}: {sentence}"
+
+
+def _arrays(cases: xr.Dataset) -> dict[str, Reals]:
+    return {str(name): values.values for name, values in cases.data_vars.items()}
 
 
 def _large_strains(cases: xr.Dataset, moduli: Reals | None) -> Iterator[str]:

@@ -59,8 +59,6 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
         _outside_branches,
         _few_nodes if few else _narrow,
         _few_contacts,
-        _at_the_edge,
-        _past_asperities,
         _weak_interface,
         _overlap,
         _closer_than_known,
@@ -68,6 +66,8 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     each: list[Callable[[xr.Dataset], str]] = [
         lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
         *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
+        lambda steps: at_the_edge(_arrays(steps)),
+        lambda steps: past_asperities(_arrays(steps)),
         lambda steps: _short_stretches(problem, _arrays(steps)),
     ]
     told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
@@ -210,26 +210,26 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
-    deep, told = int(flows.sum(0).max()), []
-    if flows[-1].any():
-        told.append(
-            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
-        )
+    deep, told = int(flows.sum(0).max()), coarse_flow(found)
     if 0 < deep < FEWEST_SUBLAYERS:
         told.append(
             f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
-    return "\n".join([*told, *coarse_increments(found)])
+    return "\n".join(told)
 
 
-def coarse_increments(found: Found) -> list[str]:
-    """Return warnings about plastic flow that the increments do not resolve, or that is large."""
+def coarse_flow(found: Found) -> list[str]:
+    """Return warnings about plastic flow that leaves its layer, that increments do not resolve, or that is large."""
     told, strain, error = [], _largest(found["largest_plastic_strain"]), _largest(found["increment_error"])
     if strain > 0.0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
         told.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
+        )
+    if _largest(found["plastic_strain_at_base"]) > 0.0:
+        told.append(
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
         )
     if strain > LARGEST_STRAIN:
         told.append(
@@ -417,13 +417,9 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
     return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
 
 
-def _at_the_edge(given: ContactInput, found: Found) -> str:
+def at_the_edge(found: Found) -> str:
     """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
-    touching = found["gap"] <= 0.0
-    outermost = (
-        touching.take((0, -1), axis) for axis, end in zip(_nodes(given), given.file.scene.ends, strict=True) if end
-    )
-    if not any(each.any() for each in outermost):
+    if "edge_contact" not in found or not _largest(found["edge_contact"]) > 0.0:
         return ""
     return (
         "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface goes "
@@ -457,27 +453,14 @@ def _distance_of_peaks(given: ContactInput, found: Found) -> float:
     return 2.0 * pi * wide / profile_gradient
 
 
-def _past_asperities(given: ContactInput, found: Found) -> str:
+def past_asperities(found: Found) -> str:
     """Return a warning about sliding so far that asperities would meet others, nothing for less."""
-    if not {"sliding", "tangential_displacement", "nayak"} <= found.keys():
+    if "slid_over_peaks" not in found or not (slid := _largest(found["slid_over_peaks"])) > FARTHEST:
         return ""
-    nodes = _nodes(given)
-    ways = [
-        np.expand_dims(found[f"sliding{end}"], nodes) - found[f"tangential_displacement{end}"]
-        for end in ("", "_y")[: len(nodes)]
-    ]
-    touching = found["gap"] <= 0.0
-    counts = touching | ~touching.any(nodes, keepdims=True)
-    slid = _largest(np.where(counts, np.linalg.norm(ways, axis=0), nan))
-    distance = _distance_of_peaks(given, found)
-    if not slid > FARTHEST * distance:
-        return ""
-    unit = "m" if given.file.scene.length else "L_x"
-    way, peaks = (with_prefix(value, unit, 3) for value in (slid, distance))
     return (
-        f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
-        f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
-        "real surfaces meet at other places"
+        f"the punch has slid past the body, {slid:.2g} times the mean distance of the peaks. Each node still faces the "
+        f"same node of the punch: beyond {FARTHEST:g} times that distance, asperities of real surfaces meet at other "
+        "places"
     )
 
 

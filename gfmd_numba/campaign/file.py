@@ -261,7 +261,12 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if campaign.n_cases > MOST_CASES:
         raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
-    anisotropies = list(_anisotropies(campaign))
+    own = getattr(campaign.scene.roughness, "anisotropy", None)
+    anisotropies: list[tuple[float, Location]] = (
+        [(own, ("scene", "roughness", "anisotropy"))] if own is not None else []
+    )
+    if given := values_of(campaign.grid, "anisotropy"):
+        anisotropies = [(value, ("grid", "anisotropy", i)) for i, value in enumerate(given)]
     arrays = checks.arrays_of(campaign.scene, campaign.numerics.slope_order(campaign.scene))
     checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
@@ -371,15 +376,6 @@ def _check_files(document: Document, campaign: Campaign) -> None:
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
     return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
-
-
-def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
-    """Yield each anisotropy of a campaign, and where it stands in the file."""
-    own = getattr(campaign.scene.roughness, "anisotropy", None)
-    if given := values_of(campaign.grid, "anisotropy"):
-        yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
-    elif own is not None:
-        yield own, ("scene", "roughness", "anisotropy")
 
 
 def written(record: BaseModel) -> str:

@@ -237,22 +237,21 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
             "level for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
+        cases, fit = known.results.isel(case=group.where), known.fit
+        hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
+        usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
+        free = [name for name in LIMITS if name in cases["limit"].values and name not in fit.fixed]
+        ranges = "narrower ranges under `fit: {fixed: ...}`"
+        if free:
+            unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in free)
+            ranges = (
+                f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
+            )
         return UnknownExponentsError(
             f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
-            f"{_narrower(known.results.isel(case=group.where), known.fit)}"
+            f"{ranges}"
         )
     return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
-
-
-def _narrower(cases: xr.Dataset, fit: Fit) -> str:
-    """Return which ranges of exponents to give, in full if some have none."""
-    limits = [name for name in LIMITS if name in cases["limit"].values]
-    hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
-    usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
-    if fit.fixed.keys() >= set(limits):
-        return "narrower ranges under `fit: {fixed: ...}`"
-    unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
-    return f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
 
 
 REACHED = "reached"

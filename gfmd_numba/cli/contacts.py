@@ -72,7 +72,13 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
+        meaning = last["status"].attrs["flag_meanings"].split()[int(last["status"])]
+        ending = f"{meaning} after {int(last['n_iterations'])} iterations"
+        if meaning in ("steps_used_up", "stagnated"):
+            ending += f" at a residual of {float(last['residual']):.1e}"
+        elif meaning == "unstable":
+            ending += f" with wave {int(last['growing_wave'])} growing"
+        warn(f"the run ended as {ending}{where}: do not use its numbers")
         _explain(steps)
         sys.exit(SOME_FAILED)
 
@@ -102,15 +108,6 @@ def _with_threads(described: SceneFile, document: Document, threads: int | None)
     numerics = {**(document.data.get("numerics") or {}), "threads": threads}
     asked = described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
     return asked, replace(document, data=document.data | {"numerics": numerics})
-
-
-def _ending(step: xr.Dataset) -> str:
-    """Return how a run that is not ok ended, when, and by which wave."""
-    meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
-    ending = f"{meaning} after {int(step['n_iterations'])} iterations"
-    if meaning in ("steps_used_up", "stagnated"):
-        return f"{ending} at a residual of {float(step['residual']):.1e}"
-    return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 
 
 @main.command()

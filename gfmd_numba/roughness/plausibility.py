@@ -173,7 +173,15 @@ def repeated(heights: Reals) -> list[Repeated]:
     for i in np.flatnonzero(counts >= least):
         nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
         if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
-            found.append(_described(heights, values, int(i)))
+            at, others = heights == values[i], np.delete(values, i)
+            gap = max(others[0] - values[i], values[i] - others[-1])
+            runs = int(at[..., 0].sum() + (np.diff(at.astype(np.int8), axis=-1) == 1).sum())
+            cause: Cause = "stuck"
+            if gap > _BEYOND * (others[-1] - others[0]) or (gap <= 0.0 and at.sum() < _RUN * runs):
+                cause = "mark"
+            elif gap > 0.0:
+                cause = "top" if i else "bottom"
+            found.append(Repeated(float(values[i]), runs, cause, at))
     return sorted(found, key=lambda each: -each.at.sum())
 
 
@@ -323,18 +331,3 @@ def _lasting(line: Reals, i: int) -> float:
     step = float(np.median(after) - np.median(before))
     sharp = float(abs(np.diff(line[max(i - 1, 0) : i + 4])).max())
     return step if sharp > 0.5 * abs(step) and abs(step) > 0.5 * abs(line[i + 1] - line[i]) else 0.0
-
-
-def _described(heights: Reals, values: Reals, i: int) -> Repeated:
-    at = heights == values[i]
-    others = np.delete(values, i)
-    gap = max(others[0] - values[i], values[i] - others[-1])
-    runs = int(at[..., 0].sum() + (np.diff(at.astype(np.int8), axis=-1) == 1).sum())
-    cause: Cause = "stuck"
-    if gap > _BEYOND * (others[-1] - others[0]):
-        cause = "mark"
-    elif gap > 0.0:
-        cause = "top" if i else "bottom"
-    elif at.sum() < _RUN * runs:
-        cause = "mark"
-    return Repeated(float(values[i]), runs, cause, at)

@@ -219,21 +219,17 @@ def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
     return float(scale**d * np.exp(scipy.special.gammaln(h + d / 2.0) - scipy.special.gammaln(h)) / np.pi ** (d / 2.0))
 
 
-def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
-    """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
-    h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
-    centre = 1.0 + a * (q**2 + mound**2)
-    # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
-    ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
-    b_squared = (2.0 * a * q * mound / centre) ** 2
-    series = scipy.special.hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
-    return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
-
-
 def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     """Mean of a model over the ring of all places so far from the origin."""
     if isinstance(model, KCorrelationSpectrum):
-        return _k_correlation_ring(model, q, mound)
+        # the hypergeometric series (3.20, 3.21), transformed to one that converges for every q
+        h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
+        centre = 1.0 + a * (q**2 + mound**2)
+        # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
+        ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
+        b_squared = (2.0 * a * q * mound / centre) ** 2
+        series = scipy.special.hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
+        return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
     t = np.arange(-60, 61) / 16.0
     part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))

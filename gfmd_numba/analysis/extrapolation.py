@@ -23,7 +23,7 @@ from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import Rival
-from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, steps_of
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error
 
@@ -73,10 +73,6 @@ def fit_tfc(
     families = [members] if exponents == "shared" else [[member] for member in members]
     with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
         fits = [fit | ranges for family in families for fit in _fit_family(family, variable, given)]
-    spent = {}
-    if "case_seconds" in dataset:  # of each problem once
-        _, first = np.unique(dataset["case_id"].values, return_index=True)
-        spent = {"cpu_seconds": float(dataset["case_seconds"].values[first].sum())}
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in given.items()]
     return fit_dataset(dataset, variable, members, fits).assign_attrs(
         variable=variable,
@@ -84,7 +80,7 @@ def fit_tfc(
         model=MODEL.format(variable=variable),
         fixed=", ".join(shown) or "none",
         omit_nyquist=str(omit_nyquist),
-        **spent,
+        **processor_time(dataset),
     )
 
 

@@ -49,6 +49,14 @@ def residual_error(cases: xr.Dataset, variable: str) -> Reals:
     return np.asarray((share * cases[variable]).mean("realisation").values)
 
 
+def processor_time(dataset: xr.Dataset) -> dict[str, float]:
+    """Return the attribute cpu_seconds: what all cases took, in s, each problem once; none if the dataset has none."""
+    if "case_seconds" not in dataset:
+        return {}
+    _, first = np.unique(dataset["case_id"].values, return_index=True)
+    return {"cpu_seconds": float(dataset["case_seconds"].values[first].sum())}
+
+
 def dimension_of(cases: xr.Dataset) -> int:
     """Return 1 for profiles, as those of files that do not tell, and 2 for maps."""
     return int(cases["dimension"].values[0]) if "dimension" in cases else 1

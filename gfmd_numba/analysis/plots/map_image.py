@@ -13,7 +13,7 @@ from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatte
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.style import COLOURS, Width, last_step, scaled, sheet, usual
+from gfmd_numba.analysis.plots.style import COLOURS, Width, fill, last_step, scaled, sheet, usual
 from gfmd_numba.arrays import Reals
 
 _AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
@@ -128,7 +128,5 @@ def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width |
             enlarge_peak(axis, shown)
         else:
             x, x_label = scaled(last["x"], "Position $x$", "L_x")
-            axis.fill_between(x, current, color=COLOURS[1], alpha=0.35, lw=0)
-            axis.plot(x, current, color=COLOURS[1], lw=0.9)
-            axis.set(xlabel=x_label, ylabel=label, xlim=(x[0], x[-1]), ylim=(0.0, None))
+            fill(axis, x, current, xlabel=x_label, ylabel=label)
     return figure

@@ -270,6 +270,13 @@ def usual(values: Reals) -> tuple[float, float]:
     return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))
 
 
+def fill(axis: Axes, x: Reals, values: Reals, **named: Any) -> None:
+    """Draw values over x, with the area below them, on axes that begin at 0 or below; `named` are settings of these."""
+    axis.fill_between(x, values, color=COLOURS[1], alpha=0.35, lw=0)
+    axis.plot(x, values, color=COLOURS[1], lw=0.9)
+    axis.set(xlim=(x[0], x[-1]), ylim=(min(0.0, values.min()), None), **named)
+
+
 def edges(centres: Reals) -> Reals:
     """Return the edges of bins of one width around their centres."""
     half = 0.5 * (centres[1] - centres[0])

@@ -235,7 +235,7 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     for name, target in targets.items():
         found = before.told_of(name)["error"]
         error = "unknown" if found is None else f"{found:.2%}"
-        aims.append((f"{name} " if len(targets) > 1 else "", error, f"{target:.2%}"))
+        aims.append(f"{f'{name} ' if len(targets) > 1 else ''}error {error}, target {target:.2%}")
     of_which = f" of {now.variable}" if len(targets) > 1 else ""
     expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%}{of_which} expected"
     cost = [
@@ -248,9 +248,8 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     ]
     takes = f"; about {', '.join(cost)}" if cost else ""
     if left:
-        aim = ", ".join(f"{name}error {error}, target {target}" for name, error, target in aims)
-        say("round", f"{number}: {aim}; {left} simulations more{expected}{takes}", err=True)
-    return f"round {number}, {', '.join(f'{name}{error} of {target}' for name, error, target in aims)}"
+        say("round", f"{number}: {', '.join(aims)}; {left} simulations more{expected}{takes}", err=True)
+    return f"round {number}, {', '.join(aims)}"
 
 
 _directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))

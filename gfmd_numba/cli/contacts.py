@@ -19,7 +19,7 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, prescribed, unit, unit_of
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
 from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
@@ -276,13 +276,9 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
-    view = named(dataset)
-    load = over(dataset)
+    (prescribed, view), load = named(dataset), over(dataset)
     names = [str(name) for name in (load, *dataset.data_vars)]
-    units = {
-        name: unit(view, prescribed(dataset) if name == load else name.removesuffix("_standard_error"))
-        for name in names
-    }
+    units = {name: unit(view, name.removesuffix("_standard_error")) for name in names} | {load: unit(view, prescribed)}
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
 
 

@@ -540,8 +540,8 @@ def of_curve(dataset: xr.Dataset) -> Told:
     """Yield the curve, one line a load, time or speed."""
     from gfmd_numba.simulate.curve import SHOWN
 
-    load = prescribed(dataset)
-    view, nothing = _with_meaning(named(dataset))
+    load, view = named(dataset)
+    view, nothing = _with_meaning(view)
     same = nothing | ({load, "mean_pressure"} if load == "prescribed_pressure" else {load})
     shown = [name for name in ("force", "line_load", *SHOWN) if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
@@ -554,17 +554,13 @@ def of_curve(dataset: xr.Dataset) -> Told:
     yield Table(dataset.attrs["title"], {heading: loads}, values)
 
 
-def prescribed(dataset: xr.Dataset) -> str:
-    """Return the name of the variable that the loading of a curve prescribes."""
+def named(dataset: xr.Dataset) -> tuple[str, xr.Dataset]:
+    """Return the name of what the loading of a curve prescribes, and the dataset in which the load has it."""
     from gfmd_numba.contact.observables import PRESCRIBED
 
     given = str(dataset.attrs["prescribed"])
-    return PRESCRIBED.get(given, given)
-
-
-def named(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the dataset of a curve whose load has the name of what is prescribed."""
-    return dataset.assign({prescribed(dataset): dataset[over(dataset)]})
+    name = PRESCRIBED.get(given, given)
+    return name, dataset.assign({name: dataset[over(dataset)]})
 
 
 def over(dataset: xr.Dataset) -> str:

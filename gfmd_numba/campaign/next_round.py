@@ -359,13 +359,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     another = _with_another(state, furthest, aim, min(of_laws, target))
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
     finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
-    if finer is None:
-        return another
-    if another.ended or another.now.target_price is None:  # surfaces do not do alone
-        return finer
-    # surfaces reach the target for the expected price, but finer levels, which tell more, may not do so in one round
-    dear = (finer.now.price or 0.0) - price > _SHARE_OF_PRICE * (another.now.target_price - price)
-    return another if finer.ended or dear else finer
+    return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
 def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
@@ -384,6 +378,17 @@ def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequenc
         f"no law of the limits describes the means{missed}, although the levels became finer {_FUTILE} times; gfmd "
         "allows levels and ranges of exponents of your own"
     )
+
+
+def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
+    """Return whether more surfaces are a better next round than finer levels, which tell more about the laws.
+
+    Surfaces reach the target for the expected price, but finer levels may not reach it in one round.
+    """
+    if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
+        return False
+    dear = (levels.now.price or 0.0) - spent > _SHARE_OF_PRICE * (surfaces.now.target_price - spent)
+    return bool(levels.ended) or dear
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,11 @@ _OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Pyth
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
-@arguments.until_option
+@arguments.targets_option(
+    "--until",
+    "Run until the limit has this error; may be given for several variables. gfmd chooses the numbers of "
+    "realisations; those in FILE are not used",
+)
 @arguments.budget_option
 def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.

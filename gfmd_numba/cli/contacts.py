@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -162,6 +162,10 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     return [f"{value!r} {si}" if si else value for value in values]
 
 
+def _values_option(name: str, what: str) -> Callable[[Any], Any]:
+    return click.option(name, callback=_values_given, metavar="A:B:N", help=what)
+
+
 def _with_si_unit(text: str) -> tuple[float | None, str]:
     """Return a number and its SI unit, empty without one; None for a text that is no number."""
     from pydantic_core import PydanticCustomError
@@ -180,23 +184,13 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
 
 @main.command()
 @arguments.file_argument
-@click.option(
-    "--loads",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
-)
-@click.option(
+@_values_option("--loads", "N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c")
+@_values_option(
     "--times",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
+    "In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
-@click.option(
-    "--speeds",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
+@_values_option(
+    "--speeds", "In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body"
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
 @arguments.threads_option

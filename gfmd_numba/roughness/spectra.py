@@ -261,23 +261,17 @@ def stretched_exponential(q: Reals, hurst: float, dimension: int) -> Reals:
     near_q = q[~far]
     found = np.empty_like(q)
     found[far] = _far(q[far], 2.0 * hurst, dimension)
-    found[~far] = _tabulated(near_q, 2.0 * hurst, dimension)
-    return found
-
-
-def _tabulated(q: Reals, alpha: float, dimension: int) -> Reals:
-    positive = q[q > 0.0]
-    if positive.size:
-        low, high = positive.min(), positive.max()
-        count = 4 + int(_TABLE * np.log10(high / low))
-    if positive.size == 0 or positive.size <= count:
-        return _near(q, alpha, dimension)
+    positive = near_q[near_q > 0.0]
+    low, high = positive.min(initial=np.inf), positive.max(initial=0.0)
+    if positive.size <= (count := 4 + int(_TABLE * np.log10(high / low)) if positive.size else 0):
+        found[~far] = _near(near_q, 2.0 * hurst, dimension)
+        return found
     from scipy.interpolate import CubicSpline  # it takes longer to import than most contacts to solve
 
     table = np.geomspace(low, high, count)
-    spline = CubicSpline(np.log(table), np.log(_near(table, alpha, dimension)))
-    found = np.full_like(q, _near(np.zeros(1), alpha, dimension)[0])
-    found[q > 0.0] = np.exp(spline(np.log(positive)))
+    spline = CubicSpline(np.log(table), np.log(_near(table, 2.0 * hurst, dimension)))
+    found[q == 0.0] = _near(np.zeros(1), 2.0 * hurst, dimension)[0]
+    found[~far & (q > 0.0)] = np.exp(spline(np.log(positive)))
     return found
 
 

@@ -43,7 +43,7 @@ MUTANTS = [
     ),
     (
         "exponent_posterior.py",
-        "start=-2.0 * _log_density(parameters, nodes)",
+        "start=-2.0 * log_density",
         "start=np.zeros(len(nodes))",
         "test_posterior.py::test_two_laws_count_by_how_well_each_fits_over_its_ranges",
     ),

@@ -79,7 +79,8 @@ def goal_of(until: object, budget: object = None) -> Goal:
     if budget is None:
         return Goal(targets=targets)
     try:
-        seconds = nan if isinstance(budget, bool) else float(cast(Any, TIME.read(plain_scalar(budget) if isinstance(budget, str) else budget)))
+        given = plain_scalar(budget) if isinstance(budget, str) else budget
+        seconds = nan if isinstance(given, bool) else float(cast(Any, TIME.read(given)))
     except (TypeError, ValueError, PydanticCustomError):
         seconds = nan
     if not 0.0 < seconds < inf:

@@ -13,7 +13,7 @@ from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.boundary_values import BoundarySolution
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
-from gfmd_numba.contact.load_path import PathRecord, recorded_of
+from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -58,8 +58,6 @@ INDICES = {
 
 
 Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
-_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
-_TOGETHER = "normal displacements of both bodies together, positive towards each other"
 _TOLD = {
     "residual": "largest unbalanced traction over the largest traction",
     "n_transforms": "fast Fourier transforms of the surface",
@@ -235,14 +233,13 @@ def path_dataset(
     if file.scene.interface.reaches_across:
         resolution = law_resolution.resolution(problem)
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
+    warned = path_warnings(given, problem, dataset)
     dataset.attrs |= {
         "scene": file.model_dump_json(),
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(
-            filter(None, (*implausible(file.scene, file.path), path_warnings(given, problem, dataset)))
-        ),
+        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), warned))),
     }
     return dataset
 
@@ -267,15 +264,16 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    step = contact_dataset(given, problem, solved.in_plane)
-    if isinstance(solved, RoughContact) and given.surfaces.bodies is not None:
-        _add_bodies(step, given, given.surfaces.bodies, problem, solved)
-    elif given.surfaces.bodies is not None:  # of rough bodies that creep, at order 0
-        for variable in step.values():
-            variable.attrs["long_name"] = variable.attrs["long_name"].replace(OF_PUNCH, OF_SUM)
-        step["height"].attrs["long_name"] = _SUMMED
-        if len(given.surfaces.bodies) > 1:
-            step["displacement"].attrs["long_name"] = _TOGETHER
+    step, bodies = contact_dataset(given, problem, solved.in_plane), given.surfaces.bodies
+    if bodies is not None:
+        for name in OBSERVABLES.keys() & step.keys():
+            step[name].attrs["long_name"] = OBSERVABLES[name].long_name.replace(OF_PUNCH, OF_SUM)
+        step["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+        if isinstance(solved, RoughContact):
+            _add_bodies(step, given, bodies, problem, solved)
+        elif len(bodies) > 1:  # that creep, at order 0
+            together = "normal displacements of both bodies together, positive towards each other"
+            step["displacement"].attrs["long_name"] = together
     return step
 
 
@@ -288,8 +286,8 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
-    rows = recorded_of(problem)  # measured before fields are copied, as both take memory
-    measures = {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
+    # measured before fields are copied, as both take memory
+    measures = {name: unit.measure(name, OBSERVABLES[name], values[0]) for name, values in measure(contact).items()}
     variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
     if problem.plasticity is not None:
         variables |= _inside(contact, unit, dims)
@@ -360,7 +358,6 @@ def _add_bodies(
     found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, solved: RoughContact
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
-    found["height"].attrs["long_name"] = _SUMMED
     dims, pairing = found["height"].dims, solved.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient

@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from math import prod
 
 from threadpoolctl import threadpool_limits
@@ -61,12 +61,14 @@ def cores() -> int:
 def shared_by(threads: int) -> Iterator[None]:
     """Let so many threads, or as many as there are cores, share the work of this process meanwhile.
 
-    Linear algebra gets one thread: its matrices are small, and on a busy machine threads would wait for one another.
+    Linear algebra gets one thread: its matrices are small, and on a busy machine threads would wait for one another. To
+    find its libraries takes as long as a small contact, so that only the outermost call does it.
     """
+    is_outermost = team() is _ALONE
     made = Team(min(threads, cores()))
     _present.append(made)
     try:
-        with threadpool_limits(limits=1):
+        with threadpool_limits(limits=1) if is_outermost else nullcontext():
             yield
     finally:
         _present.remove(made)

@@ -22,6 +22,7 @@ from uuid import uuid4
 
 import numpy as np
 
+from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.campaign import cluster, shards
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import Cluster
@@ -49,6 +50,7 @@ _NO_SCHEDULER = "the dask scheduler is lost"
 _MOST_FILES = 1000  # about, in which the blocks of a run are finished: so many small ones share a file
 
 
+@shared_by(1)
 def perform(task: Task, directory: Path, timeout: float | None, together: int = 1) -> Failures:
     """Solve blocks in this process, store their measures, so many blocks `together`, and return what failed.
 
@@ -65,6 +67,7 @@ def perform(task: Task, directory: Path, timeout: float | None, together: int = 
     return failures
 
 
+@shared_by(1)
 def compute(task: Task, run: str, expected: Mapping[str, str], timeout: float | None) -> tuple[Measured, Failures]:
     """Solve blocks on a worker and return their measures and what failed, without the output directory.
 

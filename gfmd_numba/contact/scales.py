@@ -89,10 +89,10 @@ def scales_of(scene: Scene) -> Scales:
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
     time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
+    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
     moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
     modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
     shares = tuple(rounded(modulus / each) for each in moduli_of)
-    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
     branches = [body.relaxation or () for body in own]
     series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
     if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
@@ -138,20 +138,16 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
     """
-    loading, scales = scene.loading, scales_of(scene)
+    loading, scales, acting = scene.loading, scales_of(scene), scene.interface
+    bounds = (whole_body_yields(scene.body), _YIELDS), (plastic_pressure(acting), at_most(acting))
     if loading.displacement is not None:
         return reduced_length(loading.displacement, scene, rms_gradient)
-    one, whole, plastic = (
-        rms_gradient * scales.modulus,
-        whole_body_yields(scene.body),
-        plastic_pressure(scene.interface),
-    )
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scales.length, scales.modulus) * rms_gradient
     found, one = load / unit, rms_gradient * scales.modulus
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
-    for most, told in ((whole, _YIELDS), (plastic, at_most(scene.interface))):
+    for most, told in bounds:
         if most is not None and found >= most / one:
             raise ValueError(f"below {in_unit_of(load, most / one * unit)}, at which {told}")
     return rounded(found)

@@ -27,7 +27,9 @@ def begin(problem: Problem, realisations: range) -> State:
     surface, processes = problem.surface, processes_of(problem)
     if isinstance(surface, SummedSurface):
         heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
-        return State.untouched(heights, processes, surface.form, problem.passing, _moved(problem, surface))
+        return State.untouched(
+            heights, processes, form=surface.form, passing=problem.passing, moved=_moved(problem, surface)
+        )
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     return State.untouched(heights, processes, passing=problem.passing)
 
@@ -64,12 +66,11 @@ def solve(problem: Problem, state: State | range) -> Contact:
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
-    approach = None
+    approach, response = None, change.felt(response_of(problem))
     if not any(problem.ends):
-        response = change.felt(_response(problem))
         equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
     else:
-        equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
+        equilibrium, sunk = _without_period(problem, state, response, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
@@ -86,18 +87,22 @@ def solve(problem: Problem, state: State | range) -> Contact:
 
 
 def _without_period(
-    problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
+    problem: Problem,
+    state: State,
+    response: SpectralResponse,
+    punch: Reals,
+    load: float | None,
+    start: Start | None,
+    slid: Reals,
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, change = punch.shape[1:], state.change(problem.step)
-    laws = problem.interface.lasting(problem.duration)
-    response = change.felt(free_response(problem))
+    laws, factor = problem.interface.lasting(problem.duration), state.change(problem.step).factor
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
     shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        around = free_window.around(punch, load, laws, change.factor, farther)
+        around = free_window.around(punch, load, laws, factor, farther)
         found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)
         touching = found.touching_around
         assert touching is not None  # of a corner it is known
@@ -105,7 +110,7 @@ def _without_period(
             break
     found.status[touching & (found.status == Status.ok)] = Status.no_equilibrium
     if load is None:
-        return found, np.zeros((len(punch), *(1 for _ in shape)))
+        return found, np.zeros((len(punch), *(1 for _ in punch.shape[1:])))
     sunk = free_window.sunk_in(found, response, problem.ends)
     return replace(found, displacement=found.displacement - sunk), sunk
 
@@ -133,22 +138,16 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     return Start(displacement, moved, -tangential.slip)
 
 
-def _response(problem: Problem) -> SpectralResponse:
-    """Of all that deforms: of the normal displacement alone, or of all."""
-    shape, counter = problem.surface.shape, problem.counter
-    if not problem.interface.couples:
-        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
-    own = problem.body.response(shape)
-    return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
-
-
-def free_response(problem: Problem) -> SpectralResponse:
-    """The same around a window, on its padded grid."""
+def response_of(problem: Problem) -> SpectralResponse:
+    """Of all that deforms: of the normal displacement alone, or of all; around a window, on its padded grid."""
     shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
-    own = free_body.response(shape, problem.body, ends, couples)
-    return (
-        own if counter is None else own.in_series(free_body.response(shape, counter.body, ends, couples), counter.share)
+    if not couples and not any(ends):
+        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
+    own, *other = (
+        free_body.response(shape, body, ends, couples) if any(ends) else body.response(shape)
+        for body in (problem.body, *(() if counter is None else (counter.body,)))
     )
+    return own if counter is None else own.in_series(other[0], counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:

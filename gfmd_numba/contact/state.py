@@ -111,8 +111,8 @@ class Process(Protocol):
         ...
 
     def advance(self, state: "State", solved: "Contact", step: LoadStep) -> Any:
-        """What it remembers after a step that began in a state, and has led to a contact."""
-        ...
+        """What it remembers after a step that began in a state, and has led to a contact: as a rule the same."""
+        return state.memory[self.name]
 
 
 @dataclass(frozen=True)
@@ -135,17 +135,10 @@ class State:
     moved: Callable[[tuple[float, ...]], Reals] | None = None
 
     @classmethod
-    def untouched(
-        cls,
-        heights: Reals,
-        processes: tuple[Process, ...],
-        form: Reals | None = None,
-        passing: float | None = None,
-        moved: Callable[[tuple[float, ...]], Reals] | None = None,
-    ) -> "State":
-        """State of surfaces before the first step."""
+    def untouched(cls, heights: Reals, processes: tuple[Process, ...], **known: Any) -> "State":
+        """State of surfaces before the first step; its other fields may be known."""
         memory = {each.name: each.begin(heights.shape) for each in processes}
-        return cls(heights, processes, memory, form=form, passing=passing, moved=moved)
+        return cls(heights, processes, memory, **known)
 
     def facing(self, heights: Reals, step: LoadStep) -> Reals:
         """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""

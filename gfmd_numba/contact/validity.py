@@ -52,7 +52,6 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     bodies = given.surfaces.bodies
     rough = "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, dataset)
     each = (
-        _coarse_times,
         _coarse_steps,
         _coarse_flow,
         _beyond_small_strains,
@@ -68,8 +67,9 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     )
     found = {str(name): variable.values for name, variable in dataset.variables.items()}
     own = (reason(given, found) for reason in each)
-    short = _short_stretches(problem, found)
-    return "\n".join([*input_warnings(given), *filter(None, (rough, *own, short))])
+    ends = _short_stretches(problem, found)
+    numerics = given.file.numerics
+    return "\n".join([*input_warnings(given), *filter(None, (rough, coarse_times(numerics, found), *own, ends))])
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -104,7 +104,6 @@ def _copies(given: ContactInput) -> int:
 
 
 def _mirrored_load(given: ContactInput) -> str:
-    """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
     scene = given.file.scene
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
     if scene.length is None or unit is None or _copies(given) == 1 or scene.form is not None:
@@ -122,7 +121,6 @@ def _mirrored_load(given: ContactInput) -> str:
 
 
 def _few_contacts(given: ContactInput, found: Found) -> str:
-    """Return a warning about a measured surface of which few asperities touch, nothing for others."""
     scene, counts = given.file.scene, found["n_segments"]
     designs = [is_design(surface.heights) for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
@@ -134,10 +132,6 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
         f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
         "conductance and leakage would differ by tens of per cent, so measure a larger one, or several"
     )
-
-
-def _coarse_times(given: ContactInput, found: Found) -> str:
-    return coarse_times(given.file.numerics, found)
 
 
 def coarse_times(numerics: Numerics, found: Found) -> str:
@@ -153,7 +147,6 @@ def coarse_times(numerics: Numerics, found: Found) -> str:
 
 
 def _coarse_steps(given: ContactInput, found: Found) -> str:
-    """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
     laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
@@ -170,7 +163,6 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_flow(given: ContactInput, found: Found) -> str:
-    """Return warnings about plastic flow that leaves its layer, or that the layer does not resolve."""
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
@@ -204,7 +196,6 @@ def coarse_increments(found: Found) -> list[str]:
 
 
 def _short_stretches(problem: Problem, found: Found) -> str:
-    """Return a warning about contacts of few nodes on a thin body, whose edges are not known; else nothing."""
     shape = problem.surface.shape
     short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
     across = _mean_width(found, shape)
@@ -382,7 +373,6 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
 
 
 def _at_the_edge(given: ContactInput, found: Found) -> str:
-    """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
     touching = found["gap"] <= 0.0
     outermost = (
         touching.take((0, -1), axis) for axis, end in zip(_nodes(given), given.file.scene.ends, strict=True) if end
@@ -422,7 +412,6 @@ def _distance_of_peaks(given: ContactInput, found: Found) -> float:
 
 
 def _past_asperities(given: ContactInput, found: Found) -> str:
-    """Return a warning about sliding so far that asperities would meet others, nothing for less."""
     if not {"sliding", "tangential_displacement", "nayak"} <= found.keys():
         return ""
     nodes = _nodes(given)
@@ -446,7 +435,6 @@ def _past_asperities(given: ContactInput, found: Found) -> str:
 
 
 def _closer_than_known(given: ContactInput, found: Found) -> str:
-    """Return a warning about surfaces so close that the pole of their law has been cut off, nothing for others."""
     law, nearest = given.file.scene.interface.law_of_the_gap, _smallest(found["gap"])
     if law is None or not nearest < law.known_from * law.range:
         return ""
@@ -472,7 +460,6 @@ def _weak_interface(given: ContactInput, found: Found) -> str:
 
 
 def _overlap(given: ContactInput, found: Found) -> str:
-    """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
     law = given.file.scene.interface.cohesive
     deepest = 0.0 if law is None else -_smallest(found["gap"]) / law.normal_length
     if not deepest > 1.0:

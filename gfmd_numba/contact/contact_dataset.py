@@ -179,8 +179,7 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
 
 def refuse_nonfinite(dataset: xr.Dataset) -> None:
     """Change a status that is ok where a result of one run, in its units, is not finite."""
-    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
-    dataset["status"].values = finite_status(results)
+    dataset["status"].values = finite_status({str(name): dataset.variables[name].values for name in dataset.data_vars})
 
 
 def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:

@@ -461,7 +461,7 @@ def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     >>> gfmd_numba.gap_percolation(contact)["gap_connects"].values
     array([1, 1], dtype=int8)
     """
-    from gfmd_numba.analysis import gap_percolation as percolation
+    from gfmd_numba.analysis.channels import gap_percolation as percolation
 
     return percolation(_dataset("dataset", dataset, "solve"))
 

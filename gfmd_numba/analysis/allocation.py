@@ -39,12 +39,6 @@ class _Ensemble:
     freedom: float  # degrees of freedom of the variance of kappa
 
 
-def _levels_of(pilot: xr.Dataset) -> list[Level]:
-    """Return the reference, the levels of each limit and the cross levels, each in the order of the campaign."""
-    order = [_REFERENCE[0], *LIMITS, CROSS]
-    return sorted(dict.fromkeys([_REFERENCE, *_level_of_each(pilot)]), key=lambda level: order.index(level[0]))
-
-
 def _level_of_each(pilot: xr.Dataset) -> list[Level]:
     """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
     references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
@@ -200,9 +194,9 @@ class Pilot:
     @classmethod
     def of(cls, results: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> Self:
         """What results say with some exponents known; UnusableDataError for results that do not tell."""
-        levels = _levels_of(results)
-        numbers = {level: number for number, level in enumerate(levels)}
-        number = np.array([numbers[level] for level in _level_of_each(results)], dtype=np.intp)
+        order, of_cases = [_REFERENCE[0], *LIMITS, CROSS], _level_of_each(results)
+        levels = sorted(dict.fromkeys([_REFERENCE, *of_cases]), key=lambda level: order.index(level[0]))
+        number = np.array([levels.index(level) for level in of_cases], dtype=np.intp)
         given = {limit: exponent_range(value) for limit, value in fixed.items()}
         with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
             return cls(_ensembles(results, number, variable, given), levels, number)
@@ -222,32 +216,25 @@ class Pilot:
         price = np.bincount(self.number, seconds).astype(np.float64)
         fitted = np.unique(np.concatenate([ensemble.level for ensemble in self.ensembles]))
         price[np.setdiff1d(self.number, fitted)] = np.inf  # at eps_c = 1
-        return _cheapest(_Choice(self.ensembles, self.levels, price), self.number, target)
-
-
-def _cheapest(choice: _Choice, number: NDArray[np.intp], target: float) -> Design:
-    """Return the cheapest realisations of levels that meet a target; `number` is the level of each case (case)."""
-    least = choice.error(np.full(len(choice.levels), float(_MOST)))
-    if least >= target:
-        raise UnusableDataError(
-            f"you gave a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave "
-            f"{100 * least:.3g}%; gfmd allows a larger one, finer levels, cross levels for every pair of limits "
-            "(`cross`), or narrower ranges under `fit: {fixed: ...}`"
-        )
-    shares = choice.price**-0.5
-    for _ in range(2):  # the best shares depend on the budget, hardly
-        budget = _enough(choice, shares, target)
-        shares = _best_shares(choice, shares, budget)
-    shares = _without_dear_levels(choice, shares, target)
-    counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
-    if counts.max() > _MOST:
-        raise UnusableDataError(
-            f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level would be "
-            f"the cheapest; gfmd allows a larger one, as {_MOST} are the most"
-        )
-    used = counts > 0
-    seconds_in_all = float(counts[used] @ choice.price[used])
-    return Design(counts[number].astype(np.intp), choice.error(counts), seconds_in_all)
+        choice = _Choice(self.ensembles, self.levels, price)
+        least = choice.error(np.full(len(choice.levels), float(_MOST)))
+        if least >= target:
+            raise UnusableDataError(
+                f"you gave a target of {100 * target:.3g}%, where {_MOST} realisations of all cases leave "
+                f"{100 * least:.3g}%; gfmd allows a larger one, finer levels, cross levels for every pair of limits "
+                "(`cross`), or narrower ranges under `fit: {fixed: ...}`"
+            )
+        shares = price**-0.5
+        for _ in range(2):  # the best shares depend on the budget, hardly
+            shares = _best_shares(choice, shares, _enough(choice, shares, target))
+        shares = _without_dear_levels(choice, shares, target)
+        counts, seconds_in_all = _cheapest(choice, shares, target)
+        if counts.max() > _MOST:
+            raise UnusableDataError(
+                f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level "
+                f"would be the cheapest; gfmd allows a larger one, as {_MOST} are the most"
+            )
+        return Design(counts[self.number].astype(np.intp), choice.error(counts), seconds_in_all)
 
 
 def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:
@@ -304,24 +291,24 @@ def _without_dear_levels(choice: _Choice, shares: Reals, target: float) -> Reals
 
     At a loose target each level has the fewest realisations there may be, so that no error tells that one is too dear.
     """
-    least = _price_of(choice, shares, target)
+    least = _cheapest(choice, shares, target)[1]
     for level in np.argsort(-choice.price):
         if shares[level] == 0.0 or not _may_go(choice, shares, level):
             continue
         trial = shares.copy()
         trial[level] = 0.0
         if choice.error(np.where(trial > 0.0, float(_MOST), 0.0)) < target:
-            price = _price_of(choice, trial, target)
+            price = _cheapest(choice, trial, target)[1]
             if price < least:
                 shares, least = trial, price
     return shares
 
 
-def _price_of(choice: _Choice, shares: Reals, target: float) -> float:
-    """Return the seconds that realisations in the proportion of shares take to meet a target."""
+def _cheapest(choice: _Choice, shares: Reals, target: float) -> tuple[Reals, float]:
+    """Return the realisations of each level in the proportion of shares that meet a target, and their seconds."""
     counts = np.ceil(_counts(choice, shares, _enough(choice, shares, target)))
     used = counts > 0
-    return float(counts[used] @ choice.price[used])
+    return counts, float(counts[used] @ choice.price[used])
 
 
 def _may_go(choice: _Choice, shares: Reals, level: int) -> bool:

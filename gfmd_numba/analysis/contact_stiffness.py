@@ -54,8 +54,9 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     result = xr.Dataset(attrs={"title": "contact stiffness"})
     result["mean_pressure"] = load.mean(others)
     result["stiffness"], result["stiffness_error"] = _ratio(rise, approach, others)
-    heights = _rms_height(lower)
-    if heights is not None:
+    nodes = [dim for dim in ("y", "x") if dim in lower.dims]
+    if "rms_height" in lower or ("height" in lower and nodes):
+        heights = lower["rms_height"] if "rms_height" in lower else lower["height"].std(nodes)
         reduced = _ratio(rise / load, approach / heights, others)
         result["stiffness_reduced"], result["stiffness_reduced_error"] = reduced
     result["n_realisations"] = usable.astype(np.int64).sum(others)
@@ -78,13 +79,6 @@ def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:
             members.setdefault(rows[index, :-1].tobytes(), []).append(int(index))
     for loads in members.values():
         yield from pairwise(loads)
-
-
-def _rms_height(loads: xr.Dataset) -> xr.DataArray | None:
-    if "rms_height" in loads:
-        return loads["rms_height"]
-    nodes = [dim for dim in ("y", "x") if dim in loads.dims]
-    return loads["height"].std(nodes) if "height" in loads and nodes else None
 
 
 def _logarithmic_mean(lower: xr.DataArray, upper: xr.DataArray) -> xr.DataArray:

@@ -157,7 +157,11 @@ def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[
 
 def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
     """Return the columns (node, case, coefficient) of the fit, those known before in units of their scatter."""
-    laws_of = {limit: _relative(means, laws, limit, nodes) for limit in means.levels}
+    laws_of = {}  # over their values at the reference
+    for limit, of_cases in means.levels.items():
+        levels, case = np.unique(of_cases, return_inverse=True)
+        at = excess(laws, limit, np.append(levels, means.reference[limit]), nodes)
+        laws_of[limit] = np.asarray((at[:, :-1] / at[:, -1:])[:, case])
     whole = np.ones((len(nodes), means.values.size))
     found = []
     for (limit, column), scatter in zip(laws_of.items(), before.own, strict=True):
@@ -192,13 +196,6 @@ def excess(laws: Laws, limit: str, eps: Reals, nodes: Reals) -> Reals:
     raise AssertionError(limit)
 
 
-def _relative(means: Means, laws: Laws, limit: str, nodes: Reals) -> Reals:
-    """Return a limit's law (node, case) over its value at the reference."""
-    levels, case = np.unique(means.levels[limit], return_inverse=True)
-    found = excess(laws, limit, np.append(levels, means.reference[limit]), nodes)
-    return np.asarray((found[:, :-1] / found[:, -1:])[:, case])
-
-
 def known_before(means: Means, laws: Laws) -> Before:
     """Return what is known before, from the corrections taken one at a time."""
     parameters = [parameter for law in laws.values() for parameter in law.parameters]
@@ -215,11 +212,6 @@ def known_before(means: Means, laws: Laws) -> Before:
         for both in means.pairs
     ]
     return Before(np.array(own), np.array(pair))
-
-
-def as_if_exact(before: Before) -> Before:
-    """Return that coefficients of which anything is known are 0."""
-    return Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
 
 
 def linear_influence(means: Means) -> tuple[Reals, int]:

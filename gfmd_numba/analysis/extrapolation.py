@@ -6,7 +6,7 @@ is known of the exponents beforehand stands in `theory/exponent_ranges.py`, of t
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Annotated
 
@@ -18,12 +18,12 @@ from threadpoolctl import threadpool_limits
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
 from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Linear, Means, along, shares, weighed
-from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named, unknown_parameters
+from gfmd_numba.analysis.fit_dataset import N_PARAMETERS, PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
 from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import Rival
-from gfmd_numba.analysis.selection import LIMITS, Group, groups_to_fit, joined, processor_time, steps_of
+from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import with_error
 
@@ -126,7 +126,8 @@ def _fit_family(groups: Sequence[Group], variable: str, given: Given) -> list[Gr
         left_out, found = [], whole
     doubt = limit_errors.doubtful(found.groups, found.choices, found.share)
     if doubt:
-        return [_refused(group, _doubts(group, doubt)) for group in groups]
+        advice = limit_errors.advice(doubt, variable, groups[0].dimension)
+        return [_refused(group, "\n".join([*_reasons(group, doubt), advice])) for group in groups]
     others = [
         (rival, _weighed(rival.groups, _choices(rival.groups, rival.given)))
         for rival in limit_errors.rivals(found.groups, given)
@@ -176,7 +177,6 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     at_an_end = limit_errors.pressed(found, share)
     by_limit = np.concatenate([limit_errors.doubts(index, group, means, choice, at_an_end) for choice in found]) ** 2
     mine = whole.limit_of(index)
-    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
     by_rival = max((rival.doubt(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival
     likeliest = value[weight.argmax()]
@@ -186,20 +186,12 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     extrapolation_error = np.sqrt(weight @ by_limit)
     budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
     budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
-    notes = [
-        *group.notes,
-        *_by_law(index, group, found, share),
-        *_by_theory(index, group, others),
-        *at_an_end.values(),
-        *limit_errors.logarithmic(group, found),
-        *limit_errors.additivity(group, error),
-        *limit_errors.of_thin_layers(group, means),
-        *_doubts_of_levels(whole, group, differing, left_out),
-    ]
+    notes = _notes(index, whole, others, left_out, error)
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
         notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
+    asserted = {each.asserted: limit_errors.disagreement(*mine, *other.limit_of(index)) for each, other in others}
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
         notes.append(
@@ -220,39 +212,52 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": _laws(group, found),
+        "law": [
+            " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
+            for name in LIMITS
+        ],
         **_curve(index, group, means, found, share),
-        "extrapolated": limit_errors.mean_distances(index, means, found, share),
+        "extrapolated": np.sum(
+            [s @ limit_errors.distances(index, means, c) for c, s in zip(found, share, strict=True)], 0
+        ),
         "extrapolation_error": extrapolation_error,
-        "contradiction": _contradiction(group, differing),
+        # what the value differs by where an asserted exponent may have its range
+        "contradiction": [asserted.get(name, 0.0) if name in group.levels else np.nan for name in LIMITS],
     }
 
 
-def _doubts_of_levels(
-    whole: _Weighed, group: Group, differing: Sequence[tuple[Rival, float]], left_out: Sequence[str]
+def _notes(
+    index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], left_out: Sequence[str], error: Reals
 ) -> list[str]:
-    """Return a line for each level or exponent that does not go with the others, and one for a misfit of all."""
-    lines = [f"{what} is left out, as no law describes it together with the finer levels" for what in left_out]
-    lines += [
-        f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
-        for rival, difference in differing
-        if difference and not rival.from_theory
+    """Return a line for each thing to be known of the fit of a group: of its laws, its levels and its exponents."""
+    group, found, mine = whole.groups[index], whole.choices, whole.limit_of(index)
+    differing = [(rival, limit_errors.disagreement(*mine, *other.limit_of(index))) for rival, other in others]
+    of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
+    far = float(np.sqrt(whole.excess))
+    too_far = (
+        f"the means lie {far:.3g} times as far from the laws as their errors allow, which are enlarged by as much; add "
+        "finer levels, or allow other exponents"
+    )
+    return [
+        *group.notes,
+        *_by_law(index, group, found, whole.share),
+        *(
+            f"{what}, without what is given of the exponent, {group.variable}_tfc is "
+            f"{with_error(value, float(np.sqrt(variance)))}: the error includes this"
+            for what, (value, variance) in of_theory
+        ),
+        *limit_errors.pressed(found, whole.share).values(),
+        *limit_errors.logarithmic(group, found),
+        *limit_errors.additivity(group, error),
+        *limit_errors.of_thin_layers(group, whole.means[index]),
+        *(f"{what} is left out, as no law describes it together with the finer levels" for what in left_out),
+        *(
+            f"{rival.what} the limit differs by {difference:+.2g}, more than by chance: the error includes this"
+            for rival, difference in differing
+            if difference and not rival.from_theory
+        ),
+        *([too_far] if far > _WORTH_A_NOTE and group.n_realisations > 1 else []),
     ]
-    if np.sqrt(whole.excess) > _WORTH_A_NOTE and group.n_realisations > 1:
-        lines.append(
-            f"the means lie {np.sqrt(whole.excess):.3g} times as far from the laws as their errors allow, which are "
-            "enlarged by as much; add finer levels, or allow other exponents"
-        )
-    return lines
-
-
-def _contradiction(group: Group, differing: Sequence[tuple[Rival, float]]) -> Reals:
-    """Return what the value differs by where an asserted exponent may have its range (limit), nan if not varied."""
-    found = np.where([name in group.levels for name in LIMITS], 0.0, np.nan)
-    for rival, difference in differing:
-        if rival.asserted in group.levels:
-            found[LIMITS.index(rival.asserted)] = difference
-    return found
 
 
 def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
@@ -270,27 +275,7 @@ def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[R
     return [f"{group.variable}_tfc is {' and '.join(limits)}"]
 
 
-def _by_theory(index: int, group: Group, others: Sequence[tuple[Rival, _Weighed]]) -> list[str]:
-    """Return a line with the limit by theory, where an exponent is asserted in its place."""
-    lines = []
-    for rival, other in others:
-        if rival.from_theory:
-            value, variance = other.limit_of(index)
-            found = with_error(value, float(np.sqrt(variance)))
-            said = f"{rival.what}, without what is given of the exponent, {group.variable}_tfc is {found}"
-            lines.append(f"{said}: the error includes this")
-    return lines
-
-
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
-
-
-def _laws(group: Group, found: Sequence[Choice]) -> list[str]:
-    """Return the laws of each limit (limit), "" of those not varied."""
-    return [
-        " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
-        for name in LIMITS
-    ]
 
 
 def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
@@ -312,7 +297,7 @@ def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
     """
     coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
     power = 2 if variances else 1
-    table = unknown_parameters(len(fit.misfit))
+    table = np.full((len(fit.misfit), N_PARAMETERS), np.nan)
     found = named(table)
     found["{variable}_tfc"][:] = coefficients[:, 0]
     for row, name in enumerate(group.levels):
@@ -321,13 +306,10 @@ def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
         found["alpha"][:, limit] = 0.0 if variances else fit.exponents[:, row]
         scale = group.reference[name] ** -fit.exponents[:, row]
         found["C"][:, limit] = coefficients[:, 1 + row] * scale**power
-    for row, pair in enumerate(_pairs(group), start=1 + len(group.levels)):
-        found["interaction"][:, PAIRS.index(pair)] = coefficients[:, row]
+    pairs = [number for number, pair in enumerate(PAIRS) if set(pair) <= set(group.levels)]
+    for row, number in enumerate(pairs, start=1 + len(group.levels)):
+        found["interaction"][:, number] = coefficients[:, row]
     return table
-
-
-def _pairs(group: Group) -> list[tuple[str, str]]:
-    return [pair for pair in PAIRS if set(pair) <= set(group.levels)]
 
 
 def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tuple[float, float]:
@@ -365,9 +347,13 @@ def _misfit(
     return float(np.sqrt(np.mean(residual**2))), chi2
 
 
-def _doubts(group: Group, doubt: Mapping[str, str]) -> str:
-    reasons = [f"exponent of {name} {why} ({limit_errors.evidence(group, name)})" for name, why in doubt.items()]
-    return "\n".join([*reasons, limit_errors.advice(doubt, group.variable, group.dimension)])
+def _reasons(group: Group, doubt: Mapping[str, str]) -> Iterator[str]:
+    """Yield why the data of a group do not tell exponents: its levels and realisations."""
+    for name, why in doubt.items():
+        has = f"shared with other groups; {name} is not varied in this one"
+        if name in group.levels:
+            has = f"levels {fractions(group.levels[name])}, {limit_errors.realisations(group)}"
+        yield f"exponent of {name} {why} ({has})"
 
 
 def _refused(group: Group, reason: str) -> GroupFit:

@@ -27,9 +27,7 @@ _COLUMNS = {  # of a table of the parameters of a fit
 }
 
 
-def unknown_parameters(count: int) -> Reals:
-    """Return a table (count, parameter) of parameters that are all nan."""
-    return np.full((count, _COLUMNS["interaction"].stop), np.nan)
+N_PARAMETERS = _COLUMNS["interaction"].stop
 
 
 def named(table: Reals, ending: str = "") -> GroupFit:

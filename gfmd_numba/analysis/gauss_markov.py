@@ -14,14 +14,8 @@ import numpy as np
 import scipy  # its modules load with their first use
 from numpy.typing import NDArray
 
-from gfmd_numba.analysis.exponent_posterior import (
-    POWER_OF_WANING,
-    Choice,
-    Means,
-    known_before,
-    linear_influence,
-    misfit_form,
-)
+from gfmd_numba.analysis import exponent_posterior
+from gfmd_numba.analysis.exponent_posterior import Choice, Means
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
 from gfmd_numba.theory.exponent_ranges import has_slope_law
@@ -65,17 +59,6 @@ def scatter_of_means(values: Reals, covariance: Reals, of_means: Reals) -> Reals
         centred = parts - parts.mean(axis=0) if n > 1 else parts
         scatter += centred.T @ centred * (n / (n - 1) if n > 1 else 1.0)
     return scatter
-
-
-def inflation(scatter: Reals, of_means: Reals, influence: Reals, contrasts: int, fewest: int) -> float:
-    """Return the factor on the variance of an estimate, for a covariance that is only estimated.
-
-    The estimate is the sum of the means times their `influence` (case). In addition to the scatter of the means, the
-    factor counts that the weights of the `contrasts`, combinations of the means that have no influence, come from the
-    same realisations, which are the `fewest` of any case (Lavenberg and Welch 1981).
-    """
-    ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
-    return float(ratio * (1.0 + contrasts / fewest))
 
 
 def covariance_of_one(values: Reals) -> Reals:
@@ -175,7 +158,7 @@ def means_of(group: Group, values: Reals) -> Means:
     covariance = covariance_of_one(values)
     mean, of_means = best_means(values, covariance)
     waning = (
-        POWER_OF_WANING[group.dimension]
+        exponent_posterior.POWER_OF_WANING[group.dimension]
         if has_slope_law(group.variable, group.parameters.get("hurst", np.nan), group.load)
         else 1.0
     )
@@ -183,9 +166,12 @@ def means_of(group: Group, values: Reals) -> Means:
     scatter = scatter_of(values)
     if scatter is None:
         return means
-    influence, contrasts = linear_influence(means)
+    influence, contrasts = exponent_posterior.linear_influence(means)
     fewest = int(np.isfinite(values).sum(axis=0).min())
-    factor = inflation(scatter, of_means, influence, contrasts, fewest)
+    ratio = (influence @ scatter @ influence) / (influence @ of_means @ influence)
+    # the covariance is only estimated, and the weights of contrasts come from the same realisations as the means, of
+    # which some case has few (Lavenberg and Welch 1981)
+    factor = float(ratio * (1.0 + contrasts / fewest))
     return replace(means, whitener=means.whitener / np.sqrt(factor))
 
 
@@ -214,7 +200,8 @@ def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequen
         best = int(np.argmin(np.sum([fit.misfit for fit in choice.fits], axis=0)))
         chi2 = expected = squares = 0.0
         for each, scatter in zip(means, scatters, strict=True):
-            weights = misfit_form(each, choice.laws, choice.nodes[best], known_before(each, choice.laws))
+            before = exponent_posterior.known_before(each, choice.laws)
+            weights = exponent_posterior.misfit_form(each, choice.laws, choice.nodes[best], before)
             chi2 += float(each.values @ weights @ each.values)
             form = weights @ scatter
             expected += float(np.trace(form))

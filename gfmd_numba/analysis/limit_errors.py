@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Means, as_if_exact, excess, known_before, linear
+from gfmd_numba.analysis.exponent_posterior import Before, Choice, Laws, Means, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions
@@ -51,20 +51,14 @@ def inseparable(group: Group) -> str:
 
 def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     """Return which free exponent has fewer than three levels in every group, or nothing."""
+    free = {each.limit for laws in choices for law in laws.values() for each in law.parameters if each.is_free}
     for name in LIMITS:
         levels = max((np.unique(group.levels[name]) for group in groups if name in group.levels), key=len, default=None)
-        if levels is not None and len(levels) < 3 and _free(choices, name):
+        if levels is not None and len(levels) < 3 and name in free:
             uncounted = "; 1 does not count, as two nodes do not resolve its shortest wave" if name == "eps_c" else ""
             lack = f"exponent of {name} needs three levels, has two ({fractions(levels)}{uncounted})"
             return f"{lack}\n{advice([name], groups[0].variable, groups[0].dimension)}"
     return ""
-
-
-def _free(choices: Sequence[Laws], limit: str) -> bool:
-    """Whether nothing is known of the exponent of a limit."""
-    return any(
-        parameter.limit == limit and parameter.is_free for laws in choices for parameter in laws[limit].parameters
-    )
 
 
 def doubtful(groups: Sequence[Group], choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
@@ -149,13 +143,6 @@ def additivity(group: Group, error: Reals) -> list[str]:
 def realisations(group: Group) -> str:
     """Return how many realisations a group has, in words."""
     return f"{group.n_realisations} realisation{'s' if group.n_realisations != 1 else ''}"
-
-
-def evidence(group: Group, name: str) -> str:
-    """Return what a group knows of a limit: its levels and realisations."""
-    if name not in group.levels:
-        return f"shared with other groups; {name} is not varied in this one"
-    return f"levels {fractions(group.levels[name])}, {realisations(group)}"
 
 
 def advice(names: Collection[str], variable: str, dimension: int) -> str:
@@ -343,13 +330,6 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
     return np.asarray(less * np.nan_to_num(at["extrapolation_error"].values))
 
 
-def mean_distances(index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
-    """Return the distances (limit), weighed by how well the laws fit."""
-    return np.asarray(
-        sum(share @ distances(index, means, choice) for choice, share in zip(choices, shares, strict=True))
-    )
-
-
 def error_budget(
     index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals], residuals: Reals
 ) -> Reals:
@@ -366,7 +346,9 @@ def error_budget(
     sampling = variance = 0.0
     effects = dict.fromkeys(means.levels, 0.0)
     for choice, share, value in zip(choices, shares, kappa, strict=True):
-        exact = linear(means, choice.laws, choice.nodes, as_if_exact(known_before(means, choice.laws)))
+        before = known_before(means, choice.laws)  # and as if that were exact, so that known coefficients are 0
+        known = Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
+        exact = linear(means, choice.laws, choice.nodes, known)
         variance += float(share @ choice.fits[index].covariance[:, 0, 0])
         sampling += float(share @ exact.covariance[:, 0, 0])
         for limit in effects:

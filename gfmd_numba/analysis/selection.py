@@ -238,21 +238,15 @@ def groups_to_fit(dataset: xr.Dataset, variable: str, omit_nyquist: bool) -> lis
     read = [name for name in _READ if name in dataset.data_vars]  # all others would be copied for each group
     dataset = dataset[read].assign({variable: dataset[variable].where(usable)})
     dataset = dataset.assign_coords(_position=("case", np.arange(dataset.sizes["case"])))
-    _check_groups(dataset)
-    return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]
-
-
-def _check_groups(dataset: xr.Dataset) -> None:
-    """Raise UnusableDataError for different problems that no coordinate tells apart: their physics would be pooled."""
     told = table(dataset, (*axes(dataset), *axes(dataset, "discretisation")))
-    problems: dict[bytes, set[str]] = {}
-    for row, identity in zip(told, dataset["case_id"].values, strict=True):
-        problems.setdefault(row.tobytes(), set()).add(str(identity))
-    if any(len(identities) > 1 for identities in problems.values()):
-        raise UnusableDataError(
-            "you gave different problems at the same discretisation, which no coordinate with the attribute `axis` "
-            "tells apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
-        )
+    problems: dict[bytes, str] = {}
+    for row, identity in zip(told, dataset["case_id"].values.astype(str).tolist(), strict=True):
+        if problems.setdefault(row.tobytes(), identity) != identity:  # their physics would be pooled
+            raise UnusableDataError(
+                "you gave different problems at the same discretisation, which no coordinate with the attribute `axis` "
+                "tells apart; gfmd allows what a finished `gfmd run` leaves, its coordinates with their attributes"
+            )
+    return [_collected(parameters, cases, variable, omit_nyquist) for parameters, cases in groups(dataset)]
 
 
 def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, omit_nyquist: bool) -> Group:
@@ -275,7 +269,9 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         if left_out.any():
             names = [_named(cases.isel(case=index)) for index in np.flatnonzero(left_out)]
             notes.append(f"left out, {why}: {'; '.join(names)}")
-    if waiting := _unfinished(cases):
+    told = cases["status"].attrs if "status" in cases else {}
+    endings = dict(zip(told.get("flag_meanings", "").split(), told.get("flag_values", ()), strict=True))
+    if "unfinished" in endings and (waiting := int((cases["status"] == endings["unfinished"]).sum())):
         notes.append(f"{waiting} of {int(asked.sum())} simulations have not run yet: `gfmd run` resumes")
     values, present, asked = values[:, kept], present[:, kept], asked[:, kept]
     some, complete = present.any(axis=1), _complete(values, asked)
@@ -345,13 +341,6 @@ def _asked(cases: xr.Dataset) -> NDArray[np.bool_]:
     if "realisations" not in cases.coords:
         return np.ones(shape, dtype=bool)
     return np.asarray(np.arange(shape[0])[:, None] < cases["realisations"].values)
-
-
-def _unfinished(cases: xr.Dataset) -> int:
-    """Return how many simulations have not run yet."""
-    told = cases["status"].attrs if "status" in cases else {}
-    endings = dict(zip(told.get("flag_meanings", "").split(), told.get("flag_values", ()), strict=True))
-    return int((cases["status"] == endings["unfinished"]).sum()) if "unfinished" in endings else 0
 
 
 def _named(case: xr.Dataset) -> str:

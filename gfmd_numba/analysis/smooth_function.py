@@ -157,16 +157,13 @@ class _Process:
         between = self.kernel(places, self.points)
         weights = scipy.linalg.cho_solve(self.factor, between.T).T
         by_limits = weights * self.errors
-        of_limits = [((by_limits @ alike) * by_limits).sum(axis=1) for alike in self._alike()]
+        apart = ((self.points[:, None] - self.points) ** 2).sum(axis=-1)
+        alike = (np.exp(-apart / (2.0 * length**2)) for length in _ALIKE)  # correlations of the errors of limits
+        of_limits = [((by_limits @ each) * by_limits).sum(axis=1) for each in alike]
         variance = (self.kernel.diag(places) - (weights * between).sum(axis=1)) * self.size**2  # errors independent
         between_limits = (variance - (by_limits**2).sum(axis=1)).clip(0.0)
         error = np.sqrt(between_limits + np.max(of_limits, axis=0))
         return self.middle + self.size * (weights @ self.values), error
-
-    def _alike(self) -> list[Reals]:
-        """Return how far errors of limits may be alike (point, point): correlations that fall over several lengths."""
-        apart = ((self.points[:, None] - self.points) ** 2).sum(axis=-1)
-        return [np.exp(-apart / (2.0 * length**2)) for length in _ALIKE]
 
     def held_out(self) -> tuple[Reals, Reals]:
         """Return what each value differs by from the function without it, and the error of that (5.10-5.12)."""

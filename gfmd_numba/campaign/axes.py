@@ -97,11 +97,6 @@ class Axis:
         return "1" if quantity is None else _UNITS.get(quantity.name, quantity.name)
 
     @property
-    def forms_groups(self) -> bool:
-        """Whether cases that differ in it are different physics, and never enter one fit."""
-        return bool(self.record)
-
-    @property
     def coordinate(self) -> str:
         """Name of its coordinate in the dataset, where what is asked for is not what is measured."""
         return _COORDINATES.get(self.name, self.name)
@@ -280,11 +275,6 @@ def _distinct(values: tuple[Value, ...]) -> tuple[Value, ...]:
 Values = Annotated[tuple[Value, ...], Field(min_length=1, strict=False), AfterValidator(_distinct)]
 
 
-def _fields() -> dict[str, Any]:
-    of_any: Any = Values
-    return {axis.name: (of_any[axis.type] | None, Field(None, description=axis.long_name)) for axis in AXES}
-
-
 if TYPE_CHECKING:
     Grid = BaseModel  # the fields are those of the table
 else:
@@ -292,7 +282,7 @@ else:
         "Grid",
         __config__=RECORD,
         __doc__="Parameters taken as a full product, each in place of the scene's or reference's value.",
-        **_fields(),
+        **{axis.name: (Values[axis.type] | None, Field(None, description=axis.long_name)) for axis in AXES},
     )
 
 

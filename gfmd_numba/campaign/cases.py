@@ -13,26 +13,12 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, values_together, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
-from gfmd_numba.contact.contact_input import (
-    check_loads,
-    pattern_of,
-    read_boundary,
-    tractions_on_the_body,
-    with_measured,
-)
+from gfmd_numba.contact import contact_input, rough_surfaces
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import (
-    FacingSurfaces,
-    MeasuredSurfaces,
-    check_drawn,
-    ensemble_of_rough_bodies,
-    given_surface,
-    punch_on_its_form,
-    random_surface,
-)
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces, MeasuredSurfaces
 from gfmd_numba.contact.scales import steps_of
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
+from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface
 from gfmd_numba.roughness.surface_files import read_content
@@ -80,7 +66,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
     if not any(isinstance(surface, Measured) for surface in campaign.scene.surfaces.values()):
         return {}
     if not isinstance(campaign.scene.roughness, Measured):
-        scene, surfaces = with_measured(located(document, campaign.scene, ("scene",)), document)
+        scene, surfaces = contact_input.with_measured(located(document, campaign.scene, ("scene",)), document)
         check_scene(document, campaign, scene)
         return {None: _measured(scene, surfaces, document, "")}
     read = lru_cache(maxsize=len(campaign.scene.surfaces))(read_content)  # files are the outermost of the grid's loops
@@ -95,7 +81,7 @@ def measured_scenes(campaign: Campaign, document: Document) -> dict[Surface | No
         if whole is not None:  # what is said of the punch as a whole
             elsewhere["scene", *PUNCH] = locations[whole]
         placed = replace(document, elsewhere=elsewhere)
-        scene, surfaces = with_measured(located(placed, scene, ("scene",)), placed, read)
+        scene, surfaces = contact_input.with_measured(located(placed, scene, ("scene",)), placed, read)
         first = first or (record, surfaces[PUNCH])
         unit, of_first = surfaces[PUNCH].unit, first[1].unit
         if unit != of_first:
@@ -134,7 +120,7 @@ def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[
     record = scene.roughness
     assert isinstance(record, Measured)  # a rigid punch is the only surface there is
     try:
-        return given_surface(surface.in_periods, periodic=scene.periodic)
+        return rough_surfaces.given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
 
@@ -222,30 +208,30 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of = _RoughBodies(campaign, document)
+    bodies_of = partial(_rough_bodies, campaign, document, set())
     boundary = campaign.scene.boundary and located(document, campaign.scene.boundary, ("scene", "boundary"))
-    arrays_of = lru_cache(maxsize=None)(partial(read_boundary, document))
+    arrays_of = lru_cache(maxsize=None)(partial(contact_input.read_boundary, document))
     interface = located(document, campaign.scene.interface, ("scene", "interface"))
-    pattern_on = lru_cache(maxsize=None)(partial(pattern_of, document, interface))
+    pattern_on = lru_cache(maxsize=None)(partial(contact_input.pattern_of, document, interface))
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
-        scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
-        found = measured.get(scene.roughness) or measured.get(None)
+        roughness = with_values(campaign.scene, dict(zip(places, values, strict=True))).roughness
+        found = measured.get(roughness) or measured.get(None)
         point = GridPoint(campaign.scene, places, values, found)
-        scene = scene if found is None else found.under(scene)
+        scene = point.scene
         for level in levels:
             if scene.follows_topography:
-                pressed = bodies_of(scene, level.discretisation, found)
+                pressed = bodies_of(point, level.discretisation)
             else:
                 own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
                 if own is None and scene.roughness is not None:
                     own = random_surface_of(scene.roughness, level.discretisation)
-                pressed = punch_on_its_form(scene, own, document)
+                pressed = rough_surfaces.punch_on_its_form(scene, own, document)
             tractions, shape = None, pressed.surface.shape
             if boundary is not None:
                 arrays = arrays_of(boundary, scene.dimension, shape)
-                tractions = tractions_on_the_body(document, scene, arrays, pressed)
+                tractions = contact_input.tractions_on_the_body(document, scene, arrays, pressed)
                 tractions = known.setdefault(tractions.digest, tractions)
             pattern = pattern_on(scene.dimension, shape)
             try:
@@ -273,7 +259,7 @@ def _surface(
     assert campaign.seed is not None  # the campaign's promise
     assert isinstance(roughness, Random)  # any other is measured
     try:
-        return random_surface(roughness, campaign.scene, discretisation, campaign.seed)
+        return rough_surfaces.random_surface(roughness, campaign.scene, discretisation, campaign.seed)
     except ValueError as error:
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
@@ -281,25 +267,22 @@ def _surface(
         raise InputError.of("scene.roughness", given, f"a usable surface, not {error}") from None
 
 
-class _RoughBodies:
-    """The rough bodies of a campaign's scenes. The first realisation of each sum of surfaces is checked once."""
+def _rough_bodies(
+    campaign: Campaign, document: Document, checked: set[Any], point: GridPoint, discretisation: Discretisation | None
+) -> FacingSurfaces:
+    """Return all surfaces of a scene and its bodies; raises InputError.
 
-    def __init__(self, campaign: Campaign, document: Document):
-        self._campaign, self._document = campaign, document
-        self._checked: set[tuple[SummedSurface, tuple[tuple[float, float, int], ...]]] = set()
-
-    def __call__(
-        self, scene: Scene, discretisation: Discretisation | None, given: MeasuredScene | None
-    ) -> FacingSurfaces:
-        """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError."""
-        measured, document = ({}, self._document) if given is None else (given.surfaces, given.document)
-        order, seed = self._campaign.numerics.slope_order(scene), self._campaign.seed or 0
-        summed, rough = ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
-        known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
-        if known not in self._checked:
-            check_drawn(scene, summed, rough, 0, document)
-            self._checked.add(known)
-        return FacingSurfaces(summed, summed.rms_gradient, rough=rough)
+    The first realisation of each sum of surfaces is checked once, and then is among the `checked`.
+    """
+    scene, given = point.scene, point.measured
+    measured, document = ({}, document) if given is None else (given.surfaces, given.document)
+    order, seed = campaign.numerics.slope_order(scene), campaign.seed or 0
+    summed, rough = rough_surfaces.ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
+    known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
+    if known not in checked:
+        rough_surfaces.check_drawn(scene, summed, rough, 0, document)
+        checked.add(known)
+    return FacingSurfaces(summed, summed.rms_gradient, rough=rough)
 
 
 def _check_loads(scene: Scene, pressed: FacingSurfaces, campaign: Campaign, document: Document) -> None:
@@ -311,7 +294,7 @@ def _check_loads(scene: Scene, pressed: FacingSurfaces, campaign: Campaign, docu
         place = ("grid", control, varied.index(getattr(scene.loading, control)))
     places: list[Location] = [place, *(("path", i, control) for i in range(len(campaign.path)))]
     loaded = (each for each, _ in steps_of(scene, campaign.path))
-    check_loads(zip(places, loaded, strict=True), pressed, document)
+    contact_input.check_loads(zip(places, loaded, strict=True), pressed, document)
 
 
 def distinct(cases: Iterable[Case]) -> list[Problem]:
@@ -363,7 +346,7 @@ def split(cases: Iterable[Case], held: Mapping[str, Collection[Range]]) -> Itera
 def groups(cases: Iterable[Case]) -> list[list[Case]]:
     """Return groups of cases that differ only in discretisation, in the order of the campaign."""
     cases = list(cases)
-    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.forms_groups]
+    physics = [axis for axis in present(cases[0].scene, cases[0].discretisation) if axis.record]
     found: dict[tuple[float | str | None, ...], list[Case]] = {}
     for case in cases:
         found.setdefault(tuple(axis.value(case.scene, case.discretisation) for axis in physics), []).append(case)

@@ -143,12 +143,6 @@ def local(count: int) -> Iterator[Any]:
         yield client
 
 
-def is_client(given: object) -> bool:
-    """Whether this is a dask client."""
-    distributed = sys.modules.get("distributed")  # without it nobody has one
-    return distributed is not None and isinstance(given, distributed.Client)
-
-
 @contextmanager
 def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]:
     """Yield a client of the scheduler at an address, or without an address the given client; raises InputError."""

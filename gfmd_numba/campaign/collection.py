@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.campaign import failures, rounds
-from gfmd_numba.campaign.cases import Block, Case
+from gfmd_numba.campaign.cases import Block, Case, said_of
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
 from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import SENTENCES, Ending, Failure
@@ -20,15 +20,8 @@ from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, jo
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.validity import result_warnings
-from gfmd_numba.contact import law_resolution, observables
-from gfmd_numba.contact.contact_dataset import (
-    Units,
-    campaign_dataset,
-    cf_attributes,
-    dropped_effects,
-    modulus_attributes,
-    scaled,
-)
+from gfmd_numba.contact import contact_dataset, law_resolution, observables
+from gfmd_numba.contact.contact_dataset import Units, cf_attributes
 from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
 from gfmd_numba.contact.observables import Observable
 from gfmd_numba.contact.problem import Problem
@@ -77,9 +70,9 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     made_with = joined(filter(None, (stored.made_with(block.name) for block in blocks)))
     attributes = {
         **described(planned),
-        "dropped_effects": dropped_effects(planned.effects),
+        "dropped_effects": contact_dataset.dropped_effects(planned.effects),
         "validity": "\n".join(filter(None, (planned.validity, doubt(made_with)))),
-        **({"processing": planned.processing} if planned.measured else {}),
+        **({"processing": "\n".join(said_of(planned.measured, "done"))} if planned.measured else {}),
         "n_distinct_problems": len(planned.problems),
         "versions": json.dumps(versions() | made_with),
         "git_commit": git_commit(),
@@ -91,11 +84,14 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         **noted(directory),
     }
     rows = recorded_of(planned.cases)
-    values = [in_file_units(case, rows, measured[case.problem.identity]) for case in planned.cases]
+    values = []
+    for case in planned.cases:
+        worth, found = Units.of(case.scene, case.rms_gradient).worth, measured[case.problem.identity]
+        values.append({name: contact_dataset.scaled(found[name], worth[row.unit]) for name, row in rows.items()})
     scene = planned.cases[0].scene  # measured ones tell their period
     coordinates = described_coordinates(scene, planned.cases) | steps_of_paths(planned.cases, planned.campaign.path)
-    dataset = campaign_dataset(coordinates, rows, values, Units.of(scene).names)
-    dataset = dataset.assign_attrs(attributes | modulus_attributes(planned.campaign.scene))
+    dataset = contact_dataset.campaign_dataset(coordinates, rows, values, Units.of(scene).names)
+    dataset = dataset.assign_attrs(attributes | contact_dataset.modulus_attributes(planned.campaign.scene))
     dataset["status"].attrs |= flag_attributes(SENTENCES)
     dataset["case_seconds"] = (
         "case",
@@ -148,12 +144,6 @@ def recorded_of(cases: list[Case]) -> dict[str, Observable]:
         rough = case.problem.rough
         rows |= observables.recorded_along(case.scene, 0 if rough is None else rough.order)
     return rows
-
-
-def in_file_units(case: Case, rows: Mapping[str, Observable], measured: Measures) -> Measures:
-    """Return the measures of a case in the units of the file, from those of its dimensionless problem."""
-    scale = Units.of(case.scene, case.rms_gradient).worth
-    return {name: scaled(measured[name], scale[row.unit]) for name, row in rows.items()}
 
 
 def _measured(

@@ -95,7 +95,7 @@ def described_coordinates(scene: Scene, cases: list[Case]) -> dict[str, Describe
         attributes[axis.coordinate] = cf_attributes(axis.long_name, unit[axis.unit]) | {
             "symbol": axis.symbol,
             "label": axis.label,
-            "axis": "physics" if axis.forms_groups else "discretisation",
+            "axis": "physics" if axis.record else "discretisation",
             "rank": rank,
         }
     if cases[0].scene.loading.reduced_pressure is None:  # it follows from another load, and is no axis

@@ -5,6 +5,7 @@ A task is done by one process: its blocks are solved one after another, and stor
 
 import faulthandler
 import signal
+import sys
 import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Mapping
@@ -215,7 +216,8 @@ def workers_of(given: object) -> Workers:
     """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
     if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
         return Workers(int(given))
-    if cluster.is_client(given):
+    distributed = sys.modules.get("distributed")  # without it nobody has a client
+    if distributed is not None and isinstance(given, distributed.Client):
         return Workers(client=given)
     if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
         return Workers(cluster=cluster.load_cluster(given))
@@ -242,17 +244,17 @@ def started(workers: Workers, directory: Path) -> Iterator[Workers]:
     """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
     if workers.client is not None or workers.in_this_process:
         yield workers
-    elif workers.cluster is not None:
+        return
+    if workers.cluster is not None:
         from gfmd_numba.campaign.job_queue import jobs
 
-        with jobs(workers.cluster, directory.resolve(), workers.queue_told) as client:
-            yield replace(workers, client=client)
+        begun = jobs(workers.cluster, directory.resolve(), workers.queue_told)
     elif workers.address is not None:
-        with cluster.connected(workers.address, None, workers.insecure) as client:
-            yield replace(workers, client=client)
+        begun = cluster.connected(workers.address, None, workers.insecure)
     else:
-        with cluster.local(workers.count) as client:
-            yield replace(workers, client=client)
+        begun = cluster.local(workers.count)
+    with begun as client:
+        yield replace(workers, client=client)
 
 
 def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:

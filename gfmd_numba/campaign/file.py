@@ -10,7 +10,7 @@ import yaml
 from pydantic import BaseModel, Field, model_validator
 
 from gfmd_numba.campaign.axes import DISCRETISATIONS, Grid, check_grid, check_surfaces_of_grid, values_of, varied_scenes
-from gfmd_numba.campaign.goal import Fit, Target, check_fitted, check_limit, check_recorded
+from gfmd_numba.campaign.goal import Fit, Target, check_fit
 from gfmd_numba.campaign.limits import (
     COUNT,
     CROSS,
@@ -176,20 +176,10 @@ class Campaign(BaseModel):
             if surfaces > 0:
                 yield values, {axis: ("limits", CROSS, i, axis) for axis in values}, surfaces
 
-    def _check_cross_levels(self) -> None:
-        for i, level in enumerate(self.limits.crossed):
-            for axis, value in level.items():
-                if self.reference is not None and value == getattr(self.reference, axis):
-                    raise broken_rule(("limits", CROSS, i, axis), f"a value other than the reference's, {value:.6g}")
-
-    @model_validator(mode="after")
-    def _is_of_contacts(self) -> Self:
-        if not self.scene.has_punch:
-            raise broken_rule(("scene", "loading"), "a loading, and an interface, as campaigns are of contacts")
-        return self
-
     @model_validator(mode="after")
     def _draws_what_is_random(self) -> Self:
+        if not self.scene.has_punch:
+            raise broken_rule(("scene", "loading"), "a loading, and an interface, as campaigns are of contacts")
         random = any(isinstance(surface, Random) for surface in self.scene.surfaces.values())
         for name, allowed in (("seed", f"{SEED}, as surfaces are random"), ("realisations", _REALISATIONS)):
             given = name in self.model_fields_set
@@ -214,7 +204,10 @@ class Campaign(BaseModel):
             raise broken_rule(("reference",), f"{_LEVELS}, as the surface has no points")
         if not needed and self.reference is not None:
             raise broken_rule(("reference",), "nothing, as the surface has points and lengths of its own")
-        self._check_cross_levels()
+        for i, level in enumerate(self.limits.crossed if self.reference is not None else ()):
+            for axis, value in level.items():
+                if value == getattr(self.reference, axis):
+                    raise broken_rule(("limits", CROSS, i, axis), f"a value other than the reference's, {value:.6g}")
         chosen = needed and self.chooses_levels
         if chosen and "realisations" in self.model_fields_set:
             raise broken_rule(
@@ -258,13 +251,10 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
     check_grid(document, campaign.scene, campaign.grid)
-    scenes = (campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid)))
+    scenes = [campaign.scene, *(each for _, _, each in varied_scenes(campaign.scene, campaign.grid))]
+    orders = [(each, campaign.numerics.slope_order(each)) for each in scenes]
     for fit, place in campaign.fits():
-        if place[0] == "target":
-            check_limit(document, campaign.scene, campaign.limits.varied, fit, place)
-        if place[0] == "target" or campaign.limits.varied or "variable" in campaign.fit.model_fields_set:
-            check_fitted(document, fit, place, scenes)
-        check_recorded(document, fit, place, [(each, campaign.numerics.slope_order(each)) for each in scenes])
+        check_fit(document, fit, place, orders, campaign.limits.varied)
     _check_files(document, campaign)
     if document.path is None:
         document = replace(document, text=written(asked))

@@ -1,7 +1,7 @@
 """What a campaign is to find: the variable that is fitted, errors of variables in the limit, and a budget of time."""
 
-from collections.abc import Callable, Collection, Iterable, Mapping
-from math import inf
+from collections.abc import Callable, Collection, Mapping, Sequence
+from math import inf, nan
 from typing import Annotated, Any, Literal, cast
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, WithJsonSchema
@@ -85,13 +85,10 @@ def goal_of(until: object, budget: object = None) -> Goal:
 def seconds_of(given: object) -> float | None:
     """Return the seconds in a number or in a text like `20min` or `90 s`; None if that is no time above 0."""
     try:
-        seconds = float(cast(Any, given)) if not isinstance(given, bool) else None
-    except (TypeError, ValueError):
-        try:
-            seconds = TIME.si_value(given) if isinstance(given, str) else None
-        except PydanticCustomError:
-            seconds = None
-    return seconds if seconds is not None and 0.0 < seconds < inf else None
+        seconds = nan if isinstance(given, bool) else float(TIME.read(given))
+    except (TypeError, ValueError, PydanticCustomError):
+        seconds = nan
+    return seconds if 0.0 < seconds < inf else None
 
 
 class Fit(BaseModel):
@@ -141,12 +138,6 @@ class Fit(BaseModel):
             raise broken_rule(("fit", "step"), f"a step from 0, the first loading, to {n_steps}")
 
 
-def check_limit(document: Document, scene: Scene, varied: Collection[str], fit: Fit, place: Location) -> None:
-    """Raise InputError for a target, at a place in the file, without a limit in the discretisations that vary."""
-    if why := observables.unheld(observables.LIMITED[fit.variable], scene, varied):
-        raise document.error(place, fit.variable, f"what has a limit here; {fit.variable} has none, because {why}")
-
-
 # of what a variable needs: whether a scene has it, and what it is
 _NEEDS: dict[str, tuple[Callable[[Scene], bool], str]] = {
     "hardness": (lambda scene: scene.interface.hardness is not None, "a hardness of the hard_wall"),
@@ -155,20 +146,25 @@ _NEEDS: dict[str, tuple[Callable[[Scene], bool], str]] = {
 }
 
 
-def check_recorded(document: Document, fit: Fit, place: Location, scenes: Iterable[tuple[Scene, int]]) -> None:
-    """Raise InputError unless one of the scenes, each with its order in the slope, records what is fitted.
+def check_fit(
+    document: Document, fit: Fit, place: Location, scenes: Sequence[tuple[Scene, int]], varied: Collection[str]
+) -> None:
+    """Raise InputError unless one of the scenes, each with its order in the slope, has what is fitted.
 
-    `place` is where the variable stands in the file.
+    `place` is where the variable stands in the file. A target needs a limit in the discretisations that are `varied`.
     """
-    scenes, along = list(scenes), fit.variable in observables.PATH_OBSERVABLES
-    has, what = _NEEDS.get(observables.LIMITED[fit.variable].needs, (bool, ""))
-    if not any(has(scene) for scene, _ in scenes):
-        raise document.error(place, fit.variable, f"what these contacts have; this needs {what}")
-    if along and not any(fit.variable in observables.recorded_along(scene, order) for scene, order in scenes):
-        raise document.error(place, fit.variable, f"what this path has; {observables.needed_for(fit.variable)}")
-
-
-def check_fitted(document: Document, fit: Fit, place: Location, scenes: Iterable[Scene]) -> None:
-    """Raise InputError if what is fitted is zero in each of the scenes, as nothing touches in them."""
-    if fit.variable in observables.OF_TOUCHING and not any(scene.interface.touches for scene in scenes):
-        raise document.error(place, fit.variable, "mean_gap or elastic_energy: under this law nothing touches")
+    variable, row, allowed = fit.variable, observables.LIMITED[fit.variable], ""
+    has, what = _NEEDS.get(row.needs, (bool, ""))
+    is_asked = place[0] == "target" or varied or "variable" in fit.model_fields_set
+    if place[0] == "target" and (why := observables.unheld(row, scenes[0][0], varied)):
+        allowed = f"what has a limit here; {variable} has none, because {why}"
+    elif is_asked and variable in observables.OF_TOUCHING and not any(each.interface.touches for each, _ in scenes):
+        allowed = "mean_gap or elastic_energy: under this law nothing touches"
+    elif not any(has(scene) for scene, _ in scenes):
+        allowed = f"what these contacts have; this needs {what}"
+    elif variable in observables.PATH_OBSERVABLES and not any(
+        variable in observables.recorded_along(scene, order) for scene, order in scenes
+    ):
+        allowed = f"what this path has; {observables.needed_for(variable)}"
+    if allowed:
+        raise document.error(place, variable, allowed)

@@ -219,7 +219,8 @@ def _within(limit: float, known: Known, target: float) -> tuple[float, Counts, f
 
 def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataError:
     """Return the error that says why the most realisations do not reach a target, and what helps."""
-    whom = _group_of(known.results, group.parameters)
+    varied = [name for name in group.parameters if len(set(known.results[name].values.tolist())) > 1]
+    whom = ", ".join(f"{name} = {group.parameters[name]:g}" for name in varied) + ": " * bool(varied)
     least, further = (
         max(group.pilot.predictions(np.full(group.where.size, number)), key=lambda each: each.error)
         for number in (MOST, 100 * MOST)
@@ -252,13 +253,6 @@ def _narrower(cases: xr.Dataset, fit: Fit) -> str:
         return "narrower ranges under `fit: {fixed: ...}`"
     unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
     return f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
-
-
-def _group_of(results: xr.Dataset, parameters: Mapping[str, float]) -> str:
-    """Return which of several groups is meant."""
-    varied = [name for name in parameters if len(set(results[name].values.tolist())) > 1]
-    named = [f"{name} = {parameters[name]:g}" for name in varied]
-    return f"{', '.join(named)}: " if named else ""
 
 
 REACHED = "reached"
@@ -366,7 +360,13 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     another = _with_another(state, furthest, aim, min(of_laws, target))
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
     finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
-    return another if finer is None or _is_cheaper(another, finer, price) else finer
+    if finer is None:
+        return another
+    if another.ended or another.now.target_price is None:  # surfaces do not do alone
+        return finer
+    # surfaces reach the target for the expected price, but finer levels, which tell more, may not do so in one round
+    dear = (finer.now.price or 0.0) - price > _SHARE_OF_PRICE * (another.now.target_price - price)
+    return another if finer.ended or dear else finer
 
 
 def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
@@ -385,17 +385,6 @@ def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequenc
         f"no law of the limits describes the means{missed}, although the levels became finer {_FUTILE} times; gfmd "
         "allows levels and ranges of exponents of your own"
     )
-
-
-def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
-    """Return whether more surfaces are a better next round than finer levels, which tell more about the laws.
-
-    Surfaces reach the target for the expected price, but finer levels may not reach it in one round.
-    """
-    if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
-        return False
-    dear = (levels.now.price or 0.0) - spent > _SHARE_OF_PRICE * (surfaces.now.target_price - spent)
-    return bool(levels.ended) or dear
 
 
 @dataclass(frozen=True)
@@ -469,7 +458,10 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
     another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=known.fit.variable)
     counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
-    alike = _alike(now, results["case_id"].values.tolist())
+    of_case = dict(zip(now.cases, results["case_id"].values.tolist(), strict=True))
+    first_of: dict[tuple[str, ...], int] = {}  # the group whose problems are solved once for it and others
+    problems = (tuple(of_case[group, each] for each in of_group) for group, of_group in enumerate(now.levels))
+    alike = [first_of.setdefault(each, group) for group, each in enumerate(problems)]
     priced: dict[tuple[int, Level], float] = {}
     for (group, level), count in zip(another.cases, counts, strict=True):
         like = now.levels[group][0]  # whose contacts take as many transforms
@@ -520,22 +512,15 @@ def _for_the_others(
     return dict(zip(cases, decision.realisations, strict=True)), (decision.price or 0.0) - spent
 
 
-def _alike(now: Round, identities: Sequence[str]) -> list[int]:
-    """Return for each group the first one with the same problems, which are solved once for both."""
-    of_case = dict(zip(now.cases, identities, strict=True))
-    first: dict[tuple[str, ...], int] = {}
-    return [
-        first.setdefault(tuple(of_case[group, level] for level in levels), group)
-        for group, levels in enumerate(now.levels)
-    ]
-
-
 def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: float) -> Rounds:
     """Return the rounds with one more of more realisations, which bring all error but that `of_laws` to an `aim`."""
     try:
         decision = _decision(state, of_target, aim, _most(state))
     except UnknownExponentsError as error:
-        return state.ending(f"not {REACHED}: {error}{_widest(of_target.fitted)}")
+        shares = of_target.fitted["error_budget"].max("group")
+        exponents = {name: float(shares.sel(source=name)) for name in LIMITS if shares.sel(source=name) > 0}
+        widest = f" (above all that of {max(exponents, key=exponents.__getitem__)})" if exponents else ""
+        return state.ending(f"not {REACHED}: {error}{widest}")
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:
@@ -549,10 +534,3 @@ def _decision(state: Rounds, of_target: _Standing, aim: float, most: float) -> R
     found = of_target.found
     mendable = replace(found, error=min(found.error, found.predicted)) if found.error < inf else found
     return decide(of_target.known, mendable, aim, most, after_pilot=len(state.rounds) == 1)
-
-
-def _widest(fitted: xr.Dataset) -> str:
-    """Say which exponent's range the error of the limit comes from mostly, where the fit tells."""
-    shares = fitted["error_budget"].max("group")
-    exponents = {name: float(shares.sel(source=name)) for name in LIMITS if shares.sel(source=name) > 0}
-    return f" (above all that of {max(exponents, key=lambda name: exponents[name])})" if exponents else ""

@@ -125,7 +125,9 @@ def _check_content(directory: Path, text: bytes) -> None:
         return
     if directory.is_dir():
         _check_mark(directory)
-        if json_file.read(directory / MARK) or all(_is_nothing(entry) for entry in directory.iterdir()):
+        others = [entry for entry in directory.iterdir() if not _is_leftover(entry)]
+        empty = (each.name in (_LOCK, MARK) and atomic_file.read(each) == b"" for each in others)
+        if json_file.read(directory / MARK) or all(empty):
             return
         if _is_text(atomic_file.read(directory / LABEL), text):
             found = shards.Finished(directory)
@@ -136,11 +138,6 @@ def _check_content(directory: Path, text: bytes) -> None:
         "a path that holds something else",
         f"a new or empty directory, or one that `gfmd run` made and marked with a file {MARK} (choose with --output)",
     )
-
-
-def _is_nothing(entry: Path) -> bool:
-    """Return whether a file holds no work: a lock, an empty mark, or what a kill leaves behind."""
-    return _is_leftover(entry) or (entry.name in (_LOCK, MARK) and atomic_file.read(entry) == b"")
 
 
 def _is_leftover(entry: Path) -> bool:

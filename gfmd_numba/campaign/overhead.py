@@ -10,10 +10,9 @@ import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
-from gfmd_numba.campaign.cases import Case, groups
+from gfmd_numba.campaign.cases import groups
 from gfmd_numba.campaign.coordinates import described_coordinates
 from gfmd_numba.campaign.cost import remember, remembered
-from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.plan import Plan
 
 UNSURE = 1.4  # factor below which it stays with 90 % probability, whatever else the machine does
@@ -70,8 +69,16 @@ def _rehearsed(planned: Plan) -> float:
     cases = [case for group in members[:_REHEARSED] for case in group]
     asked = max(case.realisations for case in cases)
     fewer = [replace(case, realisations=min(case.realisations, _REALISATIONS)) for case in cases]
-    results = _made_up(fewer, planned.campaign)
-    fit = planned.campaign.fit
+    fit, rng = planned.campaign.fit, np.random.default_rng(0)
+    counts = np.array([case.realisations for case in fewer])
+    # corrections with likely exponents, and scatter
+    values = 2.0 + 0.1 * rng.standard_normal(counts.max()) + 0.03 * rng.standard_normal((len(fewer), counts.max()))
+    for name, exponent in fit.fixed:
+        eps = np.array([getattr(case.discretisation, name) for case in fewer])
+        values += 0.1 * (eps[:, np.newaxis] / eps.max()) ** np.mean(exponent or 1.0)
+    values[np.arange(counts.max()) >= counts[:, np.newaxis]] = np.nan
+    coordinates = described_coordinates(planned.campaign.scene, fewer)
+    results = xr.Dataset({fit.variable: (("case", "realisation"), values)}, coordinates)
     options = json.loads(fit.model_dump_json(exclude_none=True, exclude={"step"}))
     steps = 1 if fit.is_of_path or fit.step is not None else 1 + len(planned.campaign.path)  # each of which is fitted
     seconds: list[float] = []
@@ -83,17 +90,3 @@ def _rehearsed(planned: Plan) -> float:
     except UnusableDataError:
         return 0.0
     return steps * seconds[1] * len(members) / min(len(members), _REHEARSED) * asked / min(asked, _REALISATIONS)
-
-
-def _made_up(cases: list[Case], campaign: Campaign) -> xr.Dataset:
-    """Return results of the form of the cases': corrections with likely exponents, and scatter."""
-    rng = np.random.default_rng(0)
-    asked = np.array([case.realisations for case in cases])
-    shared = rng.standard_normal(asked.max())
-    values = 2.0 + 0.1 * shared + 0.03 * rng.standard_normal((len(cases), asked.max()))
-    for name, exponent in campaign.fit.fixed:
-        eps = np.array([getattr(case.discretisation, name) for case in cases])
-        values += 0.1 * (eps[:, np.newaxis] / eps.max()) ** np.mean(exponent or 1.0)
-    values[np.arange(asked.max()) >= asked[:, np.newaxis]] = np.nan
-    coordinates = described_coordinates(campaign.scene, cases)
-    return xr.Dataset({campaign.fit.variable: (("case", "realisation"), values)}, coordinates)

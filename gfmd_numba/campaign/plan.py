@@ -45,11 +45,6 @@ _TASK_SECONDS = 10.0  # dask needs milliseconds a task; a worker that dies costs
 _TASKS_PER_WORKER = 16  # so that all end at about the same time
 
 
-def is_resolved(cases: Sequence[Case]) -> bool:
-    """Whether the grid of every case resolves its law, or there is none."""
-    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in cases)
-
-
 def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]) -> None:
     """Raise InputError, at the value of the grid that causes it, for a case that does not resolve its law at all."""
     if not campaign.scene.interface.reaches_across:
@@ -118,16 +113,6 @@ class Plan:
         return demand(self.cases)
 
     @property
-    def n_simulations(self) -> int:
-        """Number of distinct simulations."""
-        return sum(self.demand.values())
-
-    @property
-    def n_asked(self) -> int:
-        """Number of simulations that the cases ask for, shared ones counted again."""
-        return sum(case.realisations for case in self.cases)
-
-    @property
     def effects(self) -> tuple[Effect, ...]:
         """What became of the effects of all scenes, each once."""
         return tuple(dict.fromkeys(effect for case in self.cases for effect in case.effects))
@@ -141,11 +126,6 @@ class Plan:
         return "\n".join(
             filter(None, (numbers, *implausible, rough_body_warnings(self.cases), unresolved_law_warning(self.cases)))
         )
-
-    @property
-    def processing(self) -> str:
-        """What was done to measured surfaces."""
-        return "\n".join(said_of(self.measured, "done"))
 
     @property
     def file_bytes(self) -> int:

@@ -1,6 +1,7 @@
 """The netCDF files of campaigns and contacts: which one a path means, and whether it can be read."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 import xarray as xr
@@ -17,9 +18,11 @@ def results_file(path: Path) -> Path:
     """Return the file of results that a path means, itself or the one that a run left in it; raises InputError."""
     if not os.path.isdir(path):  # also of a path that no file can have
         return path
-    named = path / f"{campaign_name(path / 'campaign.yaml')}.nc"
-    if named.is_file():
-        return named
+    with suppress(InputError):
+        data = read_document(path / "campaign.yaml").data
+        name = data.get("name") if isinstance(data, dict) else None
+        if isinstance(name, str) and (path / f"{name}.nc").is_file():
+            return path / f"{name}.nc"
     files = sorted(path.glob("*.nc"))
     if len(files) != 1:
         raise InputError.of(
@@ -28,16 +31,6 @@ def results_file(path: Path) -> Path:
             "the output directory of a finished `gfmd run`, or a netCDF file",
         )
     return files[0]
-
-
-def campaign_name(label: Path) -> str | None:
-    """Return the name of the campaign in a file in its output directory, None if that cannot be read."""
-    try:
-        data = read_document(label).data
-    except InputError:
-        return None
-    name = data.get("name") if isinstance(data, dict) else None
-    return name if isinstance(name, str) else None
 
 
 def read_results(path: Path) -> xr.Dataset:

@@ -18,7 +18,8 @@ from gfmd_numba.campaign.cases import Case, expand, groups
 from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.plan import Plan, is_resolved
+from gfmd_numba.campaign.plan import Plan
+from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
@@ -266,7 +267,7 @@ def _is_usable(campaign: Campaign, level: dict[str, float]) -> bool:
         load_campaign(crossed)
     except InputError:  # waves that are not whole, or too coarse a grid
         return False
-    return is_resolved(expand(crossed))
+    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in expand(crossed))
 
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:

@@ -233,10 +233,21 @@ def first_decision(
 def _prepared(
     source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
 ) -> "_Run":
-    """Return a run with `others` of its fields; raises InputError for a goal or workers that cannot be."""
+    """Return a run with `others` of its fields; raises InputError for a goal, a budget or workers that cannot be."""
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = Path(planned.campaign.name if output is None else output)
-    _check_goal(planned, goal, directory)
+    if all(case.limit == "reference" for case in planned.cases):
+        raise InputError.of("until", "a campaign without a limit", "one with levels under `limits`")
+    if goal.budget is not None and rounds.read(directory) is None:
+        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
+        number = min(case.realisations for case in planned.cases)
+        if pilot > goal.budget:
+            raise InputError.of(
+                "budget",
+                f"{goal.budget:.3g} s of processor time, where the pilot of {number} realisations of the finest level, "
+                f"and more of the others, takes about {pilot:.3g} s",
+                "more, or a campaign with fewer or coarser levels",
+            )
     check(workers, directory)
     return _Run(planned, goal, directory, workers, **others)
 
@@ -343,22 +354,6 @@ class _Run:
         rounds.write(self.directory, state)
         results = collect(planned, self.directory)
         return Outcome(results, self.failed(planned), state)
-
-
-def _check_goal(planned: Plan, goal: Goal, directory: Path) -> None:
-    """Raise InputError for a goal that the campaign cannot have, or a budget too small for its pilot."""
-    if all(case.limit == "reference" for case in planned.cases):
-        raise InputError.of("until", "a campaign without a limit", "one with levels under `limits`")
-    if goal.budget is not None and rounds.read(directory) is None:
-        pilot = planned.predicted_cost(_PILOT_SECONDS).quantile(0.5)
-        number = min(case.realisations for case in planned.cases)
-        if pilot > goal.budget:
-            raise InputError.of(
-                "budget",
-                f"{goal.budget:.3g} s of processor time, where the pilot of {number} realisations of the finest level, "
-                f"and more of the others, takes about {pilot:.3g} s",
-                "more, or a campaign with fewer or coarser levels",
-            )
 
 
 def _begun(planned: Plan, goal: Goal, directory: Path) -> Rounds:

@@ -97,8 +97,11 @@ class Finished(dict[str, list[_Place]]):
 
     def _sound(self, name: str) -> bytes | None:
         """Return the payload of a block as it was written, None if there is none."""
-        payloads = (_payload(name, place.content()) for place in self.get(name, ()))
-        return next((payload for payload in payloads if payload is not None), None)
+        start = len(_MAGIC) + _DIGEST_BYTES
+        for content in (place.content() for place in self.get(name, ())):
+            if content[:start] == _seal(name, content[start:]):
+                return content[start:]
+        return None
 
 
 def path_of(directory: Path, names: Sequence[str]) -> Path:
@@ -168,12 +171,6 @@ def _described(head: bytes) -> tuple[np.dtype[Any], tuple[int, ...]]:
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read(buffer)
     return dtype, shape
-
-
-def _payload(name: str, content: bytes) -> bytes | None:
-    start = len(_MAGIC) + _DIGEST_BYTES
-    payload = content[start:]
-    return payload if content[:start] == _seal(name, payload) else None
 
 
 def _arrays(payload: bytes) -> Arrays:

@@ -55,12 +55,7 @@ class Verdict:
     altered: dict[Path, str]
 
 
-def campaign_in(directory: Path) -> Plan:
-    """Return the plan of the campaign in an output directory, of its last round if it has any; raises InputError."""
-    return _found_in(directory)[0]
-
-
-def _found_in(directory: Path) -> tuple[Plan, Rounds | None]:
+def campaign_in(directory: Path) -> tuple[Plan, Rounds | None]:
     """Return the plan in an output directory, and the rounds whose last one it is, if any; raises InputError."""
     check_label(directory)
     found = rounds.read(directory)
@@ -73,7 +68,7 @@ def _found_in(directory: Path) -> tuple[Plan, Rounds | None]:
 
 def progress(directory: Path) -> Progress:
     """Return the progress of the campaign in a directory, by the names of its finished blocks; raises InputError."""
-    planned, found = _found_in(directory)
+    planned, found = campaign_in(directory)
     blocks = planned.blocks_in(directory)
     stored = Finished(directory)
     begun = (directory / MARK).stat().st_mtime
@@ -83,6 +78,9 @@ def progress(directory: Path) -> Progress:
     left = sum(_work(block) for name, block in missing.items() if name not in failed)
     recent = sum(_work(block) for block in done if stored.written(block.name) >= begun)  # since the run began
     seconds_left = left * max(0.0, time.time() - begun) / recent if recent > 0.0 else None
+    again = (
+        f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={{}} --retry-failed --workers 0"
+    )
     return Progress(
         campaign=planned.campaign.name,
         running=at_work(directory),
@@ -90,7 +88,7 @@ def progress(directory: Path) -> Progress:
         done=len(done),
         failed=failed,
         seconds_left=seconds_left if left > 0.0 else 0.0,
-        retry={name: _retry(directory, missing[name]) for name in failed},
+        retry={name: again.format(missing[name].problem.identity) for name in failed},
         ended=None if found is None else found.ended,
     )
 
@@ -100,7 +98,7 @@ def verify(directory: Path) -> Verdict:
 
     Raises InputError, and AlteredError if it is not sure to which campaign they belong.
     """
-    planned = campaign_in(directory)
+    planned, _ = campaign_in(directory)
     expected = {block.name for block in planned.blocks_in(directory)}
     sound = 0
     damaged: list[str] = []
@@ -127,13 +125,11 @@ def verify(directory: Path) -> Verdict:
 
 def finished(planned: Plan, directory: Path, fewest: Sequence[int]) -> list[int]:
     """Return how many realisations (case) have ended, without a gap after the first, but at least the fewest (case)."""
-    stored = Finished(directory)
-
-    def has_ended(block: Block) -> bool:
-        return block.name in stored or failures.of(directory, block.name) is not None
-
-    of_problems = groupby(planned.blocks_in(directory), lambda block: block.problem.identity)  # in order
-    reach = {name: max((block.stop for block in takewhile(has_ended, each)), default=0) for name, each in of_problems}
+    blocks, stored = planned.blocks_in(directory), Finished(directory)
+    ended = stored.keys() | failures.of_all(directory, [block.name for block in blocks])
+    reach: dict[str, int] = {}
+    for name, each in groupby(blocks, lambda block: block.problem.identity):  # in order
+        reach[name] = max((block.stop for block in takewhile(lambda block: block.name in ended, each)), default=0)
     cases = zip(planned.cases, fewest, strict=True)
     return [max(least, min(case.realisations, reach.get(case.problem.identity, 0))) for case, least in cases]
 
@@ -152,10 +148,3 @@ def seconds_per_price(planned: Plan, directory: Path) -> float | None:
 
 def _work(block: Block) -> float:
     return block.size * block.problem.n_loads * float(price_of_transform(block.problem.surface.nodes))
-
-
-def _retry(directory: Path, block: Block) -> str:
-    return (
-        f"gfmd run {word(directory / LABEL)} --output {word(directory)} --only case_id={block.problem.identity} "
-        "--retry-failed --workers 0"
-    )

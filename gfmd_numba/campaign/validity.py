@@ -9,7 +9,6 @@ import xarray as xr
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact import law_resolution, validity
-from gfmd_numba.contact.problem import RoughBodies
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.surfaces import SummedSurface
@@ -27,30 +26,20 @@ def rough_body_warnings(cases: Sequence[Case]) -> str:
         return ""
     followed = dict.fromkeys((case.problem.surface, case.problem.rough) for case in cases)
     bodies = [(surface, rough) for surface, rough in followed if isinstance(surface, SummedSurface) and rough]
-    return "\n".join(filter(None, (_of_slopes(bodies), _of_films(bodies))))
-
-
-def _of_slopes(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
     own = ((surface, body.part) for surface, rough in bodies for body in rough.bodies)
     steepest = max((surface.parts[part].rms_gradient for surface, part in own if part is not None), default=0.0)
-    if steepest <= STEEPEST:
-        return ""
-    return (
+    steep = (
         f"a deformable surface has an rms gradient of up to {steepest:.3g}, above {STEEPEST:g}: "
         "`next_order` says what the next order in the slope would add to displacements, and the error is of that size"
     )
-
-
-def _of_films(bodies: Sequence[tuple[SummedSurface, RoughBodies]]) -> str:
-    """Return a warning about the film whose thickness changes most, by the first realisation of each surface."""
-    films = []
+    films = []  # by the first realisation of each surface
     for surface, rough in bodies:
         thicknesses = (body.elastic.top.aspect_ratio for body in rough.bodies)
         # thin compared with the longest waves
         if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
             drawn = surface.drawn(0)
             films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
-    return validity.thin_film_warning(films)
+    return "\n".join(filter(None, (steep if steepest > STEEPEST else "", validity.thin_film_warning(films))))
 
 
 def unresolved_law_warning(cases: Sequence[Case]) -> str:

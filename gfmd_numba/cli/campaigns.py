@@ -13,17 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    NEW_FILE,
-    budget_option,
-    conditions_option,
-    file_argument,
-    is_given,
-    json_option,
-    told_as,
-    until_option,
-    workers_option,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
 from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
@@ -38,30 +28,29 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
     from gfmd_numba.campaign.run import Choice, Told, Watch
-    from gfmd_numba.campaign.status import Progress
 
 
 _OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Python are named on the command line
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
-@workers_option("Number of local worker processes; 0 works in this process")
+@arguments.workers_option("Number of local worker processes; 0 works in this process")
 @click.option("--scheduler", metavar="ADDRESS", help="Use the dask scheduler at this address")
 @click.option("--insecure", is_flag=True, help="Allow a scheduler on another machine without TLS")
 @click.option(
     "--cluster",
-    type=NEW_FILE,
+    type=arguments.NEW_FILE,
     metavar="CLUSTER.yaml",
     help="Have jobs of a queueing system do the work, as this file describes them",
 )
-@conditions_option
+@arguments.conditions_option
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
-@until_option
-@budget_option
+@arguments.until_option
+@arguments.budget_option
 def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
 
@@ -73,15 +62,14 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     """
     from gfmd_numba.campaign.file import load_campaign, target_of_run
     from gfmd_numba.campaign.output_directory import holds_another_version
-    from gfmd_numba.campaign.run import Choice, StoppedError
+    from gfmd_numba.campaign.run import Choice, InterruptedRunError, StoppedError, run_until
     from gfmd_numba.campaign.run import run as run_campaign
 
     who = _workers(options)
     choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
-    with told_as(_OF_A_GOAL):
-        goal = goal_in(file, until, budget) if until else None
+    goal = goal_in(file, until, budget, "--until") if until else None
     campaign, document = load_campaign(file, None if goal is None else goal.targets)
     directory = output or Path(campaign.name)
     if holds_another_version(directory, document.text):
@@ -89,11 +77,16 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
         say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
     try:
         if goal is not None:
-            reached = _run_rounds(file, output, who, choice, goal)
+            with arguments.told_as(_OF_A_GOAL), rounds_shown() as (watched, told):
+                outcome = run_until(file, goal, output, who, watched, choice, told)
+            reached = show_results(outcome.results, outcome.failures) and outcome.reached
         else:
             with progress_bar() as watch:
                 results, failures = run_campaign(file, output, who, watch, choice)
             reached = show_results(results, failures, of_some=bool(choice.only))
+    except InterruptedRunError as interrupted:  # the best estimate is shown first
+        show_results(interrupted.outcome.results, interrupted.outcome.failures)
+        raise
     except StoppedError as error:
         warn(str(error))
         reached = False
@@ -106,7 +99,7 @@ def _workers(options: dict[str, Any]) -> Workers:
     from gfmd_numba.campaign.cluster import load_cluster
     from gfmd_numba.campaign.execution import Workers
 
-    given = [name for name in ("workers", "scheduler", "cluster") if is_given(name)]
+    given = [name for name in ("workers", "scheduler", "cluster") if arguments.is_given(name)]
     if len(given) > 1:
         raise click.UsageError(
             f"--{given[1]}: you gave --{given[0]} as well; gfmd allows one of them, as it says who works"
@@ -127,10 +120,9 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     say_written("results", results)
     dataset = gfmd_numba.open_campaign(results)
     say_doubts(dataset)
-    status, meanings = dataset["status"], dataset["status"].attrs["flag_meanings"].split()
-    to_do = int((status == meanings.index("unfinished")).sum())
-    asked = int((status != meanings.index("not_asked")).sum())
-    not_ok = asked - to_do - int((status == 0).sum())
+    counts = {ending: int(which.sum()) for ending, which, _ in endings(dataset["status"])}
+    to_do, asked = counts.get("unfinished", 0), dataset["status"].size - counts.pop("not_asked", 0)
+    not_ok = sum(counts.values()) - to_do
     drawn = True
     if to_do:
         rest = "a run without --only takes the other cases" if of_some else "the same command resumes"
@@ -145,24 +137,17 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
         tell(of_campaign(dataset, None))
     for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
-    _show_endings(dataset)
+    for ending, which, sentence in endings(dataset["status"]):
+        ended = dataset["n_iterations"].where(which)
+        if ended.max() > 0:  # what has not run has no iterations
+            first = f"the first after {int(ended.min())} iterations"
+            warn(f"{int(ended.count())} ended as {ending}, {first}. {sentence}")
     if not_ok:
         warn(
             f"{not_ok} of {asked} simulations are not ok, see `status` in the file; "
             f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
         )
     return drawn and not not_ok
-
-
-def _show_endings(dataset: xr.Dataset) -> None:
-    """Print how many simulations ended in each way that is not ok."""
-    status = dataset["status"]
-    meanings = status.attrs["flag_meanings"].split()
-    for ending, sentence in endings(status):
-        ended = dataset["n_iterations"].where(status == meanings.index(ending))
-        if ended.max() > 0:  # what has not run has no iterations
-            first = f"the first after {int(ended.min())} iterations"
-            warn(f"{int(ended.count())} ended as {ending}, {first}. {sentence}")
 
 
 def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
@@ -194,28 +179,16 @@ def _check_options(until: object, budget: str | None, choice: Choice) -> None:
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 
 
-def _run_rounds(file: Path, output: Path | None, workers: Workers, choice: Choice, goal: Goal) -> bool:
-    """Run a campaign until its limit has an error, and show the results; return False if that or some blocks failed.
+def goal_in(file: Path, until: dict[str, Any], budget: str | None, option: str) -> Goal:
+    """Return the goal of a campaign in a file: without a name, an error of what the campaign fits.
 
-    If Ctrl-C stops it, the best estimate is shown first.
+    Errors name the `option` that gives it.
     """
-    from gfmd_numba.campaign.run import InterruptedRunError, run_until
-
-    try:
-        with told_as(_OF_A_GOAL), rounds_shown() as (watch, told):
-            outcome = run_until(file, goal, output, workers, watch, choice, told)
-    except InterruptedRunError as interrupted:
-        show_results(interrupted.outcome.results, interrupted.outcome.failures)
-        raise
-    return show_results(outcome.results, outcome.failures) and outcome.reached
-
-
-def goal_in(file: Path, until: dict[str, Any], budget: str | None) -> Goal:
-    """Return the goal of a campaign in a file: without a name, an error of what the campaign fits."""
     from gfmd_numba.campaign.file import fitted_variable
     from gfmd_numba.campaign.goal import goal_of
 
-    return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
+    with arguments.told_as({"until": option, "budget": "--budget"}):
+        return goal_of({variable or fitted_variable(file): target for variable, target in until.items()}, budget)
 
 
 @contextmanager
@@ -285,13 +258,14 @@ _directory = click.argument("directory", type=click.Path(exists=True, file_okay=
 
 @main.command()
 @_directory
-@json_option
+@arguments.json_option
 @click.option("--watch", is_flag=True, help="Repeat every two seconds until the run has ended")
 def status(directory: Path, as_json: bool, watch: bool) -> None:
     """Show how far the campaign in an output DIRECTORY is.
 
     If blocks have failed, the command prints the reason of each, and the command that runs it again.
     """
+    from gfmd_numba.campaign.next_round import REACHED
     from gfmd_numba.campaign.status import progress
 
     while True:
@@ -300,7 +274,10 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
             click.echo(json.dumps(asdict(now)))
         else:
             left = "" if now.seconds_left is None or not now.running else f", about {duration(now.seconds_left)} left"
-            state = "running" if now.running else _stopped(now)
+            state = "finished" if now.done == now.blocks and now.ended != "" else "not running"
+            if now.ended and now.ended != REACHED:  # blocks that are done are no target that is reached
+                state = now.ended
+            state = "running" if now.running else state
             failed = f", {len(now.failed)} failed" if now.failed else ""
             say("", f"{now.campaign}: {now.done} of {now.blocks} blocks done{failed}; {state}{left}", width=0)
         if not watch or not now.running:
@@ -310,15 +287,6 @@ def status(directory: Path, as_json: bool, watch: bool) -> None:
         for block, failure in now.failed.items():
             say(failure.status, f"{block}: {failure.reason}", width=10)
             say_command(now.retry[block], width=10)
-
-
-def _stopped(now: Progress) -> str:
-    """Return how a run has stopped that is not at work; blocks that are done are no target that is reached."""
-    from gfmd_numba.campaign.next_round import REACHED
-
-    if now.ended and now.ended != REACHED:
-        return now.ended
-    return "finished" if now.done == now.blocks and now.ended != "" else "not running"
 
 
 @main.command()
@@ -332,7 +300,7 @@ def collect(directory: Path) -> None:
     from gfmd_numba.campaign.results import read_results
     from gfmd_numba.campaign.status import campaign_in
 
-    results = collect_campaign(campaign_in(directory), directory)
+    results = collect_campaign(campaign_in(directory)[0], directory)
     say_written("results", results)
     for doubt in read_results(results).attrs["validity"].splitlines():
         warn(doubt)

@@ -14,35 +14,15 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    NEW_FILE,
-    file_argument,
-    json_option,
-    not_allowed,
-    output_option,
-    threads_option,
-    told_as,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import (
-    columns_of_measures,
-    endings,
-    named,
-    of_contact,
-    of_curve,
-    of_measures,
-    of_numbers,
-    of_steps,
-    over,
-    prescribed,
-    readable,
-    unit,
-)
-from gfmd_numba.cli.terminal import say, say_done, say_doubts, tell, waiting, warn
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, prescribed, unit, unit_of
+from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.numbers import with_prefix
 from gfmd_numba.text.printable import printable
 
 if TYPE_CHECKING:
@@ -56,10 +36,10 @@ _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # 
 
 
 @main.command()
-@file_argument
-@threads_option
+@arguments.file_argument
+@arguments.threads_option
 @mpi_option
-@output_option
+@arguments.output_option
 def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Path) -> None:
     """Solve the contact or the loaded body in a scene FILE.
 
@@ -85,23 +65,34 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
-    dataset = found
-    write(output, dataset)
-    steps = dataset if "step" in dataset.dims else dataset.expand_dims("step")
-    if "step" in dataset.dims:
-        tell(of_steps(dataset))
-    else:
-        tell(of_contact(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    write(output, found)
+    _tell(found)
+    steps = found if "step" in found.dims else found.expand_dims("step")
     last = steps.isel(step=-1)  # a path ends at its first step that is not ok
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
         warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
-        for _, sentence in endings(steps["status"]):
-            warn(sentence)
+        _explain(steps)
         sys.exit(SOME_FAILED)
+
+
+def _tell(dataset: xr.Dataset) -> None:
+    """Print what came out, what was done to measured surfaces, and the reasons to doubt it."""
+    tell(of_results(dataset, None))
+    _say_done(dataset)
+
+
+def _say_done(dataset: xr.Dataset) -> None:
+    for sentence in dataset.attrs.get("processing", "").splitlines():
+        say("done", sentence)
+    say_doubts(dataset)
+
+
+def _explain(dataset: xr.Dataset) -> None:
+    """Print what it means that runs are not ok."""
+    for _, _, sentence in endings(dataset["status"]):
+        warn(sentence)
 
 
 def _with_threads(described: SceneFile, document: Document, threads: int | None) -> tuple[SceneFile, Document]:
@@ -123,8 +114,8 @@ def _ending(step: xr.Dataset) -> str:
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 def surface(file: Path, output: Path) -> None:
     """Make the rough surface described in FILE.
 
@@ -145,9 +136,7 @@ def surface(file: Path, output: Path) -> None:
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
-    tell(of_numbers(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    _tell(dataset)
 
 
 def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[object] | None:
@@ -164,14 +153,14 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
         return [plain_scalar(text.strip()) for text in option.split(",")]
     many = count.strip()
     if len(ends) != 2 or not (many.isdecimal() and many.isascii() and len(many) < 6 and 2 <= int(many) <= _MOST):
-        raise not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+        raise arguments.not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
     (first, unit_of_first), (last, si), n = *map(_with_si_unit, ends), int(many)
     if first is None or last is None:
         return list(ends)
     if unit_of_first != si:
-        raise not_allowed(repr(option), "two ends with units of one kind, or both without")
+        raise arguments.not_allowed(repr(option), "two ends with units of one kind, or both without")
     if not (0.0 < first < inf and 0.0 < last < inf and first != last):
-        raise not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
+        raise arguments.not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
     values = [first, *(first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)), last]
     return [f"{value!r} {si}" if si else value for value in values]
 
@@ -193,7 +182,7 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @click.option(
     "--loads",
     callback=_values_given,
@@ -213,8 +202,8 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
     help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
-@threads_option
-@output_option
+@arguments.threads_option
+@arguments.output_option
 def curve(
     file: Path,
     loads: list[object] | None,
@@ -237,8 +226,7 @@ def curve(
 
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
-    described, document = load_scene(file)
-    described, document = _with_threads(described, document, threads)
+    described, document = _with_threads(*load_scene(file), threads)
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
@@ -257,9 +245,7 @@ def curve(
     write_table(table, columns(dataset))
     say_written("table", table)
     _draw(dataset, picture)
-    tell(of_curve(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+    _tell(dataset)
     _end(dataset, realisations)
 
 
@@ -282,8 +268,7 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
         loads = ", ".join(f"{load:.4g}" for load in dataset[over(dataset)].values[failed])
         left = "they are left out" if realisations == 1 else "the surfaces that failed are left out there"
         warn(f"not ok at {over(dataset).removeprefix('prescribed_')} {loads}: {left}")
-        for _, sentence in endings(dataset["status"]):
-            warn(sentence)
+        _explain(dataset)
     if "interrupted" in dataset.attrs:
         told = f"interrupted {dataset.attrs['interrupted']}; the files hold these loads; the same command begins again"
         warn(told)
@@ -307,14 +292,14 @@ def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
 _files_option = click.option(
     "-o",
     "--output",
-    type=NEW_FILE,
+    type=arguments.NEW_FILE,
     help="netCDF file to write, with a picture (.png) and for a path a table (.csv) of the same name",
 )
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 @click.option("--body", default="body", show_default=True, help="Body to look into: body or counter_body")
 @click.option("--x", metavar="LENGTH", help="Below a map: the vertical section at this x, like 20um")
 @click.option("--y", metavar="LENGTH", help="Below a map: the section at this y  [through the largest stress]")
@@ -333,7 +318,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     contact = _contact(file)
     at_x, at_y = (None if given is None else place(contact, name, given) for name, given in (("x", x), ("y", y)))
     planes = [place(contact, "plane", given) for given in plane] or None
-    with told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
+    with arguments.told_as(_ARGUMENTS | {"contact": printable(file)}), waiting("computing the fields"):
         dataset = gfmd_numba.body_fields(contact, body=body, x=at_x, y=at_y, planes=planes)
     write(output, dataset, "fields")
     with naming(file):
@@ -343,8 +328,8 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
 
 
 @main.command()
-@file_argument
-@output_option
+@arguments.file_argument
+@arguments.output_option
 @click.option(
     "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
 )
@@ -364,9 +349,9 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @_files_option
-@json_option
+@arguments.json_option
 def leakage(file: Path, output: Path | None, as_json: bool) -> None:
     """Compute how much leaks through the gap of a map.
 
@@ -379,9 +364,9 @@ def leakage(file: Path, output: Path | None, as_json: bool) -> None:
 
 
 @main.command()
-@file_argument
+@arguments.file_argument
 @_files_option
-@json_option
+@arguments.json_option
 def conductance(file: Path, output: Path | None, as_json: bool) -> None:
     """Compute the electrical or thermal conductance of a contact.
 
@@ -413,28 +398,28 @@ def _measure(
 
     from gfmd_numba.storage.atomic_file import write_table
 
-    picture = None if output is None else companion(output, "picture", ".png")
     if output is not None:
+        picture = companion(output, "picture", ".png")
         check_output(output, file)
     contact = _contact(file)
-    table = companion(output, "table", ".csv") if output is not None and "step" in contact.dims else None
-    with told_as({"contact": printable(file)}), naming(file), waiting(doing):
+    if has_table := output is not None and "step" in contact.dims:
+        table = companion(output, "table", ".csv")
+    with arguments.told_as({"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
-    if output is not None and picture is not None:
+    if output is not None:
         write(output, dataset, err=as_json)
         for path, drawing in pictures(dataset, None, picture).items():
             write_picture(path, drawing, err=as_json)
-    if table is not None:
+    if has_table:
         write_table(table, columns_of_measures(dataset))
         say_written("table", table, err=as_json)
     if as_json:
         fields = {"x", "y"} & set(map(str, dataset.dims))
         found = to_jsonable_python(dataset.drop_dims(fields).to_dict(), inf_nan_mode="null", fallback=str)
         click.echo(json.dumps(found))  # null stands for numbers that are not finite
+        _say_done(dataset)
     else:
-        tell(of_measures(dataset))
-    say_done(dataset)
-    say_doubts(dataset)
+        _tell(dataset)
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
@@ -454,12 +439,7 @@ def largest_stress(dataset: xr.Dataset) -> str:
     if not all(map(isfinite, peaks.ravel().tolist())):
         return "unknown, as the run is not ok"
     level = last.isel(z=int(peaks.argmax()))
-    stress = " ".join(readable(float(peaks.max()), _unit(level["peak_von_mises"], "E*")))
-    places = {"x": level["peak_x"], "y": level["peak_y"], "z": level["z"]}
-    at = ", ".join(f"{name} = {' '.join(readable(float(v), _unit(v, 'L_x')))}" for name, v in places.items())
-    return f"von Mises stress of these depths{when} {stress} at {at}"
-
-
-def _unit(variable: xr.DataArray, natural: str) -> str:
-    unit = str(variable.attrs["units"])
-    return natural if unit == "1" else unit
+    stress = with_prefix(float(peaks.max()), unit_of(level, "peak_von_mises", "E*"), 6)
+    places = {"x": "peak_x", "y": "peak_y", "z": "z"}
+    at = (f"{axis} = {with_prefix(float(level[v]), unit_of(level, v, 'L_x'), 6)}" for axis, v in places.items())
+    return f"von Mises stress of these depths{when} {stress} at {', '.join(at)}"

@@ -9,23 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    NEW_FILE,
-    exponents_option,
-    fixed_option,
-    results_argument,
-    variable_option,
-)
+from gfmd_numba.cli import outputs
+from gfmd_numba.cli.arguments import NEW_FILE, exponents_option, fixed_option, results_argument, variable_option
 from gfmd_numba.cli.group import main
-from gfmd_numba.cli.outputs import (
-    check_output,
-    companion,
-    picture_suffixes,
-    pictures,
-    say_written,
-    write,
-    write_picture,
-)
 from gfmd_numba.cli.tables import fit_options, of_fit, of_goal
 from gfmd_numba.cli.terminal import say, tell, waiting
 from gfmd_numba.text.input_error import InputError
@@ -60,10 +46,8 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    if output is not None:
-        check_output(output, file, file.parent / "campaign.yaml", suffixes=_TABLES)
-    if function is not None:
-        check_output(function, file, file.parent / "campaign.yaml", suffixes=_TABLES)
+    for path in filter(None, (output, function)):
+        outputs.check_output(path, file, file.parent / "campaign.yaml", suffixes=_TABLES)
     dataset = read_results(file)
     with naming(file):
         fitted = _fit(dataset, **asked)
@@ -75,7 +59,7 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     if output is not None and output.suffix == ".csv":
         _write_limits(fitted, output)
     elif output is not None:
-        write(output, fitted, "fit")
+        outputs.write(output, fitted, "fit")
     if function is not None:
         with naming(file):
             _write_function(fitted, function)
@@ -90,7 +74,7 @@ def _write_limits(fitted: xr.Dataset, path: Path) -> None:
     names += [limit, f"{limit}_error", f"{limit}_low", f"{limit}_high", "fit_status"]
     units = {name: fitted[name].attrs.get("units", "1") for name in names}
     write_table(path, {f"{name} ({units[name]})": fitted[name].values.tolist() for name in names})
-    say_written("fit", path)
+    outputs.say_written("fit", path)
 
 
 def _write_function(fitted: xr.Dataset, path: Path) -> None:
@@ -150,19 +134,19 @@ def plot(results: Path, output: Path | None, width: Width | None, **asked: Any) 
     from gfmd_numba.campaign.results import read_results, results_file
 
     file = results_file(results)
-    picture = output or companion(file, "picture", ".png")
-    check_output(picture, file, file.parent / "campaign.yaml", suffixes=picture_suffixes())
+    picture = output or outputs.companion(file, "picture", ".png")
+    outputs.check_output(picture, file, file.parent / "campaign.yaml", suffixes=outputs.picture_suffixes())
     dataset = read_results(file)
-    for path in pictures(dataset, None, picture):
-        check_output(path, file, file.parent / "campaign.yaml", suffixes=[path.suffix.lower()])
+    for path in outputs.pictures(dataset, None, picture):
+        outputs.check_output(path, file, file.parent / "campaign.yaml", suffixes=[path.suffix.lower()])
     with naming(file):
         has_fit = picture_of(dataset) is None
         for name in ("variable", "exponents", "fixed"):
             if asked[name] and not has_fit:
                 raise click.UsageError(f"--{name}: the picture of {file} has no fit; leave the option out")
         fitted = _fit(dataset, **asked) if has_fit else None
-        for path, drawing in pictures(dataset, fitted, picture, width).items():
-            write_picture(path, drawing)
+        for path, drawing in outputs.pictures(dataset, fitted, picture, width).items():
+            outputs.write_picture(path, drawing)
 
 
 @contextmanager

@@ -68,7 +68,7 @@ class _Gfmd(click.Group):
             ctx.exit(BAD_INPUT)
         except OSError as error:
             if error.errno == ENOSPC and error.filename is None:  # errors of files name them
-                _drop_output()
+                os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what is still to be written is discarded
                 _tell(f"standard output cannot be written ({error.strerror}); files that were written are kept")
                 ctx.exit(UNTOLD)
             _tell(printable(error))
@@ -143,13 +143,6 @@ def open_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-def _drop_output() -> None:
-    """Discard what is still to be written to a full standard output."""
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    os.dup2(nowhere, 1)
-    os.close(nowhere)
 
 
 @contextmanager

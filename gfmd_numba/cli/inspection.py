@@ -42,7 +42,12 @@ def check(file: Path) -> None:
     if {"name", "realisations", "reference", "limits", "grid"} & keys:
         kind, doubt = _check_campaign(document)
     elif _describes_jobs(keys):
-        kind, doubt = _check_cluster(document)
+        from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
+
+        cluster = load_cluster(document)
+        kind = f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers"
+        usable = importlib.util.find_spec("dask_jobqueue") is not None
+        doubt = "" if usable else f"this cluster cannot be used here: {NO_JOBQUEUE}"
     elif "surface" in keys:
         kind, doubt = _check_surface(document)
     else:
@@ -134,14 +139,6 @@ def _has_few_levels(campaign: Campaign) -> bool:
         if getattr(campaign.limits, axis) is None or len(levels) < (2 if axis in known else 3):
             return True
     return False
-
-
-def _check_cluster(document: Document) -> tuple[str, str]:
-    from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
-
-    cluster = load_cluster(document)
-    lacking = "" if importlib.util.find_spec("dask_jobqueue") else f"this cluster cannot be used here: {NO_JOBQUEUE}"
-    return f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers", lacking
 
 
 def _check_surface(document: Document) -> tuple[str, str]:

@@ -10,16 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from gfmd_numba.cli.arguments import (
-    LIMITS,
-    NEW_FILE,
-    budget_option,
-    file_argument,
-    is_given,
-    target_option,
-    told_as,
-    workers_option,
-)
+from gfmd_numba.cli import arguments
 from gfmd_numba.cli.campaigns import goal_in, levels_of, rounds_shown
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.outputs import check_output, companion, write, write_picture
@@ -28,7 +19,6 @@ from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 from gfmd_numba.text.numbers import counted
 
 if TYPE_CHECKING:
-    from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.run import FirstDecision
@@ -45,8 +35,8 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
 
 
 @main.command()
-@file_argument
-@workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
+@arguments.file_argument
+@arguments.workers_option("Number of local worker processes to plan for, which solve the pilot of a target")
 @click.option(
     "--pilot",
     default=10.0,
@@ -54,8 +44,8 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
     type=click.FloatRange(0),
     help="Seconds to spend on measuring the cost; 0 measures nothing",
 )
-@target_option
-@budget_option
+@arguments.target_option
+@arguments.budget_option
 def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget: str | None) -> None:
     """Predict size and cost of the campaign in FILE.
 
@@ -65,14 +55,15 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
+    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.file import target_of_run
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.campaign.plan import refused_limits
     from gfmd_numba.campaign.rounds import pilot_plan
+    from gfmd_numba.campaign.run import first_decision
 
     _check_options(target, budget)
-    with told_as(_OF_A_TARGET):
-        goal = goal_in(file, target, budget) if target else None
+    goal = goal_in(file, target, budget, "--target") if target else None
     planned = plan_campaign(file, None if goal is None else goal.targets)
     distinct = len(planned.problems)
     click.echo(f"campaign      {planned.campaign.name}")
@@ -94,9 +85,15 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
         warn(doubt)
     well = True
     if goal is not None:
-        well = _show_decision(_run_pilot(file, goal, workers), workers)
+        try:
+            with arguments.told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
+                decided = first_decision(file, goal, Workers(workers), watch, said_of_round)
+        except KeyboardInterrupt:
+            warn("interrupted; a plan keeps no results")
+            sys.exit(INTERRUPTED)
+        well = _show_decision(decided, workers)
     else:
-        first = pilot_plan(planned, goal_in(file, of_file, None)) if of_file else planned
+        first = pilot_plan(planned, goal_in(file, of_file, None, "--target")) if of_file else planned
         _show_size(first, workers)
         if pilot:
             _show_cost(first, workers, pilot)
@@ -112,7 +109,8 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
 def _show_size(planned: Plan, workers: int) -> None:
     from gfmd_numba.campaign.plan import PROGRAM_BYTES, check_memory
 
-    click.echo(f"simulations   {planned.n_simulations} of {planned.n_asked} asked for")
+    distinct, asked = sum(planned.demand.values()), sum(case.realisations for case in planned.cases)
+    click.echo(f"simulations   {distinct} of {asked} asked for")
     largest = max((case.problem.surface for case in planned.cases), key=lambda surface: surface.nodes)
     click.echo(f"largest grid  nx = {largest.nx}" + (" = ny" if len(largest.shape) == 2 else ""))
     program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
@@ -151,20 +149,8 @@ def _check_options(target: object, budget: str | None) -> None:
             "--budget: you gave no --target, whose processor time it bounds; give both, or none (`gfmd run --budget` "
             "bounds a run)"
         )
-    if target and is_given("pilot"):
+    if target and arguments.is_given("pilot"):
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
-
-
-def _run_pilot(file: Path, goal: Goal, workers: int) -> FirstDecision:
-    from gfmd_numba.campaign.execution import Workers
-    from gfmd_numba.campaign.run import first_decision
-
-    try:
-        with told_as(_OF_A_TARGET), rounds_shown() as (watch, told):
-            return first_decision(file, goal, Workers(workers), watch, told)
-    except KeyboardInterrupt:
-        warn("interrupted; a plan keeps no results")
-        sys.exit(INTERRUPTED)
 
 
 def _show_decision(decided: FirstDecision, workers: int) -> bool:
@@ -223,7 +209,7 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
     dataset = xr.Dataset(coords=described_coordinates(planned.cases[0].scene, planned.cases))
     shown = dataset.isel(case=slice(MOST_ROWS))
     parameters = cells_of_parameters(shown, dataset)
-    for name in LIMITS.keys() & parameters.keys():
+    for name in arguments.LIMITS.keys() & parameters.keys():
         parameters[name] = [fractions(np.array([eps])) for eps in shown[name].values]
     before = dict(zip(pilot.cases, pilot.realisations, strict=True))
     realisations = {
@@ -236,8 +222,8 @@ def _show_realisations(state: Rounds, planned: Plan) -> None:
 
 
 @main.command()
-@file_argument
-@click.option("-o", "--output", type=NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
+@arguments.file_argument
+@click.option("-o", "--output", type=arguments.NEW_FILE, help="netCDF file to write [NAME-accuracy.nc]")
 @click.option(
     "--realisations", type=click.IntRange(2), help="Random surfaces in each study [16, 4 to 15 on large grids or paths]"
 )

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 _SECONDS_BETWEEN = 10
 _UNFINISHED = ("unfinished", "not_asked")
+_TREATED = (("measured surface", "processing"), ("left out", "dropped_effects"))
 _PROVENANCE = ("seed", "solver", "versions", "git_commit", "fft_plans", "campaign_sha256", "content_sha256")
 
 
@@ -62,7 +63,7 @@ def _collected(results: Path) -> tuple[Path, Progress | None]:
     if not (results / "campaign.yaml").is_file():
         return results_file(results), None
     now = progress(results)
-    return (collect(campaign_in(results), results) if now.running else results_file(results)), now
+    return (collect(campaign_in(results)[0], results) if now.running else results_file(results)), now
 
 
 def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None) -> None:
@@ -87,7 +88,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
         told=list(_parts(of_results(dataset, fitted))) if running is None else [],
         pictures=list(_drawn(dataset, fitted)),
         warnings=list(_warnings(dataset)),
-        left_out=list(_treated(dataset)),
+        left_out=[(label, each) for label, name in _TREATED for each in str(known.get(name, "")).splitlines() if each],
         asked=_asked(dataset),
         cost=list(_cost(dataset)),
         provenance=[(name.replace("_", " "), known[name]) for name in _PROVENANCE if known.get(name, "") != ""],
@@ -129,18 +130,10 @@ def _warnings(dataset: xr.Dataset) -> Iterable[str]:
     """Yield the reasons to doubt the results, and how simulations ended that are not ok."""
     yield from dataset.attrs.get("validity", "").splitlines()
     yield from dataset.attrs.get("failures", "").splitlines()
-    if "status" in dataset and "flag_meanings" in dataset["status"].attrs:
-        meanings = dataset["status"].attrs["flag_meanings"].split()
-        for name, sentence in endings(dataset["status"]):
+    if "status" in dataset and "flag_sentences" in dataset["status"].attrs:
+        for name, which, sentence in endings(dataset["status"]):
             if name not in _UNFINISHED:
-                count = int((dataset["status"] == meanings.index(name)).sum())
-                yield f"{count} of {dataset['status'].size} ended as {name}, and stand in no mean. {sentence}"
-
-
-def _treated(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:
-    """Yield what was done to measured surfaces, and which effects were left out."""
-    for label, name in (("measured surface", "processing"), ("left out", "dropped_effects")):
-        yield from ((label, each) for each in str(dataset.attrs.get(name, "")).splitlines() if each)
+                yield f"{int(which.sum())} of {which.size} ended as {name}, and stand in no mean. {sentence}"
 
 
 def _asked(dataset: xr.Dataset) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
-from math import floor, inf, isfinite, isnan, log10, nan, sqrt
+from math import floor, inf, isnan, log10, nan, sqrt
 from typing import TYPE_CHECKING, Any
 
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
-from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error
+from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error, with_prefix
 from gfmd_numba.text.recorded_scene import is_form_alone
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ _SHOWN_OF_PATHS = (
     *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
     *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
 )
-_WIDE = 24
+_WIDE, _DIGITS = 24, 6
 _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "force",
     "line_load",
@@ -57,6 +57,7 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "contact_radius",
     "approach",
     "mean_gap",
+    _SECANT,
     "peak_pressure",
     "n_segments",
     "elastic_energy",
@@ -75,7 +76,6 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "hysteretic_friction_error",
     "time_error",
 )
-_AFTER = _SHOWN.index("mean_gap") + 1  # of them a stiffness is told
 _MEASURES = {  # of a solved contact: words, and the unit of a contact without units
     "contact_area_fraction": ("contact area fraction", ""),
     "contact_area_fraction_persson": ("Persson's estimate of it", ""),
@@ -106,7 +106,7 @@ def unit(dataset: xr.Dataset, name: str) -> str:
     """Return the unit of a variable in its file, in which E* and L_x stand for what the scene leaves open."""
     from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 
-    pressure, length = _units(dataset, "mean_pressure", "E*"), _units(dataset, "mean_gap", "L_x")
+    pressure, length = unit_of(dataset, "mean_pressure", "E*"), unit_of(dataset, "mean_gap", "L_x")
     row = (OBSERVABLES | PATH_OBSERVABLES).get(name)
     kind = name if row is None else row.unit
     in_si = (pressure, length) == ("Pa", "m")
@@ -120,11 +120,11 @@ def unit(dataset: xr.Dataset, name: str) -> str:
         "height": length,
         "length": length,
     }
-    return found[kind] if kind in found else _units(dataset, name, "L_x" if name in _LENGTHS else "")
+    return found[kind] if kind in found else unit_of(dataset, name, "L_x" if name in _LENGTHS else "")
 
 
-def _units(dataset: xr.Dataset, name: str, free: str) -> str:
-    """Return the unit of a variable; `free` stands for 1."""
+def unit_of(dataset: xr.Dataset, name: str, free: str) -> str:
+    """Return the unit of a variable; `free` stands for 1, and for that of a variable which is not there."""
     found = dataset[name].attrs.get("units", "1") if name in dataset.variables else "1"
     return free if found == "1" else str(found)
 
@@ -149,14 +149,6 @@ def _suited(dataset: xr.Dataset, name: str) -> tuple[float, str]:
     return si_prefix(typical(dataset[name].values.ravel().tolist()), unit(dataset, name))
 
 
-def readable(value: float, unit: str) -> tuple[str, str]:
-    """Return number and unit of a value, with a prefix if the unit may have one and the number is far from 1."""
-    if not isfinite(value):
-        return f"{value:.6g}", unit
-    factor, name = si_prefix(abs(float(f"{value:.5e}")), unit)
-    return f"{value * factor:.6g}", name
-
-
 def dimensions(scene: Scene, varied: Grid | None = None) -> str:
     """Return the lengths, moduli and loads of a scene with units, except those that a grid varies."""
     from gfmd_numba.scene.units import quantities
@@ -168,7 +160,7 @@ def dimensions(scene: Scene, varied: Grid | None = None) -> str:
             in_si = scene.length is not None or not quantity.length
             replaced = getattr(varied, name, None) is not None
             if value is not None and in_si and not replaced and (names is None or name in names):
-                told.append(f"{name} {' '.join(readable(value, quantity.si))}")
+                told.append(f"{name} {with_prefix(value, quantity.si, _DIGITS)}")
     return ", ".join(told)
 
 
@@ -199,33 +191,25 @@ def of_fit(fitted: xr.Dataset) -> Told:
         laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)
         found = f"{laws}, exponent {_exponent_found(fitted, limit)}, extrapolated {_distance(fitted, limit)}"
         yield Line(LIMITS[limit], f"{limit}: {found}", width=14)
-    if "eps_t" in varied:
-        yield from _thick_in_the_limit(fitted)
+    if "eps_t" in varied and ("aspect_ratio" not in fitted or (fitted["aspect_ratio"] < inf).any()):
+        is_slab = "aspect_ratio" in fitted  # and else layered
+        becomes = "a slab becomes infinitely thick" if is_slab else "layers become infinitely thick"
+        limit = "so that this limit is that of a half-space" + ("" if is_slab else " of the uppermost one")
+        advice = "leave eps_t out, with levels of your own, for a finite height"
+        yield Line("note", f"as eps_t -> 0 {becomes}, {limit}: {advice}")
     if (fitted["freedom"] > 0).any():
         worst = float((fitted["chi2"] / fitted["freedom"].where(fitted["freedom"] > 0)).max())
         yield Line("misfit", f"chi^2 is up to {worst:.2g} per degree of freedom, where about 1 is expected")
     if (fitted["error_budget"] > 0).any():
-        yield Line("error", _sources(fitted, factor, unit))
+        most = factor * fitted["error_budget"].max("group")  # of each source, in any group
+        parts = (
+            f"{name} {part:.2g}" for name, part in zip(most["source"].values, most.values, strict=True) if part > 0
+        )
+        seconds = fitted.attrs.get("cpu_seconds", 0.0)
+        spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
+        in_unit = f" in {unit}" if unit else ""
+        yield Line("error", f"largest parts{in_unit}, added in quadrature: {', '.join(parts)}{spent}")
     yield from _notes(fitted)
-
-
-def _thick_in_the_limit(fitted: xr.Dataset) -> Told:
-    if "aspect_ratio" not in fitted:  # layered
-        thick = "layers become infinitely thick, so that this limit is that of a half-space of the uppermost one"
-    elif (fitted["aspect_ratio"] < inf).any():
-        thick = "a slab becomes infinitely thick, so that this limit is that of a half-space"
-    else:
-        return
-    yield Line("note", f"as eps_t -> 0 {thick}: leave eps_t out, with levels of your own, for a finite height")
-
-
-def of_means(dataset: xr.Dataset, variable: str) -> Told:
-    """Yield the ensemble mean of every case, for a campaign without limits."""
-    from gfmd_numba.analysis import ensemble_mean
-
-    shown = dataset.isel(case=slice(MOST_ROWS))
-    means = {variable: _with_errors(*ensemble_mean(shown, variable))}
-    yield from _of_means(variable, shown, dataset, means)
 
 
 def of_paths(dataset: xr.Dataset) -> Told:
@@ -263,6 +247,8 @@ def of_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> Told:
 
 
 def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> Told:
+    from gfmd_numba.analysis.fit_dataset import in_the_limit
+
     known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
     for number in dataset["round"].values.tolist():
         errors, asked = [], "finer levels" if number else "the pilot"
@@ -282,7 +268,10 @@ def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float
     error = nan if of_fitted is None else float(of_fitted["round_error"][-1])
     if isnan(error) or isnan(seconds):
         return
-    left, digit = _left_open(fitted), error / 10
+    # the largest relative error of a limit that its levels leave, however many surfaces there are
+    parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
+    left = float(((parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
+    digit = error / 10
     if left < digit:  # the rest of the error falls with the square root of time
         price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
     else:
@@ -300,9 +289,8 @@ def of_target(fitted: xr.Dataset, target: float) -> Told:
     verdict = f"missed by {len(missed)} of {len(reached)} groups" if missed else "reached by all groups"
     yield Line("target", f"{target:.2%}: {', '.join(f'{error:.2%}' for error in reached)}; {verdict}")
     if missed:
-        yield Line(
-            "note", "`gfmd run --until` goes on with more realisations, or finer levels, until all groups reach it"
-        )
+        further = "goes on with more realisations, or finer levels, until all groups reach it"
+        yield Line("note", f"`gfmd run --until` {further}")
 
 
 def said_of_error(error: float, factor: float) -> str:
@@ -350,11 +338,11 @@ def cells_of_parameters(shown: xr.Dataset, dataset: xr.Dataset) -> dict[str, lis
     return _cells(shown, _shown_parameters(dataset) | {limit: limit for limit in LIMITS if limit in dataset.coords})
 
 
-def endings(status: xr.DataArray) -> list[tuple[str, str]]:
-    """Return name and sentence of each way in which runs ended that are not ok."""
-    sentences = [tuple(line.split(": ", 1)) for line in status.attrs["flag_sentences"].splitlines()]
-    found = set(status.values.ravel().tolist()) - {0}
-    return [(name, sentence) for i, (name, sentence) in enumerate(sentences) if i in found]
+def endings(status: xr.DataArray) -> list[tuple[str, xr.DataArray, str]]:
+    """Return each way in which runs ended that are not ok: its name, which runs did, and its sentence."""
+    told = [line.split(": ", 1) for line in status.attrs["flag_sentences"].splitlines()]
+    found = ((name, status == number, sentence) for number, (name, sentence) in enumerate(told) if number)
+    return [each for each in found if each[1].any()]
 
 
 def duration(seconds: float) -> str:
@@ -374,7 +362,7 @@ def _values(parameter: xr.DataArray) -> list[str]:
     from gfmd_numba.analysis.selection import has_names, values_as_text
 
     if not has_names(parameter):
-        return list(map(_number, parameter.values))
+        return ["-" if isnan(value) else f"{value:g}" for value in map(float, parameter.values)]
     names = values_as_text(parameter, parameter.values)
     short = [name if len(name) <= _LONGEST_NAME else f"...{name[3 - _LONGEST_NAME :]}" for name in names]
     return short if len(set(short)) == len(set(names)) else names
@@ -384,11 +372,8 @@ def _parameters(dataset: xr.Dataset) -> dict[str, str]:
     """Return heading and name of each coordinate that is physics."""
     from gfmd_numba.analysis.selection import axes
 
-    named = {name: dataset[name].attrs for name in axes(dataset)}
-    return {
-        attributes["symbol"] + (f" ({attributes['units']})" if attributes["units"] != "1" else ""): name
-        for name, attributes in named.items()
-    }
+    named = {name: (dataset[name].attrs["symbol"], dataset[name].attrs["units"]) for name in axes(dataset)}
+    return {symbol if unit == "1" else f"{symbol} ({unit})": name for name, (symbol, unit) in named.items()}
 
 
 def _shown_parameters(dataset: xr.Dataset) -> dict[str, str]:
@@ -426,17 +411,10 @@ def _whose(fitted: xr.Dataset, having: list[int]) -> str:
     return " and ".join(groups) + ": "
 
 
-def _sources(fitted: xr.Dataset, factor: float, unit: str) -> str:
-    """Return the largest part of each source in the errors of the limit, and the processor time of the contacts."""
-    most = factor * fitted["error_budget"].max("group")
-    parts = [f"{name} {error:.2g}" for name, error in zip(most["source"].values, most.values, strict=True) if error > 0]
-    seconds = fitted.attrs.get("cpu_seconds", 0.0)
-    spent = f"; {duration(seconds)} of processor time for the contacts" if seconds else ""
-    return f"largest parts{f' in {unit}' if unit else ''}, added in quadrature: {', '.join(parts)}{spent}"
-
-
 def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     """Return the exponent of a limit. If groups have different ones, return them in order, or the range of many."""
+    import numpy as np
+
     values, errors = (fitted[name].sel(limit=limit).values for name in ("alpha", "alpha_error"))
     low, high = (fitted[name].sel(limit=limit).values[0] for name in ("alpha_low", "alpha_high"))
     if low < high and (errors[values == values] > _KNOWN * (high - low) / sqrt(12.0)).all():  # those that are numbers
@@ -444,24 +422,11 @@ def _exponent_found(fitted: xr.Dataset, limit: str) -> str:
     found = [with_error(*each) for each in zip(values, errors, strict=True)]
     if len(set(found)) == 1:
         return found[0]
-    known = [value for value in values.tolist() if not isnan(value)]
-    return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{min(known):.4g} to {max(known):.4g}"
-
-
-def _number(value: Any) -> str:
-    return "-" if isnan(float(value)) else f"{float(value):g}"
+    return ", ".join(found) if len(found) <= _MOST_EXPONENTS else f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}"
 
 
 def _with_errors(values: Any, errors: Any) -> list[str]:
     return [with_error(float(value), float(error)) for value, error in zip(values, errors, strict=True)]
-
-
-def _left_open(fitted: xr.Dataset) -> float:
-    """Return the largest relative error of a limit that its levels leave, however many surfaces there are."""
-    from gfmd_numba.analysis.fit_dataset import in_the_limit
-
-    open_parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
-    return float(((open_parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
 
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
@@ -485,12 +450,14 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     """Yield limits and how near they are to their target; the means of paths, or of all cases, where there are none."""
     import gfmd_numba
+    from gfmd_numba.analysis import ensemble_mean
 
     options = fit_options(dataset)
     if "step" in dataset.dims:
         yield from of_paths(dataset)
     elif fitted is None:
-        yield from of_means(dataset, options.get("variable", "kappa"))
+        variable, shown = options.get("variable", "kappa"), dataset.isel(case=slice(MOST_ROWS))
+        yield from _of_means(variable, shown, dataset, {variable: _with_errors(*ensemble_mean(shown, variable))})
     if fitted is None:
         return
     shown = fitted
@@ -548,8 +515,7 @@ def of_steps(dataset: xr.Dataset) -> Told:
     view, nothing = _with_meaning(_with_stiffness(dataset))
     prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
-    shown = (*_SHOWN[:_AFTER], _SECANT, *_SHOWN[_AFTER:])
-    found = dict(column(view, name) for name in shown if name in view.data_vars and name not in nothing)
+    found = dict(column(view, name) for name in _SHOWN if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
     whole = [name for name in _SHOWN_OF_PATHS if name in dataset and not dataset[name].ndim]
@@ -626,13 +592,15 @@ def of_measures(dataset: xr.Dataset) -> Told:
 
 def columns_of_measures(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return what was prescribed at each step of a path and measured of it, by name, direction and unit."""
-    parts = [(name, dataset[name]) for name in _loads(dataset)]
-    for name in (name for name in _MEASURES if name in dataset):
-        along = (
-            [str(each) for each in dataset[name].get_index("direction")] if "direction" in dataset[name].dims else []
-        )
-        parts += [(f"{name}_{each}", dataset[name].sel(direction=each)) for each in along] or [(name, dataset[name])]
-    return {f"{name} ({part.attrs.get('units', '1')})": part.values.tolist() for name, part in parts}
+    names = (*_loads(dataset), *(name for name in _MEASURES if name in dataset))
+    parts = {f"{name}_{way}" if way else name: part for name in names for way, part in _ways(dataset[name])}
+    return {f"{name} ({part.attrs.get('units', '1')})": part.values.tolist() for name, part in parts.items()}
+
+
+def _ways(variable: xr.DataArray) -> list[tuple[str, xr.DataArray]]:
+    """Return a variable for each direction if it has them, or as it is for none."""
+    along = variable.get_index("direction") if "direction" in variable.dims else ()
+    return [(str(each), variable.sel(direction=each)) for each in along] or [("", variable)]
 
 
 def _loads(dataset: xr.Dataset) -> list[str]:
@@ -645,18 +613,11 @@ def _measured(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, list[str]]]
     words, free = _MEASURES[name]
     variable = dataset[name]
     unit = variable.attrs["units"].replace("m-1", "1/m") if variable.attrs["units"] != "1" else free
-    parts = [(words, variable)]
-    if "direction" in variable.dims:
-        parts = [(f"{words} along {each}", variable.sel(direction=each)) for each in ("x", "y")]
-    for text, part in parts:
-        yield text, [_cell(name, value, unit) for value in part.values.ravel().tolist()]
-
-
-def _cell(name: str, value: float, unit: str) -> str:
-    if name.endswith("_connects"):
-        return "yes" if value else "no"
-    number, shown = readable(value, unit)
-    return f"{float(number):.5g} {shown}".rstrip()
+    flag = name.endswith("_connects")
+    for way, part in _ways(variable):
+        values = part.values.ravel().tolist()
+        cells = [("no", "yes")[value] if flag else with_prefix(value, unit, 5) for value in values]
+        yield f"{words} along {way}" if way else words, cells
 
 
 def of_numbers(dataset: xr.Dataset) -> Told:
@@ -665,7 +626,7 @@ def of_numbers(dataset: xr.Dataset) -> Told:
         if not variable.dims and variable.dtype.kind in "fiu":
             unit = variable.attrs.get("units", "1")
             free = {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(str(name), "") if unit == "1" else unit
-            yield Line(str(name), " ".join(readable(float(variable), free)).rstrip(), _WIDE)
+            yield Line(str(name), with_prefix(float(variable), free, _DIGITS), _WIDE)
 
 
 def fit_options(

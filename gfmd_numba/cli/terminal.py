@@ -71,12 +71,6 @@ def warn(text: str) -> None:
     say("gfmd:", text, width=6, err=True)
 
 
-def say_done(dataset: xr.Dataset) -> None:
-    """Print what was done to measured surfaces, as the attribute `processing` gives it."""
-    for sentence in dataset.attrs.get("processing", "").splitlines():
-        say("done", sentence)
-
-
 def say_doubts(dataset: xr.Dataset) -> None:
     """Print the reasons to doubt a result, as its attribute `validity` gives them."""
     for doubt in dataset.attrs.get("validity", "").splitlines():
@@ -153,20 +147,14 @@ def waiting(what: str, total: int | None = None) -> Iterator[Callable[[float], N
         nonlocal told
         told = done
         if sys.stderr.isatty():
-            from rich.console import Console
-            from rich.progress import (
-                BarColumn,
-                MofNCompleteColumn,
-                Progress,
-                SpinnerColumn,
-                TaskProgressColumn,
-                TextColumn,
-                TimeRemainingColumn,
-            )
+            from rich import console, progress
 
-            counts = (BarColumn(), TaskProgressColumn(), MofNCompleteColumn(), TimeRemainingColumn())
-            columns = (TextColumn("{task.description}"), *(counts if total else (SpinnerColumn(),)))
-            bars = Progress(*columns, console=Console(stderr=True), redirect_stdout=False, transient=True)
+            kinds = ("Bar", "TaskProgress", "MofNComplete", "TimeRemaining") if total else ("Spinner",)
+            columns = [getattr(progress, f"{kind}Column")() for kind in kinds]
+            on_stderr = console.Console(stderr=True)
+            bars = progress.Progress(
+                "{task.description}", *columns, console=on_stderr, redirect_stdout=False, transient=True
+            )
             bars.update(bars.add_task(what, total=total), completed=done)
             bars.start()
             shown.append(bars)

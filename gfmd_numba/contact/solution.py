@@ -66,11 +66,11 @@ def solve(problem: Problem, state: State | range) -> Contact:
     slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
     start = _start(state, None if is_cohesive else change.carried, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
-    approach, response = None, change.felt(response_of(problem))
+    approach = None
     if not any(problem.ends):
-        equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
+        equilibrium = equilibrate(punch, change.felt(response_of(problem)), load, problem.numerics, laws, start, slid)
     else:
-        equilibrium, sunk = _without_period(problem, state, response, punch, load, start, slid)
+        equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
     if equilibrium.tangential is not None:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
@@ -89,20 +89,20 @@ def solve(problem: Problem, state: State | range) -> Contact:
 def _without_period(
     problem: Problem,
     state: State,
-    response: SpectralResponse,
     punch: Reals,
     load: float | None,
     start: Start | None,
     slid: Reals,
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    laws, factor = problem.interface.lasting(problem.duration), state.change(problem.step).factor
+    laws, change = problem.interface.lasting(problem.duration), state.change(problem.step)
+    response = change.felt(response_of(problem))
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
     shared = None if load is None else free_window.share(problem.ends) * load
     for farther in free_window.FARTHER:
-        around = free_window.around(punch, load, laws, factor, farther)
+        around = free_window.around(punch, load, laws, change.factor, farther)
         found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)
         touching = found.touching_around
         assert touching is not None  # of a corner it is known

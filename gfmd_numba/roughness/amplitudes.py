@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from gfmd_numba.arrays import Complexes, Indices, Reals
+from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.fourier import grid
 
 
@@ -33,19 +33,15 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
         return found
     ky, kx = grid.wave_indices(shape)
     kept = (np.maximum(abs(kx), abs(ky)) <= largest_index) & ((kx > 0) | (ky > 0))
-    place = np.broadcast_to(_ordinal(ky, kx), kept.shape)
+    # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings max(|kx|, |ky|)
+    ring = np.maximum(kx, abs(ky))
+    within = np.where(kx == ring, ky + ring, np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
+    place = np.broadcast_to(2 * ring * (ring - 1) + within, kept.shape)
     found[kept] = complex_gaussian(seed, realisation, 2 * largest_index * (largest_index + 1))[place[kept]]
     # of a pair of opposite waves along y, the layout keeps both
     found[-1 : -largest_index - 1 : -1, 0] = found[1 : largest_index + 1, 0].conj()
     found /= np.sqrt(2.0)
     return found
-
-
-def _ordinal(ky: Indices, kx: Indices) -> Indices:
-    """Place of a wave (kx > 0, or kx = 0 and ky > 0) when waves are counted in square rings max(|kx|, |ky|)."""
-    ring = np.maximum(kx, abs(ky))
-    within = np.where(kx == ring, ky + ring, np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
-    return np.asarray(2 * ring * (ring - 1) + within)
 
 
 def waves_of_columns(seed: int, realisation: int, largest_index: int, columns: slice) -> Complexes:

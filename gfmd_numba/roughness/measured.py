@@ -68,7 +68,7 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     Raises ValueError, saying what is wrong and what to do.
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
-    content = _content(record, read)
+    content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
     if record.spacing is not None:
         content = _spaced(content, record.spacing)
     found = measurement(content, units, resample=record.points is not None)
@@ -117,13 +117,6 @@ def periodic_surface(
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
-
-
-def _content(record: Measured, read: Reader) -> Content:
-    if record.heights is not None:
-        return content_of(record.heights)
-    assert record.file is not None  # the record's promise
-    return read(Path(record.file))
 
 
 def _spaced(content: Content, spacing: float) -> Content:

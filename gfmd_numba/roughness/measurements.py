@@ -63,7 +63,14 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     wrong, where, and what to do, for files that cannot be read, units that are missing or contradict each other, and
     fewer than 4 heights.
     """
-    heights = _checked(content.heights)
+    given = content.heights
+    if given.ndim not in (1, 2) or given.dtype.kind not in "fiu":
+        raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
+    if min(given.shape) < 4:
+        raise ValueError(f"{' x '.join(map(str, given.shape))} heights, not at least 4")
+    with np.errstate(over="ignore"):  # of more than double precision
+        heights = np.asarray(given, dtype=np.float64)
+    check_finite(heights)
     axes = AXES[-heights.ndim :]
     done = list(content.done)
     sizes: list[float] = []
@@ -88,18 +95,6 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
         raise ValueError(f"a physical size of {unresolved[0]:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
     return Measurement(heights * scales["z"], lengths, unit, tuple(done), named, content.rounded)
-
-
-def _checked(heights: npt.NDArray[Any]) -> Reals:
-    if heights.ndim not in (1, 2) or heights.dtype.kind not in "fiu":
-        kind = f"an array of shape {heights.shape} and type {heights.dtype}"
-        raise ValueError(f"{kind}, not a row or a table of numbers")
-    if min(heights.shape) < 4:
-        raise ValueError(f"{' x '.join(map(str, heights.shape))} heights, not at least 4")
-    with np.errstate(over="ignore"):  # of more than double precision
-        heights = np.asarray(heights, dtype=np.float64)
-    check_finite(heights)
-    return heights
 
 
 def check_finite(heights: Reals) -> None:

@@ -87,23 +87,25 @@ class Repeated:
     cause: Cause
     at: Flags
 
-    @property
-    def count(self) -> int:
-        """Number of points with this height."""
-        return int(self.at.sum())
-
 
 def of_field(field: Field) -> Signs:
     """Signs of form, spikes, steps and heights that are none, of a field before it is made periodic."""
     again = repeated(field.as_measured)
-    heights = _without(field.heights, [each.at for each in again if each.cause == "mark"])
+    heights, marked = field.heights, np.zeros(field.heights.shape, dtype=bool)
+    for each in again:
+        marked |= each.at & (each.cause == "mark")
+    if 0.0 < marked.mean() <= MOST:  # what is marked is filled from its neighbours
+        heights = fill_gaps(np.where(marked, np.nan, heights), "interpolate")[0]
     heights, spikes = despiked(heights)
     formed, order = _form(field, heights)
     level = heights - polynomial(heights, order)
     steps = offsets(level)
     share = float(np.isnan(field.as_measured).mean())
-    found = (_filled(share), *_repeated(field, again), *formed, _spikes(field, spikes), _steps(field, steps))
-    sentences = tuple(filter(None, found))
+    filled = (
+        f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
+    )
+    found = (*_repeated(field, again), *formed, _spikes(spikes), _steps(field, steps))
+    sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
         level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
     if not sentences:
@@ -124,11 +126,16 @@ def of_surface(
     """
     named = signs if signs is not None and signs.sentences else None
     found = [*_seams(heights, ends or (False,) * heights.ndim)]
-    if named is None or named.rms_gradient > GRADIENT:
-        found.append(_gradient(heights, lengths, ends))
-    if named is None or named.range > min(lengths):
-        found.append(_range(heights, lengths))
-    return tuple(filter(None, found))
+    blamed = named is None or named.rms_gradient > GRADIENT
+    if blamed and (gradient := float(statistics.rms_gradient(heights, lengths, ends))) > GRADIENT:
+        found.append(
+            f"an rms gradient of {gradient:.3g}, above {GRADIENT:g}, where linear elasticity is no longer good: check "
+            "the units of the file, or leave out short waves by a cutoff"
+        )
+    periods = float(np.ptp(heights)) / min(lengths)
+    if periods > 1.0 and (named is None or named.range > min(lengths)):
+        found.append(f"heights that range over {periods:.3g} periods: check the units of the file, and the length")
+    return tuple(found)
 
 
 def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
@@ -167,7 +174,7 @@ def repeated(heights: Reals) -> list[Repeated]:
         nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
         if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
             found.append(_described(heights, values, int(i)))
-    return sorted(found, key=lambda each: -each.count)
+    return sorted(found, key=lambda each: -each.at.sum())
 
 
 def is_design(heights: Reals) -> bool:
@@ -177,15 +184,9 @@ def is_design(heights: Reals) -> bool:
     return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
 
 
-def _filled(share: float) -> str:
-    if share <= FILLED:
-        return ""
-    return f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
-
-
 def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
     for each in found[:2]:
-        times = f"{each.count} of {field.as_measured.size} heights are exactly {field.said(each.height, 'z')}"
+        times = f"{each.at.sum()} of {field.as_measured.size} heights are exactly {field.said(each.height, 'z')}"
         if each.cause in ("top", "bottom"):
             end = "largest" if each.cause == "top" else "smallest"
             yield f"{times}, the {end} height: if the instrument was saturated, measure again with a wider range"
@@ -194,14 +195,6 @@ def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
             yield f"{times}, in {runs}: if the instrument was stuck there, write nan for them, and fill: interpolate"
         else:
             yield f"{times}: if that marks missing heights, write nan for them, and fill: interpolate"
-
-
-def _without(heights: Reals, marked: list[Flags]) -> Reals:
-    """Heights with those that are marked filled from their neighbours, unless that is most of them."""
-    if not marked:
-        return heights
-    at = np.any(marked, axis=0)
-    return fill_gaps(np.where(at, np.nan, heights), "interpolate")[0] if at.mean() <= MOST else heights
 
 
 def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
@@ -247,7 +240,7 @@ def _tilted(share: float) -> str:
     return f"a tilt makes up {_percent(share)} % of the mean square height: detrend: tilt subtracts it"
 
 
-def _spikes(field: Field, found: Flags) -> str:
+def _spikes(found: Flags) -> str:
     count = int(found.sum())
     if count == 0:
         return ""
@@ -292,23 +285,6 @@ def _seams(heights: Reals, ends: tuple[bool, ...]) -> Iterable[str]:
 def _rms(steps: Reals) -> Reals:
     """Root mean square over all rows of steps `[..., n]`."""
     return np.asarray(np.sqrt((steps**2).mean(axis=tuple(range(steps.ndim - 1)))))
-
-
-def _gradient(heights: Reals, lengths: tuple[float, ...], ends: tuple[bool, ...]) -> str:
-    gradient = float(statistics.rms_gradient(heights, lengths, ends))
-    if gradient <= GRADIENT:
-        return ""
-    return (
-        f"an rms gradient of {gradient:.3g}, above {GRADIENT:g}, where linear elasticity is no longer good: check the "
-        "units of the file, or leave out short waves by a cutoff"
-    )
-
-
-def _range(heights: Reals, lengths: tuple[float, ...]) -> str:
-    found = float(np.ptp(heights))
-    if found <= min(lengths):
-        return ""
-    return f"heights that range over {found / min(lengths):.3g} periods: check the units of the file, and the length"
 
 
 def _of_line(line: Reals, rms: float) -> list[tuple[int, float]]:

@@ -81,7 +81,11 @@ class Recursion:
         norm = np.sqrt(_total(_power(self)))
         heights = np.empty((len(realisations), *shape))
         for row, realisation in zip(heights, realisations, strict=True):
-            row[...] = resample(_subdivided(self, stream(seed, realisation)) / norm, shape)
+            numbers = stream(seed, realisation)
+            points = numbers.standard_normal((2**self.first,) * self.dimension)
+            for step in range(self.first + 1, self.last + 1):
+                points = _DIVIDE[self.dimension](points, self, 0.5**step, numbers)
+            row[...] = resample(points / norm, shape)
         return heights
 
     def mean_square_height(self, shape: Shape) -> float:
@@ -128,13 +132,6 @@ def generator(
 
 def _step(wavelength: float) -> int:
     return 1 + int(np.floor(np.log2(1.0 / wavelength) + 1e-9))
-
-
-def _subdivided(recursion: Recursion, numbers: np.random.Generator) -> Reals:
-    heights = numbers.standard_normal((2**recursion.first,) * recursion.dimension)
-    for step in range(recursion.first + 1, recursion.last + 1):
-        heights = _DIVIDE[recursion.dimension](heights, recursion, 0.5**step, numbers)
-    return heights
 
 
 def _divide_profile(old: Reals, recursion: Recursion, spacing: float, numbers: np.random.Generator) -> Reals:

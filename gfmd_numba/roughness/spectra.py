@@ -135,7 +135,10 @@ class Mounded:
         The factor cos or J0 is the transform of two points or of a ring at q_m = 2 pi/lambda: the spectrum is that
         of the model averaged over them, a sum of positive terms where (3.18) is a difference of huge ones.
         """
-        return _AROUND[self.dimension](self.model, q, 2.0 * np.pi / self.separation)
+        mound = 2.0 * np.pi / self.separation
+        if self.dimension == 1:
+            return 0.5 * (self.model.psd(abs(q - mound)) + self.model.psd(q + mound))
+        return _ring(self.model, q, mound)
 
 
 def matern(z: Reals, order: float) -> Reals:
@@ -227,11 +230,8 @@ def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> 
     return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
 
 
-def _two_points(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
-    return 0.5 * (model.psd(abs(q - mound)) + model.psd(q + mound))
-
-
 def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    """Mean of a model over the ring of all places so far from the origin."""
     if isinstance(model, KCorrelationSpectrum):
         return _k_correlation_ring(model, q, mound)
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
@@ -241,9 +241,6 @@ def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: fl
     q = np.asarray(q, dtype=np.float64)
     apart = np.sqrt((q[..., np.newaxis] - mound) ** 2 + 4.0 * q[..., np.newaxis] * mound * np.sin(angles / 2.0) ** 2)
     return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
-
-
-_AROUND = {1: _two_points, 2: _ring}  # mean of a model over all places so far from the origin, by the dimension
 
 
 # outgoing wave, by the dimension, of a phase

@@ -62,7 +62,8 @@ def despiked(heights: Reals) -> tuple[Reals, Flags]:
 def _spikes(level: Reals, finest: float) -> tuple[Indices, Reals]:
     """Indices `[spike, axis]` of the spikes of level heights, none as small as the finest, and the medians around."""
     steps = [np.diff(level, axis=axis) for axis in range(level.ndim)]
-    least = max(STEPS * _standard_step(steps), _ROUNDING * float(abs(level).max()), finest)
+    standard = 1.4826 * float(np.median(np.concatenate([abs(each).ravel() for each in steps])))
+    least = max(STEPS * standard, _ROUNDING * float(abs(level).max()), finest)
     at = np.argwhere(_next_to_a_large_step(steps, level.shape, least / 2.0))
     if not len(at):
         return at, np.empty(0)
@@ -81,11 +82,6 @@ def _spikes(level: Reals, finest: float) -> tuple[Indices, Reals]:
     )
     out = _alone(far & (off > NEARBY * nearby), off)[tuple(at.T)]
     return at[out], medians[out]
-
-
-def _standard_step(steps: list[Reals]) -> float:
-    """Standard deviation of the steps between neighbours, by the median absolute one."""
-    return 1.4826 * float(np.median(np.concatenate([abs(each).ravel() for each in steps])))
 
 
 def quantum(heights: Reals) -> float:

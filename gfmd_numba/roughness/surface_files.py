@@ -144,7 +144,8 @@ def _read_netcdf(path: Path) -> Content:
     height = dataset["height" if "height" in names else next(name for name in names if name != "x")]
     if set(height.dims) == set(AXES):
         height = height.transpose(*AXES)
-    positions = {axis: height[dim] for axis, dim in _axes(height) if dim in height.coords}
+    along = zip(AXES[-height.ndim :], height.dims, strict=False) if height.ndim <= 2 else ()
+    positions = {axis: height[dim] for axis, dim in along if dim in height.coords}
     if height.ndim == 1 and "x" not in positions and "x" in dataset.variables and dataset["x"].dims == height.dims:
         positions["x"] = dataset["x"]
     units = {"z": height, **positions}
@@ -153,10 +154,6 @@ def _read_netcdf(path: Path) -> Content:
         {axis: each.values for axis, each in positions.items()},
         units={axis: _named(each.attrs["units"]) for axis, each in units.items() if "units" in each.attrs},
     )
-
-
-def _axes(height: "xr.DataArray") -> list[tuple[str, Any]]:
-    return list(zip(AXES[-height.ndim :], height.dims, strict=False)) if height.ndim <= 2 else []
 
 
 def _named(attribute: object) -> str:

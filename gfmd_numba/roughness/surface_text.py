@@ -131,8 +131,12 @@ def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
         heights = [unit for label, unit in found if _HEIGHT.search(label)]
         if found and len(found) == wanted:
             return tuple(unit for _, unit in found)
-        if len(found) == 1 and wanted == 2:
-            return _of_one(line, *found[0])
+        if len(found) == 1 and wanted == 2:  # for both columns if it stands alone
+            ((label, unit),) = found
+            if not label.strip():
+                return (unit, unit if len(line.split()) == 1 else None)
+            of_second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
+            return (None, unit) if of_second else (unit, None)
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)
     named = _entries(header)
@@ -395,15 +399,6 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
             found.append((label, unit))
             begin = match.end()
     return found
-
-
-def _of_one(line: str, label: str, unit: str) -> tuple[str | None, str | None]:
-    """Units of two columns of which a line states one: for both if it stands alone."""
-    if not label.strip():
-        alone = len(line.split()) == 1
-        return (unit, unit) if alone else (unit, None)
-    second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
-    return (None, unit) if second else (unit, None)
 
 
 def _text(path: Path) -> str:

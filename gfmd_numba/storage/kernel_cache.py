@@ -47,7 +47,8 @@ def load(name: str) -> bytes | None:
     if path is None:
         return None
     try:
-        with open(path / name, "rb", opener=_without_links) as file:
+        without_links = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+        with open(os.open(path / name, without_links), "rb") as file:
             trusted = user_cache.is_private(os.fstat(file.fileno()))
             content = file.read() if trusted else b""
     except OSError:
@@ -58,7 +59,3 @@ def load(name: str) -> bytes | None:
 
 def _seal(name: str, code: bytes) -> bytes:
     return _MAGIC + hashlib.sha256(name.encode() + code).digest()
-
-
-def _without_links(path: str, flags: int) -> int:
-    return os.open(path, flags | getattr(os, "O_NOFOLLOW", 0))

@@ -40,8 +40,8 @@ def si_prefix(largest: float, unit: str) -> tuple[float, str]:
 
 def with_prefix(value: float, unit: str, digits: int = 4) -> str:
     """Return a value to so many digits, with the prefix of its unit that suits it."""
-    factor, name = si_prefix(abs(value), unit)
-    return f"{factor * value:.{digits}g} {name}"
+    factor, name = si_prefix(abs(value), unit) if isfinite(value) else (1.0, unit)
+    return f"{factor * value:.{digits}g} {name}".rstrip()
 
 
 def typical(values: Iterable[float]) -> float:

@@ -200,7 +200,7 @@ def test_a_run_adds_finer_levels_until_its_target_is_reached(refined):
     asked = results["round_realisations"].values
     assert (asked[0] > 0).sum() == len(first.levels[0])
     assert (asked[-1] == results["realisations"].values).all()
-    found = campaign_in(refined.results.parent)
+    found, _ = campaign_in(refined.results.parent)
     assert [case.realisations for case in found.cases] == list(last.realisations)
     assert (verify(refined.results.parent).missing, verify(refined.results.parent).foreign) == (0, [])
 

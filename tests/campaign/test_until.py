@@ -91,7 +91,7 @@ def test_what_looks_at_the_directory_knows_the_rounds(reached):
     found, verdict = progress(out), verify(out)
     assert found.done == found.blocks
     assert (verdict.missing, verdict.damaged, verdict.foreign) == (0, [], [])
-    assert campaign_in(out).demand[opened(reached)["case_id"].values[0]] == reached.rounds.now.realisations[0]
+    assert campaign_in(out)[0].demand[opened(reached)["case_id"].values[0]] == reached.rounds.now.realisations[0]
 
 
 class Killed(BaseException):

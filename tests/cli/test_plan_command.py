@@ -191,7 +191,7 @@ def test_a_campaign_without_limits_has_no_target(tmp_path):
 
 def test_a_target_without_a_name_is_that_of_what_is_fitted(tmp_path):
     path = campaign(tmp_path, **{"reference: {": "fit: {variable: kappa_r}\nreference: {"})
-    assert goal_in(path, {"": 0.02}, None).targets == {"kappa_r": 0.02}
+    assert goal_in(path, {"": 0.02}, None, "--until").targets == {"kappa_r": 0.02}
 
 
 def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path):

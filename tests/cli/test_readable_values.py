@@ -7,9 +7,8 @@ import xarray as xr
 
 from gfmd_numba.analysis.plots import style
 from gfmd_numba.cli import tables
-from gfmd_numba.cli.tables import readable
 from gfmd_numba.scene.units import ENERGY_PER_AREA, FORCE_PER_LENGTH, LENGTH, PRESSURE
-from gfmd_numba.text.numbers import si_prefix, typical
+from gfmd_numba.text.numbers import si_prefix, typical, with_prefix
 from support.campaigns import SMALL
 from support.command_line import gfmd
 from support.faulty_files import changed
@@ -35,7 +34,7 @@ from support.scenes import SCENE, SURFACE
     ],
 )
 def test_a_value_has_the_prefix_that_makes_it_short(value, unit, expected):
-    assert readable(value, unit) == expected
+    assert with_prefix(value, unit, 6) == " ".join(expected)
 
 
 @pytest.mark.parametrize(
@@ -57,14 +56,15 @@ def test_numbers_of_a_column_share_the_unit_of_the_large_ones(values, unit):
 @pytest.mark.parametrize("value", [1.23456e-11, 3.3e-7, 0.25, 77.7, 123456.0, 8.5e10])
 def test_what_is_printed_reads_as_the_same_value(value):
     for quantity in (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH):
-        assert quantity.si_value(" ".join(readable(value, quantity.si))) == pytest.approx(value, rel=1e-5)
+        assert quantity.si_value(with_prefix(value, quantity.si, 6)) == pytest.approx(value, rel=1e-5)
 
 
 @pytest.mark.parametrize("unit", ["m", "Pa", "N", "N m-1", "J m-2"])
 @pytest.mark.parametrize("value", [2.5e-13, 2.5e-10, 2.5e-7, 2.5e-4, 2.5, 2.5e4, 2.5e7])
 def test_sentences_tables_and_figures_write_one_unit(value, unit):
     line = xr.Dataset({"force": ((), value, {"units": unit})})
-    assert tables.line(line, "force").text[14:] == readable(value, unit)[1] == style.prefix(line["force"], "")[1]
+    sentence = with_prefix(value, unit).split()[1]
+    assert tables.line(line, "force").text[14:] == sentence == style.prefix(line["force"], "")[1]
 
 
 def test_check_tells_what_a_scene_is_in_si(tmp_path):

@@ -35,7 +35,7 @@ def with_axes(dataset):
                 "units": "1",
                 "symbol": axis.symbol,
                 "label": axis.label,
-                "axis": "physics" if axis.forms_groups else "discretisation",
+                "axis": "physics" if axis.record else "discretisation",
                 "rank": rank,
             }
     return described

@@ -12,7 +12,6 @@ from matplotlib.transforms import ScaledTranslation
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import ACCURACY
 from gfmd_numba.analysis.plots.style import MARKERS, Width, log_ticks, ordered_colours, sheet, small, symbol
-from gfmd_numba.arrays import Reals
 
 TITLES = {
     "solver residual": "Solver and residual",
@@ -56,7 +55,8 @@ def _draw(axis: Axes, name: str, study: xr.Dataset) -> None:
     curves = dict.fromkeys(study["curve"].values.tolist())
     for curve, colour, marker in zip(curves, ordered_colours(len(curves)), cycle(MARKERS), strict=False):
         points = study.isel(point=study["curve"].values == curve)
-        x, y = _over(name, points)
+        x, y = points["seconds"].values, np.maximum(np.abs(points["error"].values), _EQUAL.get(name, 1e-5))
+        x, y = (points["setting"].values, x) if name == "damping of Verlet" else (x, y)
         axis.plot(x, y, marker=marker, color=colour, label=curve)
         for at, height, setting in zip(x, y, points["setting"].values, strict=True) if name in _WRITTEN else ():
             written = f"{setting:g}" if name in _AS_THEY_ARE else f"{1 / setting:g}"
@@ -88,10 +88,3 @@ def _drawn(study: xr.Dataset, name: str) -> xr.Dataset:
 def _symbol(study: xr.Dataset) -> str:
     """What the errors of a study are about."""
     return symbol(str(study["variable"].values[0]) if "variable" in study and study.sizes["point"] else "kappa")
-
-
-def _over(name: str, points: xr.Dataset) -> tuple[Reals, Reals]:
-    """What is drawn against what, of the points of one curve."""
-    setting, seconds = points["setting"].values, points["seconds"].values
-    error = np.maximum(np.abs(points["error"].values), _EQUAL.get(name, 1e-5))
-    return (setting, seconds) if name == "damping of Verlet" else (seconds, error)

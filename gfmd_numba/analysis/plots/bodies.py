@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, named_last_step, prefix, scaled, sheet, told
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, last_step, prefix, scaled, sheet, told
 from gfmd_numba.arrays import Reals
 
 _USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
@@ -31,8 +31,7 @@ _ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 @checked
 def plot_body(dataset: Annotated[xr.Dataset, FIELDS], width: Width | None = None) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
-    step = named_last_step(dataset)
-    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    step, dataset = last_step(dataset)
     if not np.isfinite(dataset["von_mises"]).all():
         raise UnusableDataError(
             "you gave fields of a run that is not ok; gfmd allows those of one that is, see `status`"
@@ -129,8 +128,7 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
     Above it are the pressure and the residual displacement. Raises UnusableDataError for a dataset without these
     fields.
     """
-    step = named_last_step(dataset)
-    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    step, dataset = last_step(dataset)
     if "y" in dataset.dims:
         most = dataset["equivalent_plastic_strain"].max(["depth", "x"]).values
         dataset = dataset.isel(y=int(most.argmax()))
@@ -195,22 +193,19 @@ def _plot_profile(dataset: xr.Dataset, width: Width | None) -> Figure:
     return figure
 
 
-def _limits(every: list[xr.DataArray], values: xr.DataArray, factor: float) -> dict[str, Any]:
-    """Limits of the colours of a component that is 0 to within the residual, which is then of one colour."""
-    largest = max(float(abs(each).max()) for each in every)
-    zero = float(abs(values).max()) <= _ZERO * largest
-    return {"vmin": -factor * largest, "vmax": factor * largest} if zero and largest else {}
-
-
 def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
     """Draw a column for each component; a row has one unit, so that components can be compared."""
     with sheet(6, 3, panel_of(dataset, 3.8), width, **OF_MAPS) as (figure, axes):
         for row, (quantity, natural) in zip((axes[:3], axes[3:]), _QUANTITIES.items(), strict=True):
             every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _COMPONENTS_OF_MAPS]
-            factor, unit = prefix(max(every, key=lambda each: float(abs(each).max())), natural)
-            for axis, (_, _, way), values in zip(row, _COMPONENTS_OF_MAPS, every, strict=True):
+            sizes = [float(abs(each).max()) for each in every]
+            factor, unit = prefix(every[int(np.argmax(sizes))], natural)
+            largest = factor * max(sizes)
+            for axis, (_, _, way), values, size in zip(row, _COMPONENTS_OF_MAPS, every, sizes, strict=True):
                 label = f"{quantity.capitalize()} {way} ({unit})"
-                draw_image(
-                    axis, dataset, factor * values.values, label, cmap="cividis", **_limits(every, values, factor)
+                # a component that is 0 to within the residual has one colour
+                ends: dict[str, Any] = (
+                    {"vmin": -largest, "vmax": largest} if factor * size <= _ZERO * largest and largest else {}
                 )
+                draw_image(axis, dataset, factor * values.values, label, cmap="cividis", **ends)
     return figure

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import Annotated, Any
 
@@ -33,6 +34,10 @@ Key = tuple[float, ...]  # parameters of a group
 Look = dict[str, Any]
 _WIDE = 5.0  # ratio of the largest to the smallest value from which on an axis is logarithmic
 _OF_FIT = ("limit", "reference_eps", "curve_eps", "curve")
+_NOTHING_VARIES = (
+    "results in which no discretisation is varied, and no other parameter; gfmd allows results of a campaign with "
+    "limits or a grid"
+)
 _PANELS = {
     "eps_c": ("Continuum limit", r"$1/\varepsilon_c = \lambda_s/2\Delta x$"),
     "eps_f": ("Fractal limit", r"$1/\varepsilon_f = \lambda_l/\lambda_s$"),
@@ -123,23 +128,11 @@ def _value(axis: xr.DataArray, value: float) -> str:
 ValuesOf = Callable[[xr.Dataset], tuple[Reals, Reals]]  # values (case) of cases, and their errors
 
 
-def plot_parameter(dataset: xr.Dataset, variable: str, width: Width | None) -> Figure:
-    """Draw case means with standard errors against the parameter that has most values, a line for each set of others.
+def over_parameter(dataset: xr.Dataset, values_of: ValuesOf, label: str, width: Width | None) -> Figure:
+    """Draw values of cases, with their errors, against the parameter that has most values, a line for each other set.
 
     A parameter of names, like files, is taken only where no number is varied, and no line joins its values.
-    UnusableDataError for a dataset in which no parameter is varied.
     """
-    if most_varied(dataset) is None:
-        raise UnusableDataError(
-            "you gave results in which no discretisation is varied, and no other parameter; "
-            "gfmd allows results of a campaign with limits or a grid"
-        )
-    label = style.of_variable(dataset, variable)
-    return over_parameter(dataset, lambda cases: selection.ensemble_mean(cases, variable), label, width)
-
-
-def over_parameter(dataset: xr.Dataset, values_of: ValuesOf, label: str, width: Width | None) -> Figure:
-    """Draw values of cases, with their errors, against the parameter that has most values."""
     name = most_varied(dataset) or next(iter(selection.axes(dataset)))
     looks = looks_of(_without(dataset, name))
     with style.sheet(1, 1, (5.6, 4.0), width) as (figure, (panel,)):
@@ -207,18 +200,15 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Fig
     Groups whose fit is refused are left out. UnusableDataError for anything but a fit, or one without a limit.
     """
     variable = str(fit.attrs.get("variable"))
-    if not {f"{variable}_tfc", f"{variable}_tfc_error", "fit_status"} <= set(fit.variables) or not selection.axes(fit):
+    name = f"{variable}_tfc"
+    if not {name, f"{name}_error", "fit_status"} <= set(fit.variables) or not selection.axes(fit):
         raise UnusableDataError("you gave no fit; gfmd allows what `gfmd fit -o` leaves")
-    accepted = fit[[f"{variable}_tfc", f"{variable}_tfc_error"]].isel(group=(fit["fit_status"] == "ok").values)
+    accepted = fit[[name, f"{name}_error"]].isel(group=(fit["fit_status"] == "ok").values)
     if not accepted.sizes["group"]:
         raise UnusableDataError("you gave a fit that was refused in every group; gfmd allows one with a limit")
-    label = style.with_unit(f"{style.symbol(variable)} in the TFC limit", fit[f"{variable}_tfc"])
-    return over_parameter(accepted.drop_vars("group").rename(group="case"), _limits, label, width)
-
-
-def _limits(groups: xr.Dataset) -> tuple[Reals, Reals]:
-    value, error = in_the_limit(groups)
-    return value.values, error.values
+    label = style.with_unit(f"{style.symbol(variable)} in the TFC limit", fit[name])
+    accepted = accepted.drop_vars("group").rename(group="case")
+    return over_parameter(accepted, lambda each: (each[name].values, each[f"{name}_error"].values), label, width)
 
 
 @checked
@@ -231,8 +221,7 @@ def plot_campaign(
     """Draw case means with standard errors against 1/eps, one panel per varied limit, with a fit.
 
     The fit is the output of fit_tfc; open markers are kappa from counted contact nodes. Without limits the means are
-    drawn against a parameter. ValueError for an unknown variable, a fit of another variable, or a dataset in which
-    nothing is varied.
+    drawn against a parameter. ValueError for an unknown variable, a fit of another one, or data without variation.
     """
     selection.good(dataset, variable)
     read = [name for name in (variable, "kappa_counted", "status") if name in dataset.data_vars]
@@ -243,8 +232,12 @@ def plot_campaign(
         if np.unique(selection.select_limit(dataset, limit)[limit]).size > 1
     ]
     if not present:
-        references = dataset["is_reference"].values  # none if it is one without limits that marks no references
-        return plot_parameter(dataset.isel(case=references) if references.any() else dataset, variable, width)
+        references = dataset["is_reference"].values  # a campaign without limits may mark none
+        dataset = dataset.isel(case=references | ~references.any())
+        if most_varied(dataset) is None:
+            raise UnusableDataError(f"you gave {_NOTHING_VARIES}")
+        label = style.of_variable(dataset, variable)
+        return over_parameter(dataset, partial(selection.ensemble_mean, variable=variable), label, width)
     if fit is not None and fit.attrs["variable"] != variable:
         raise InputError.of("fit", f"one of {fit.attrs['variable']!r}", f"one of {variable!r}, as is drawn")
     looks = looks_of(dataset)
@@ -259,20 +252,22 @@ def plot_campaign(
             _draw_extrapolated(panels[-1], fitted, looks)
         low, high = _usual_means(dataset, variable, fitted)
         panels[0].set_ylim(max(panels[0].get_ylim()[0], low), min(panels[0].get_ylim()[1], high))
-        for axis in style.first_columns(panels):
-            axis.set_ylabel(style.of_variable(dataset, variable))
         for axis in panels:
             axis.grid(axis="y")
+            if axis.get_subplotspec().is_first_col():  # type: ignore[union-attr]
+                axis.set_ylabel(style.of_variable(dataset, variable))
         handles: list[Artist] = [Line2D([], [], **look) for look in looks.of.values()]
         if variable == "kappa" and "kappa_counted" in dataset:
             handles.append(Line2D([], [], color="0.5", marker="o", fillstyle="none", ls="", label="nodes counted"))
         if len(looks.of) > 1:
-            said = "Markers are shifted sideways, so that their error bars can be seen."
-            said = said.replace(", ", ",\n") if width == "single" else said
+            said = "Markers are shifted sideways,\nso that their error bars can be seen."
+            said = said if width == "single" else said.replace("\n", " ")
             figure.supxlabel(said, fontsize=style.small(), color="0.35")
         if fitted:
             handles.append(Line2D([], [], color="0.4", ls=":", label=r"limit along a panel, $1/\varepsilon\to\infty$"))
-        if any(map(_omits_nyquist, fitted.values())) and selection.at_nyquist(dataset["eps_c"]).any():
+        at = [float(each["reference_eps"].sel(limit="eps_c")) for each in fitted.values()]
+        omits = fit is not None and fit.attrs["omit_nyquist"] == "True"
+        if omits and not all(map(selection.at_nyquist, at)) and selection.at_nyquist(dataset["eps_c"]).any():
             handles.append(Patch(color="0.94", label="not fitted"))
             panels[present.index("eps_c")].axvspan(0.85, 1.2, color="0.94", zorder=0)
         style.add_legend(figure, handles, -(-len(handles) // max(1, len(handles) // 4)))
@@ -299,12 +294,6 @@ def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:
     return found
 
 
-def _omits_nyquist(fit: xr.Dataset) -> bool:
-    """Whether the fit of a group left out the cases at eps_c = 1."""
-    reference = float(fit["reference_eps"].sel(limit="eps_c"))
-    return fit.attrs["omit_nyquist"] == "True" and not selection.at_nyquist(reference)
-
-
 def _draw_limit(
     axis: Axes,
     cases: xr.Dataset,
@@ -328,7 +317,10 @@ def _draw_limit(
         if physics in fitted:
             one = fitted[physics].sel(limit=limit)
             axis.plot(1 / one["curve_eps"], one["curve"], look["linestyle"], c=look["color"])
-            axis.axhline(_limit_along(fitted[physics], limit), ls=":", lw=0.8, color=look["color"], zorder=1)
+            others = fitted[physics]["correction"].where(fitted[physics]["limit"] != limit).sum()
+            pairs = fitted[physics]["interaction"].where(~fitted[physics]["pair"].str.contains(limit)).sum()
+            tends_to = float(in_the_limit(fitted[physics])[0] + others + pairs)
+            axis.axhline(tends_to, ls=":", lw=0.8, color=look["color"], zorder=1)
     title, label = _PANELS[limit]
     levels = np.unique(1 / cases[limit].values)
     axis.set_xscale("log")
@@ -342,13 +334,6 @@ def _collide(labels: list[str], levels: Reals) -> bool:
     """Whether labels of neighbouring levels meet below a panel, which has room for some 26 characters."""
     room = 26.0 * np.diff(np.log(levels)) / np.ptp(np.log(levels))
     return any(0.5 * len(one + other) + 0.6 > gap for (one, other), gap in zip(pairwise(labels), room, strict=True))
-
-
-def _limit_along(fit: xr.Dataset, limit: str) -> float:
-    """Return what the fit tends to along one limit, the others at the reference."""
-    corrections = fit["correction"].where(fit["limit"] != limit).sum()
-    interactions = fit["interaction"].where(~fit["pair"].str.contains(limit)).sum()
-    return float(fit[f"{fit.attrs['variable']}_tfc"] + corrections + interactions)
 
 
 def _draw_extrapolated(axis: Axes, fitted: dict[Key, xr.Dataset], looks: Looks) -> None:

@@ -81,22 +81,17 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
     gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
     logarithmic: list[Axis] = [gap.yaxis] if scale == "log" else []
     if len(panels) > 1:
-        _name_axes_of_touching(panels[0], panels[2], mean, counted, label_of_size)
+        if "pressure_density_persson" in mean:
+            panels[0].plot([], [], "--", color="0.4", label="Persson")
+        x_label, end = r"$p\,/\,p_\mathrm{rms}$ of full contact", _end(mean, "pressure")
+        panels[0].set(xlabel=x_label, ylabel="Density", ylim=(0, None), xlim=(0, end))
+        limits = 0.7, max(10.0, 1.5 * float(mean[counted].max()))
+        panels[2].set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=limits)
         logarithmic += [panels[2].xaxis, panels[2].yaxis]
     for axis in logarithmic:
         style.log_ticks(axis)
     explained = dict.fromkeys((gap, panels[0]))
     return [handle for panel in explained for handle in panel.get_legend_handles_labels()[0]]
-
-
-def _name_axes_of_touching(pressure: Axes, contacts: Axes, mean: xr.Dataset, counted: str, label_of_size: str) -> None:
-    """Give pressures and sizes of contacts their axes."""
-    if "pressure_density_persson" in mean:
-        pressure.plot([], [], "--", color="0.4", label="Persson")
-    end = _end(mean, "pressure")
-    pressure.set(xlabel=r"$p\,/\,p_\mathrm{rms}$ of full contact", ylabel="Density", ylim=(0, None), xlim=(0, end))
-    most = max(10.0, 1.5 * float(mean[counted].max()))
-    contacts.set(xlabel=label_of_size, ylabel=counted.capitalize(), xscale="log", yscale="log", ylim=(0.7, most))
 
 
 def _end(statistics: xr.Dataset, over: str) -> float:
@@ -121,8 +116,7 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | N
     Of a path of loadings the last one is drawn, and the title says so. Raises UnusableDataError for a dataset
     without these fields.
     """
-    step = style.named_last_step(dataset)
-    dataset = dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    step, dataset = style.last_step(dataset)
     return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, step, width)
 
 
@@ -203,7 +197,10 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
         _outline(heights, dataset, flat, _FLATTENED)
         draw_pressure(pressure, dataset)
         _outline(pressure, dataset, touching)
-        _draw_gap(gap, dataset, touching)
+        values, label = style.scaled(dataset["gap"], "Gap", "L_x")
+        colours = mpl.colormaps["Blues"].with_extremes(bad=_CONTACT)
+        label, norm = (f"{label}, contact in orange", decades(values)) if touching.any() else (label, None)
+        draw_image(gap, dataset, np.where(touching, np.nan, values), label, "both", cmap=colours, norm=norm)
         if drags:
             draw = draw_friction if "slip" in dataset else draw_cohesion
             draw(axes[3:6], dataset)
@@ -224,20 +221,6 @@ def _outline(axis: Axes, dataset: xr.Dataset, flags: Flags, colour: str = "0.1")
     if _is_in_patches(flags):
         (x, _), (y, _) = (style.scaled(dataset[dim], "", "") for dim in ("x", "y"))
         axis.contour(x + 0.5 * x[1], y + 0.5 * y[1], flags, [0.5], colors=colour, linewidths=0.6)
-
-
-def _draw_gap(axis: Axes, dataset: xr.Dataset, touching: Flags) -> None:
-    values, label = style.scaled(dataset["gap"], "Gap", "L_x")
-    colours = mpl.colormaps["Blues"].with_extremes(bad=_CONTACT)
-    draw_image(
-        axis,
-        dataset,
-        np.where(touching, np.nan, values),
-        f"{label}, contact in orange" if touching.any() else label,
-        "both",
-        cmap=colours,
-        norm=decades(values) if touching.any() else None,
-    )
 
 
 _SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # without yellow, faint on white

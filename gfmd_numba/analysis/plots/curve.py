@@ -7,7 +7,7 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CURVES, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, Width, last_rows, log_ticks, prefix, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width, log_ticks, prefix, sheet
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
 
@@ -24,12 +24,7 @@ _OF_FORM = (  # without a period
     _PANELS[3],
 )
 _LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""), "line_load": ("Line load", "")}
-_OVER_SPEED = (
-    ("hysteretic_friction", "Friction by hysteresis", "", False),
-    _PANELS[0],
-    _PANELS[1],
-    _PANELS[3],
-)
+_OVER_SPEED = (("hysteretic_friction", "Friction by hysteresis", "", False), *_PANELS[:2], _PANELS[3])
 _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANELS[3])
 
 
@@ -71,17 +66,9 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)
-        for axis in last_rows(axes):
-            axis.set_xlabel(f"{label} ({unit})")
+            if axis.get_subplotspec().is_last_row():  # type: ignore[union-attr]
+                axis.set_xlabel(f"{label} ({unit})")
     return figure
-
-
-def _per_gap(dataset: xr.Dataset, unit: str) -> str:
-    """Unit of a stiffness, with E* or L_x where the scene leaves but one of them open."""
-    pressure, gap = (dataset[name].attrs.get("units", "1") for name in ("mean_pressure", "mean_gap"))
-    if pressure != "1" and gap == "1":
-        return f"{unit}$/L_x$"
-    return "$E^*$/m" if pressure == "1" and gap != "1" else unit
 
 
 def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x: Reals) -> Reals:
@@ -94,8 +81,10 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
     if f"{name}_standard_error" in dataset:
         error = factor * dataset[f"{name}_standard_error"].values[known]
         axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)
-    if name == "contact_stiffness":
-        unit = _per_gap(dataset, unit)
+    if name == "contact_stiffness":  # with E* or L_x where the scene leaves but one of them open
+        pressure, gap = (dataset[each].attrs.get("units", "1") for each in ("mean_pressure", "mean_gap"))
+        if (pressure == "1") != (gap == "1"):
+            unit = f"{unit}$/L_x$" if gap == "1" else "$E^*$/m"
     axis.set_ylabel(f"{text} ({unit})" if unit else text)
     axis.grid()
     return values

@@ -13,7 +13,7 @@ from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatte
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.style import COLOURS, Width, named_last_step, scaled, sheet, usual
+from gfmd_numba.analysis.plots.style import COLOURS, Width, last_step, scaled, sheet, usual
 from gfmd_numba.arrays import Reals
 
 _AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
@@ -104,7 +104,7 @@ def most(values: Reals) -> float | None:
 @checked
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction, of a path that of the last step."""
-    title, last = named_last_step(dataset), dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    title, last = last_step(dataset)
     with sheet(2, 2, panel_of(last, 4.4), width, title=title, **OF_MAPS) as (figure, axes):
         for axis, along in zip(axes, ("x", "y"), strict=True):
             flow = last["local_flow"].sel(direction=along).values
@@ -117,7 +117,7 @@ def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = 
 @checked
 def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width | None = None) -> Figure:
     """Draw the current of `contact_conductance` through each node, of a path that of the last step."""
-    title, last = named_last_step(dataset), dataset.isel(step=-1) if "step" in dataset.dims else dataset
+    title, last = last_step(dataset)
     label, current = "Current over its mean", last["current_density"].values
     is_map = "y" in last.dims
     with sheet(1, 1, panel_of(last, 5.6) if is_map else (9.0, 3.6), width, title=title) as (figure, (axis,)):

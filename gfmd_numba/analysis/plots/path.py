@@ -23,6 +23,11 @@ _JUMP = 0.2  # least part of all that happens along a path
 _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
 
 
+_OVER = {
+    "step": ("Step", ""),
+    "step_sliding": ("Sliding of the punch", "L_x"),
+    "step_sliding_y": ("Sliding of the punch along $y$", "L_x"),
+}
 _LOADS = ("punch_displacement", "line_load", "force", "prescribed_pressure", "reduced_pressure")  # of one contact
 _OF_STEPS = (
     *("mean_pressure", "contact_area_fraction", "mean_tangential_traction", "mean_tangential_traction_y"),
@@ -68,7 +73,8 @@ def plot_path(dataset: xr.Dataset, width: Width | None = None) -> Figure:
             drawn_values = dataset[name].where(good(dataset, name)).mean("realisation", keep_attrs=True)
             factor, unit = prefix(drawn_values, natural, typical)
             others = looks_of(dataset.drop_vars(varied or ""))
-            draw_values(axis, dataset, partial(_scaled_mean, name, factor), varied or "", others)
+            values_of = partial(ensemble_mean, variable=name)
+            draw_values(axis, dataset.assign({name: factor * dataset[name]}), values_of, varied or "", others)
             axis.set(ylabel=f"{label} ({unit})")
         for axis in drawn:
             axis.grid()
@@ -90,11 +96,6 @@ def _as_campaign(contact: xr.Dataset) -> xr.Dataset:
         | {"case": [0], "is_reference": ("case", [True]), "nx": ("case", [1]), "contact": ("case", [0.0], physics)}
         | ({"punch_displacement": contact[load]} if load == "punch_displacement" else {})
     )
-
-
-def _scaled_mean(variable: str, factor: float, cases: xr.Dataset) -> tuple[Reals, Reals]:
-    mean, error = ensemble_mean(cases, variable)
-    return factor * mean, factor * error
 
 
 def _of_varied(dataset: xr.Dataset) -> xr.Dataset:
@@ -192,14 +193,9 @@ def _mark_jumps(axis: Axes, x: Reals, y: Reals, lost: Reals | None) -> None:
 
 def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:
     """Label of what is drawn over, and what stands for its unit 1; nothing for a pure number."""
-    if name == "step":
-        return "Step", ""
-    if name == "step_sliding":
-        return "Sliding of the punch", "L_x"
-    if name == "step_sliding_y":
-        return "Sliding of the punch along $y$", "L_x"
+    if name != "step_load":
+        return _OVER[name]
     if "punch_displacement" in dataset.variables:
         return "Punch displacement", "L_x"
-    return (
-        ("Prescribed load", "E^*") if dataset[name].attrs.get("units", "1") != "1" else ("Reduced pressure $p^*$", "")
-    )
+    reduced = dataset[name].attrs.get("units", "1") == "1"
+    return ("Reduced pressure $p^*$", "") if reduced else ("Prescribed load", "E^*")

@@ -10,19 +10,10 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocato
 
 from gfmd_numba.analysis.arguments import checked, targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, sheet, symbol
+from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, log_ticks, sheet, symbol
 
 _TARGET = COLOURS[2]
 _BARS = "rounds, bars to 90 % confidence"
-_UNITS = (  # of the ticks of an axis of time, their seconds, and how many of them have a tick
-    ("ms", 1e-3, (1, 10)),
-    ("s", 1.0, (0.1, 0.2, 0.5, 1, 2, 5, 10, 20)),
-    ("min", 60.0, (1, 2, 5, 10, 30)),
-    ("h", 3600.0, (1, 2, 5, 10)),
-    ("day", 86400.0, (1,)),
-    ("days", 86400.0, (4, 40)),
-    ("year", 365 * 86400.0, (1,)),
-)
 
 
 @checked
@@ -40,13 +31,19 @@ def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS], width: Width | None = No
     with sheet(1, 1, (7.2, 4.2), width) as (figure, (axis,)):
         which = symbol(next(iter(targets))) if len(targets) == 1 else "each target"
         ylabel = f"Relative error of {which} in the limit"
-        axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts", ylabel=ylabel)
+        axis.set(xscale="log", yscale="log", xlabel="Processor time of the contacts (s)", ylabel=ylabel)
         seconds = dataset["round_cpu_seconds"].values[np.isfinite(dataset["round_cpu_seconds"].values)]
         axis.set_xlim(0.5 * seconds[0], 2.0 * seconds[-1])
         for number, (name, target) in enumerate(targets.items()):
             of_target = dataset.sel(target=name) if "target" in dataset.dims else dataset
             _draw(axis, of_target, target, number, f"{symbol(name)}: " if len(targets) > 1 else "")
-        _tick(axis)
+        log_ticks(axis.xaxis)
+        axis.margins(y=0.16)
+        least, most = axis.get_ylim()
+        few = MaxNLocator(4) if most < 4.0 * least else LogLocator(subs=(1.0, 2.0, 5.0))  # two labels at least
+        axis.yaxis.set_major_locator(few)
+        axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.3g} %"))
+        axis.yaxis.set_minor_locator(NullLocator())
         axis.grid()
         add_legend(figure, axis.get_legend_handles_labels()[0], 2)
     return figure
@@ -68,20 +65,3 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
         text = str(which) if which else "pilot"
         axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
-
-
-def _tick(axis: Axes) -> None:
-    """Ticks of times as people say them, and of errors in per cent."""
-    axis.margins(y=0.16)
-    low, high = axis.get_xlim()
-    times = {f"{count:g} {unit}": count * seconds for unit, seconds, counts in _UNITS for count in counts}
-    shown = {text: time for text, time in times.items() if low <= time <= high}
-    axis.set_xticks(list(shown.values()), list(shown))
-    axis.xaxis.set_minor_locator(NullLocator())
-    least, most = axis.get_ylim()
-    few = (
-        MaxNLocator(4) if most < 4.0 * least else LogLocator(subs=(1.0, 2.0, 5.0))
-    )  # so that two are labelled at least
-    axis.yaxis.set_major_locator(few)
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{100 * value:.3g} %"))
-    axis.yaxis.set_minor_locator(NullLocator())

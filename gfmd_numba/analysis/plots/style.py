@@ -2,7 +2,7 @@
 
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import pairwise
 from typing import Annotated, Any, Literal
@@ -139,16 +139,6 @@ def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, place: _
     _grow(figure, box.height / figure.dpi)
 
 
-def first_columns(axes: Iterable[Axes]) -> list[Axes]:
-    """Return the axes at the left edge of a sheet."""
-    return [axis for axis in axes if axis.get_subplotspec().is_first_col()]  # type: ignore[union-attr]
-
-
-def last_rows(axes: Iterable[Axes]) -> list[Axes]:
-    """Return the axes at the lower edge of a sheet."""
-    return [axis for axis in axes if axis.get_subplotspec().is_last_row()]  # type: ignore[union-attr]
-
-
 def _settle(figure: Figure, columns: int) -> None:
     """Break labels that are longer than their place, and thin or turn labels of ticks that collide."""
     for bins in (4, 4, 3, 3, 2, 2):
@@ -261,16 +251,17 @@ def prefix(
     return si_prefix(largest, unit)
 
 
-def named_last_step(dataset: xr.Dataset) -> str:
-    """Return which step of a path is drawn, and its loading; nothing for a dataset without a path."""
+def last_step(dataset: xr.Dataset) -> tuple[str, xr.Dataset]:
+    """Return the last step of a path, after its name and its loading; a dataset without a path as it is, after ""."""
+    last = dataset.isel(step=-1) if "step" in dataset.dims else dataset
     if dataset.sizes.get("step", 1) == 1:
-        return ""
+        return "", last
     said = f"Step {dataset.sizes['step'] - 1}, the last"
     for name, symbol, natural in _PRESCRIBED:
         if name in dataset and dataset[name].any():
             factor, unit = prefix(dataset[name], natural) if natural else (1.0, "")
             said += f", {symbol} = {told(factor * float(dataset[name][-1]), unit)}"
-    return said
+    return said, last
 
 
 def usual(values: Reals) -> tuple[float, float]:

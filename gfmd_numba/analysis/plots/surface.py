@@ -19,22 +19,26 @@ def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = 
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
     with sheet(4, 2, (5.0, 3.6), width) as (figure, axes):
         heights, spectrum, correlation, distribution = axes
-        _draw_heights(heights, dataset)
+        x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+        h, h_label = scaled(dataset["height"], "Height $h$", "L_x")
+        if h.ndim == 1:
+            heights.plot(x, h, color="0.25", lw=0.8)
+            heights.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
+        else:
+            draw_image(heights, dataset, h, h_label, cmap="cividis")
         _draw_spectrum(spectrum, dataset)
-        _draw_correlation(correlation, dataset)
-        _draw_distribution(distribution, dataset)
+        distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
+        correlation.axhline(0.0, color="0.8", lw=0.8)
+        correlation.plot(distance, dataset["autocorrelation"], color=COLOURS[0])
+        if "autocorrelation_theory" in dataset:
+            correlation.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1])
+        correlation.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
+        level = dataset["level"].values
+        distribution.stairs(dataset["height_density"], edges(level), color=COLOURS[0], fill=True, alpha=0.35)
+        distribution.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1])
+        distribution.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
         add_legend(figure, spectrum.get_legend_handles_labels()[0], 3)
     return figure
-
-
-def _draw_heights(axis: Axes, dataset: xr.Dataset) -> None:
-    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-    h, h_label = scaled(dataset["height"], "Height $h$", "L_x")
-    if h.ndim == 1:
-        axis.plot(x, h, color="0.25", lw=0.8)
-        axis.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
-        return
-    draw_image(axis, dataset, h, h_label, cmap="cividis")
 
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
@@ -62,19 +66,3 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
     axis.set(xscale="log", yscale="log", xlabel=f"Wave number $q$ (1/{unit})", ylabel="$C(q)$" + density_label)
     for each in (axis.xaxis, axis.yaxis):
         log_ticks(each)
-
-
-def _draw_correlation(axis: Axes, dataset: xr.Dataset) -> None:
-    distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
-    axis.axhline(0.0, color="0.8", lw=0.8)
-    axis.plot(distance, dataset["autocorrelation"], color=COLOURS[0])
-    if "autocorrelation_theory" in dataset:
-        axis.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1])
-    axis.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
-
-
-def _draw_distribution(axis: Axes, dataset: xr.Dataset) -> None:
-    level = dataset["level"].values
-    axis.stairs(dataset["height_density"], edges(level), color=COLOURS[0], fill=True, alpha=0.35)
-    axis.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1])
-    axis.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))

@@ -141,7 +141,7 @@ def modulus_attributes(scene: Scene) -> dict[str, str]:
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     """CF attributes of what a loading prescribes, by the name of its coordinate."""
-    height = Units.of(scene).names["height"]
+    height = "m" if scene.length else "1"
     return {
         "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
         "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),

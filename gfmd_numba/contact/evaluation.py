@@ -1,9 +1,9 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
 from collections.abc import Callable, Mapping
-from functools import cache
+from functools import cache, wraps
 from pkgutil import resolve_name
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -12,15 +12,29 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
-from gfmd_numba.contact.state import Contact, once
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.status import Status
 
+Found = TypeVar("Found")
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
+
+
+def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
+    """Compute a function of a contact once, and keep what it has found with the contact; nobody changes that."""
+
+    @wraps(function)
+    def found(contact: Contact) -> Found:
+        if function not in contact.found:
+            contact.found[function] = function(contact)
+        known: Found = contact.found[function]
+        return known
+
+    return found
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:

@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State, once
+from gfmd_numba.contact.evaluation import once
+from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.fields import von_mises
 

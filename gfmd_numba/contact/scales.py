@@ -105,11 +105,10 @@ def times_of(steps: Iterable[Scene]) -> list[float]:
     return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
-def plasticity(scene: Scene, rms_gradient: float) -> Plasticity | None:
+def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> Plasticity | None:
     """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
     if scene.body.plasticity is None:
         return None
-    scales = scales_of(scene)
     given, voce = in_reduced_units(scene.body.plasticity, scales.length, rms_gradient * scales.modulus), {}
     if given.saturation_stress is not None and given.saturation_strain is not None:
         rise, strain = given.saturation_stress - given.yield_stress, rounded(given.saturation_strain / rms_gradient)
@@ -132,16 +131,16 @@ def whole_body_yields(body: Body) -> float:
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 
-def reduced_load(scene: Scene, rms_gradient: float) -> float:
+def reduced_load(scene: Scene, scales: Scales, rms_gradient: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the mean pressure (g E*).
 
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
     """
-    loading, scales, acting = scene.loading, scales_of(scene), scene.interface
+    loading, acting = scene.loading, scene.interface
     bounds = (whole_body_yields(scene.body), _YIELDS), (plastic_pressure(acting), at_most(acting))
     if loading.displacement is not None:
-        return reduced_length(loading.displacement, scene, rms_gradient)
+        return rounded(loading.displacement / (scales.length * rms_gradient))
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scales.length, scales.modulus) * rms_gradient
     found, one = load / unit, rms_gradient * scales.modulus
@@ -153,19 +152,15 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
     return rounded(found)
 
 
-def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
-    """Displacement of the punch (m or L_x of the scene) in g L_x."""
-    return rounded(length / ((scene.length or 1.0) * rms_gradient))
-
-
-def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
+def reduced_step(scene: Scene, sliding: Sliding, scales: Scales, rms_gradient: float) -> LoadStep:
     """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
 
     Durations count in the longest relaxation time, speeds in L_x over that. Raises ValueError as `reduced_load` does.
     """
-    ways, time = tuple(reduced_length(way, scene, rms_gradient) for way in sliding), scales_of(scene).time
-    duration, speed = (scene.loading.duration or 0.0) / time, (scene.loading.speed or 0.0) / (scene.length or 1.0)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, rounded(duration), rounded(speed * time))
+    loading, load = scene.loading, reduced_load(scene, scales, rms_gradient)
+    ways = tuple(rounded(way / (scales.length * rms_gradient)) for way in sliding)
+    speed = rounded((loading.speed or 0.0) / scales.length * scales.time)
+    return LoadStep(load, ways, rounded((loading.duration or 0.0) / scales.time), speed)
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

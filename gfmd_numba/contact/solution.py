@@ -145,7 +145,7 @@ def response_of(problem: Problem) -> SpectralResponse:
         return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
     own, *other = (
         free_body.response(shape, body, ends, couples) if any(ends) else body.response(shape)
-        for body in (problem.body, *(() if counter is None else (counter.body,)))
+        for body in (problem.body, *(() if counter is None else (counter.elastic,)))
     )
     return own if counter is None else own.in_series(other[0], counter.share)
 
@@ -155,5 +155,5 @@ def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
     own = problem.body.condensed_stiffness(q)
     if problem.counter is None:
         return own
-    other = problem.counter.body.condensed_stiffness(q)
+    other = problem.counter.elastic.condensed_stiffness(q)
     return stiffness.in_series(own, other, problem.counter.share)

@@ -37,6 +37,16 @@ def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
     return found
 
 
+def of_profiles(function: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
+    """The same of profiles; of maps it is not known, and not-a-number `[realisation]`."""
+
+    @wraps(function)
+    def found(contact: Contact) -> Reals:
+        return function(contact) if contact.heights.ndim == 2 else np.full(len(contact.heights), np.nan)
+
+    return found
+
+
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
     """Nodes in contact `[realisation, (y,) x]`: those on which the hard wall presses."""
     return contact.equilibrium.touching
@@ -146,13 +156,12 @@ def contact_area_fraction(contact: Contact) -> Reals:
     return np.asarray(mean_of_nodes(filled(contact)) - excess / contact.heights[0].size)
 
 
+@of_profiles
 def contact_area_fraction_error(contact: Contact) -> Reals:
-    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing; nan of maps.
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
 
     On thin bodies also their mean position is uncertain, where stretches are short.
     """
-    if contact.heights.ndim > 2:
-        return np.full(len(contact.heights), np.nan)
     (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
     return np.asarray(np.sqrt((ends + _above_flow(contact)) / 12.0 + of_mean**2) / contact.heights.shape[1])
@@ -162,23 +171,19 @@ def contact_area_fraction_error(contact: Contact) -> Reals:
 def located_length(contact: Contact) -> tuple[Reals, Reals]:
     """Contact length over L_x with edges where the pressures at their two last nodes put them, and its deviation.
 
-    The standard deviation is that of stretches too short to tell `[realisation]`. Both are not-a-number on maps.
+    Of profiles. The standard deviation is that of stretches too short to tell `[realisation]`.
     """
-    found = contact.equilibrium
-    if contact.heights.ndim > 2:
-        return np.full(len(contact.heights), np.nan), np.full(len(contact.heights), np.nan)
-    ends = any(contact.ends)
+    found, ends = contact.equilibrium, any(contact.ends)
     length, unknown = area_correction.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
     return length, np.hypot(unknown, np.sqrt(_above_flow(contact) / 12.0) / found.touching.shape[1])
 
 
+@of_profiles
 def mean_segment_length(contact: Contact) -> Reals:
-    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
+    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1."""
     area, segments = contact_area_fraction(contact), n_segments(contact)
-    if contact.heights.ndim > 2:
-        return np.full(len(area), np.nan)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
 
@@ -310,8 +315,8 @@ def _over_pressure(product: Callable[[Contact], Reals]) -> Callable[[Contact], R
 kappa = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient(contact))
 kappa_counted = _over_pressure(lambda contact: contact_area_fraction_counted(contact) * rms_gradient(contact))
 kappa_r = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient_contact(contact))
-kappa_edges = _over_pressure(lambda contact: located_length(contact)[0] * rms_gradient(contact))
-kappa_edges_error = _over_pressure(lambda contact: located_length(contact)[1] * rms_gradient(contact))
+kappa_edges = of_profiles(_over_pressure(lambda contact: located_length(contact)[0] * rms_gradient(contact)))
+kappa_edges_error = of_profiles(_over_pressure(lambda contact: located_length(contact)[1] * rms_gradient(contact)))
 
 
 def approach(contact: Contact) -> Reals:

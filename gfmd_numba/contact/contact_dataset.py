@@ -95,19 +95,15 @@ class Units:
         )
 
     def variable(
-        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
+        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike, name: str = ""
     ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
-        """Variable of a dataset, in the unit of its file."""
-        return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+        """Variable of a dataset, in the unit of its file; an observable is described by its name, too."""
+        attributes = measure_attributes(name, self.names[kind], long_name)
+        return dims, scaled(np.asarray(values), self.worth[kind]), attributes
 
     def variables(self, dims: Sequence[Hashable], described: Iterable[Described]) -> dict[str, Any]:
         """Variables of the same dims by name."""
         return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
-
-    def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
-        """Variable without dims of an observable."""
-        attributes = measure_attributes(name, self.names[row.unit], row.long_name)
-        return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
 
     def positions(
         self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
@@ -276,7 +272,8 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     # measured before fields are copied, as both take memory
-    measures = {name: unit.measure(name, OBSERVABLES[name], values[0]) for name, values in measure(contact).items()}
+    rows = ((name, OBSERVABLES[name], values[0]) for name, values in measure(contact).items())
+    measures = {name: unit.variable((), row.unit, row.long_name, value, name) for name, row, value in rows}
     variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
     if problem.plasticity is not None:
         variables |= _inside(contact, unit, dims)
@@ -463,11 +460,11 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if (given.file.scene.creeps and given.file.scene.loading.speed is None) or given.file.scene.has_slip_rates:
         found["time"] = times_of(scene for scene, _ in given.steps)
-    if not given.file.path:
-        found = {name: values for name, values in found.items() if name not in SLIDING}
-        return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
-    n = dataset.sizes["step"]
-    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+    dims, some = ("step", slice(dataset.sizes["step"])) if given.file.path else ((), 0)
+    named = found if given.file.path else found.keys() - set(SLIDING)
+    return dataset.assign_coords(
+        {name: (dims, values[some], attributes[name]) for name, values in found.items() if name in named}
+    )
 
 
 def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
@@ -493,8 +490,8 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
         found["next_order"] = unit.variable((), row.unit, row.long_name, solved.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
         row, value = OBSERVABLES[name], getattr(deformed, name)
-        told = replace(row, long_name=_TOLD.get(name, row.long_name))
-        found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
+        value = np.int8(value) if name == "status" else value
+        found[name] = unit.variable((), row.unit, _TOLD.get(name, row.long_name), value, name)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
     attributes |= {"solver": solved.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)

@@ -1,6 +1,6 @@
 """Warnings about a campaign, one sentence each: its bodies and grids before it runs, and then what it has recorded."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 
 import numpy as np
@@ -63,37 +63,46 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
     references = np.flatnonzero(dataset["is_reference"].values).tolist()
     found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
     if "time_error" in found:
-        yield from filter(None, [validity.coarse_times(numerics, _arrays(found, "time_error"))])
+        yield from _by_case(found, lambda each: [validity.coarse_times(numerics, each)])
     if "increment_error" in found:
-        yield from validity.coarse_increments(_arrays(found, "increment_error", "largest_plastic_strain"))
+        yield from _by_case(found, validity.coarse_flow)
+    yield from _by_case(found, lambda each: [validity.at_the_edge(each), validity.past_asperities(each)])
     scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
-        moduli = np.array([scales_of(cases[case].scene).modulus for case in references])
-        yield from _large_strains(found, None if scene.creeps else moduli)  # fast pressures strain what creeps less
+        # whose mean pressure or slope is beyond the theory of small strains
+        slope = found["rms_gradient_contact"].mean("realisation")
+        strained, largest = slope > _MEAN_OF_SLOPES, f"the rms slope in the contact is up to {float(slope.max()):.2g}"
+        if not scene.creeps:  # fast pressures strain what creeps less
+            moduli = xr.DataArray([scales_of(cases[case].scene).modulus for case in references], dims="case")
+            area = found["contact_area_fraction"]
+            pressures = (found["mean_pressure"] / area.where(area > 0.0)).mean("realisation") / moduli
+            strained = strained | (pressures > _MEAN_OF_PRESSURES)
+            largest += f", and the mean pressure {float(pressures.max()):.2g} E*"
+        if strained.any():
+            yield (
+                f"strains are no longer small in {_of_cases(strained)}, where {largest}: linear elasticity is wrong by "
+                "about these fractions; check load, moduli and heights"
+            )
     has_limit_of_grids = "eps_c" in dataset["limit"].values  # that takes account of narrow contacts
     if scene.interface.hard_wall is not None and not has_limit_of_grids:
         yield from _narrow(found)
 
 
-def _arrays(cases: xr.Dataset, *names: str) -> dict[str, Reals]:
-    return {name: cases[name].values for name in names}
+def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
+    """Yield the sentences about all cases, with how many have each and at which steps."""
+    said = list(filter(None, reasons(_arrays(cases))))
+    dims = [dim for dim in ("case", "step") if dim in cases.dims]
+    each = np.ndindex(*(cases.sizes[dim] for dim in dims)) if said else ()
+    found = {place: reasons(_arrays(cases.isel(dict(zip(dims, place, strict=True))))) for place in each}
+    for sentence in said:
+        affected = xr.DataArray(np.zeros([cases.sizes[dim] for dim in dims], dtype=np.bool_), dims=dims)
+        for place, lines in found.items():
+            affected[place] = validity.wording(sentence) in map(validity.wording, lines)
+        yield f"in {_of_cases(affected)}: {sentence}"
 
 
-def _large_strains(cases: xr.Dataset, moduli: Reals | None) -> Iterator[str]:
-    """A warning about contacts whose mean pressure or slope is beyond the theory of small strains."""
-    slope = cases["rms_gradient_contact"].mean("realisation")
-    strained, largest = slope > _MEAN_OF_SLOPES, f"the rms slope in the contact is up to {float(slope.max()):.2g}"
-    if moduli is not None:
-        area = cases["contact_area_fraction"]
-        pressures = (cases["mean_pressure"] / area.where(area > 0.0)).mean("realisation")
-        pressures = pressures / xr.DataArray(moduli, dims="case")
-        strained = strained | (pressures > _MEAN_OF_PRESSURES)
-        largest += f", and the mean pressure {float(pressures.max()):.2g} E*"
-    if strained.any():
-        yield (
-            f"strains are no longer small in {_of_cases(strained)}, where {largest}: linear elasticity is wrong by "
-            "about these fractions; check load, moduli and heights"
-        )
+def _arrays(cases: xr.Dataset) -> dict[str, Reals]:
+    return {str(name): values.values for name, values in cases.data_vars.items()}
 
 
 def _narrow(cases: xr.Dataset) -> Iterator[str]:
@@ -117,6 +126,8 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
 
 
 def _of_cases(affected: xr.DataArray) -> str:
-    """How many cases are affected at any step."""
+    """How many cases are affected at any step, and at which."""
     cases = affected.any([dim for dim in affected.dims if dim != "case"])
-    return f"{int(cases.sum())} of {cases.size} cases"
+    steps = affected.any("case").values
+    where = validity.steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
+    return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import json
 import sys
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
 from math import inf, isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,7 +18,7 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, prescribed, unit, unit_of
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
 from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
 
 _MOST = 10_000
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
+_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
 
 
 @main.command()
@@ -60,8 +60,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     described, document = read() if mpi is None else of_the_first(mpi, read)
     tells = described.path or described.scene.body.plasticity
     total = 1 + len(described.path) if tells else None
-    # warnings are told below, in the words of the file
-    with waiting("solving", total) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("solving", total) as told:
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
@@ -72,7 +71,13 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
+        meaning = last["status"].attrs["flag_meanings"].split()[int(last["status"])]
+        ending = f"{meaning} after {int(last['n_iterations'])} iterations"
+        if meaning in ("steps_used_up", "stagnated"):
+            ending += f" at a residual of {float(last['residual']):.1e}"
+        elif meaning == "unstable":
+            ending += f" with wave {int(last['growing_wave'])} growing"
+        warn(f"the run ended as {ending}{where}: do not use its numbers")
         _explain(steps)
         sys.exit(SOME_FAILED)
 
@@ -104,15 +109,6 @@ def _with_threads(described: SceneFile, document: Document, threads: int | None)
     return asked, replace(document, data=document.data | {"numerics": numerics})
 
 
-def _ending(step: xr.Dataset) -> str:
-    """Return how a run that is not ok ended, when, and by which wave."""
-    meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
-    ending = f"{meaning} after {int(step['n_iterations'])} iterations"
-    if meaning in ("steps_used_up", "stagnated"):
-        return f"{ending} at a residual of {float(step['residual']):.1e}"
-    return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
-
-
 @main.command()
 @arguments.file_argument
 @arguments.output_option
@@ -131,8 +127,7 @@ def surface(file: Path, output: Path) -> None:
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
-    # warnings are told below, in the words of the file
-    with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("making the surface"):
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
@@ -165,6 +160,10 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     return [f"{value!r} {si}" if si else value for value in values]
 
 
+def _values_option(name: str, what: str) -> Callable[[Any], Any]:
+    return click.option(name, callback=_values_given, metavar="A:B:N", help=what)
+
+
 def _with_si_unit(text: str) -> tuple[float | None, str]:
     """Return a number and its SI unit, empty without one; None for a text that is no number."""
     from pydantic_core import PydanticCustomError
@@ -183,23 +182,13 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
 
 @main.command()
 @arguments.file_argument
-@click.option(
-    "--loads",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
-)
-@click.option(
+@_values_option("--loads", "N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c")
+@_values_option(
     "--times",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
+    "In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
-@click.option(
-    "--speeds",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
+@_values_option(
+    "--speeds", "In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body"
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
 @arguments.threads_option
@@ -279,13 +268,9 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
-    view = named(dataset)
-    load = over(dataset)
+    (prescribed, view), load = named(dataset), over(dataset)
     names = [str(name) for name in (load, *dataset.data_vars)]
-    units = {
-        name: unit(view, prescribed(dataset) if name == load else name.removesuffix("_standard_error"))
-        for name in names
-    }
+    units = {name: unit(view, name.removesuffix("_standard_error")) for name in names} | {load: unit(view, prescribed)}
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
 
 
@@ -352,30 +337,58 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
 @arguments.file_argument
 @_files_option
 @arguments.json_option
-def leakage(file: Path, output: Path | None, as_json: bool) -> None:
-    """Compute how much leaks through the gap of a map.
+@click.option("--viscosity", metavar="ETA", help="Viscosity of the fluid, like '1 mPa s': prints the flow")
+@click.option("--pressure", metavar="P", help="How much the pressure of the fluid falls, like '2 bar'")
+@click.option(
+    "--seal", nargs=2, metavar="L W", help="Length of a seal along the flow, and its width  [those of the map]"
+)
+def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> None:
+    """Compute how much leaks through the gap of a contact.
 
-    FILE is a contact that `gfmd solve` wrote of a scene with `dimension: 2`. The command solves the Reynolds equation
-    along x and along y, and prints hydraulic gap and flow factor. The picture shows the channels.
+    FILE is a contact that `gfmd solve` wrote. The command solves the Reynolds equation along x and along y, and prints
+    hydraulic gap and flow factor. The picture shows the channels. The grooves of a profile go on without end along y.
     """
     from gfmd_numba.analysis import leakage as leakage_of
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    _measure(file, output, leakage_of, "computing the flow", as_json)
+    given = {
+        name: [plain_scalar(each) for each in value] if isinstance(value, tuple) else plain_scalar(value)
+        for name, value in fluid.items()
+        if value
+    }
+
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = leakage_of(contact)
+        return with_flow(found, **given) if given else found
+
+    _measure(file, output, compute, "computing the flow", as_json)
 
 
 @main.command()
 @arguments.file_argument
 @_files_option
 @arguments.json_option
-def conductance(file: Path, output: Path | None, as_json: bool) -> None:
+@click.option(
+    "--conductivity",
+    multiple=True,
+    metavar="SIGMA",
+    help="Conductivity of both bodies, or twice for one each, like '60 MS/m' or '16 W/m/K': prints the resistance",
+)
+def conductance(file: Path, output: Path | None, as_json: bool, conductivity: tuple[str, ...]) -> None:
     """Compute the electrical or thermal conductance of a contact.
 
     FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
     over the conductivity of the bodies. The picture shows the current.
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance
+    from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    _measure(file, output, contact_conductance, "computing the current", as_json)
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = contact_conductance(contact)
+        return with_resistance(found, conductivity) if conductivity else found
+
+    _measure(file, output, compute, "computing the current", as_json)
 
 
 def _contact(file: Path) -> xr.Dataset:
@@ -404,7 +417,7 @@ def _measure(
     contact = _contact(file)
     if has_table := output is not None and "step" in contact.dims:
         table = companion(output, "table", ".csv")
-    with arguments.told_as({"contact": printable(file)}), naming(file), waiting(doing):
+    with arguments.told_as(_ARGUMENTS | {"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None:
         write(output, dataset, err=as_json)

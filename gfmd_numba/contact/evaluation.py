@@ -1,6 +1,6 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, wraps
 from pkgutil import resolve_name
 from typing import Any, TypeVar
@@ -322,6 +322,32 @@ kappa_edges_error = of_profiles(_over_pressure(lambda contact: located_length(co
 def approach(contact: Contact) -> Reals:
     """Return how far the punch has sunk in since first touch in g L_x `[realisation]`, without a period."""
     return np.asarray(np.reshape(np.asarray(contact.approach), -1) * np.ones(len(contact.heights)))
+
+
+def edge_contact(contact: Contact) -> Reals:
+    """Touching nodes at the ends of a window over all nodes there `[realisation]`."""
+    touches = gap(contact) <= 0.0
+    outermost = np.zeros(touches.shape, dtype=np.bool_)
+    for axis, ends in enumerate(contact.ends, 1):
+        np.moveaxis(outermost, axis, 0)[[0, -1]] |= ends
+    return np.asarray((touches & outermost).sum(axis=tuple(range(1, touches.ndim))) / outermost[0].sum())
+
+
+def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
+    """Longest way of a touching node past the body over the mean distance of the peaks, 2 pi (m2 / m4)^(1/2), in g.
+
+    nan without a period, and where no way is known `[realisation]`. Source: Longuet-Higgins, Phil. Trans. R. Soc. A
+    249:321, 1957.
+    """
+    if contact.ends or contact.sideways is None:
+        return np.full(len(contact.heights), np.nan)
+    along = tuple(range(1, contact.heights.ndim))
+    m0, m2 = _moment(contact, 0), _moment(contact, 2) / len(along)  # along any direction
+    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
+    touches = gap(contact) <= 0.0
+    counts = touches | ~touches.any(axis=along, keepdims=True)
+    distance = 2.0 * np.pi * (m0 / nayak(contact) / m2) ** 0.5
+    return np.asarray(np.max(way, axis=along, where=counts, initial=0.0) / distance)
 
 
 def plastic_work(contact: Contact) -> Reals:

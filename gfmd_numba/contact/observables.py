@@ -106,6 +106,13 @@ OBSERVABLES = {
         needs="flow",
         no_limit=_OF_A_LAYER,
     ),
+    "plastic_strain_at_base": Observable(
+        "gradient",
+        "largest equivalent plastic strain of the lowest sublayer",
+        function=f"{_FLOW}:plastic_strain_at_base",
+        needs="flow",
+        no_limit=_OF_A_LAYER,
+    ),
     "largest_von_mises": Observable(
         "pressure",
         "largest von Mises stress of a sublayer",
@@ -194,6 +201,12 @@ OBSERVABLES = {
     "approach": Observable(
         "height", "displacement of the punch into the body beyond first touch", needs="window", held="height"
     ),
+    "edge_contact": Observable(
+        "1",
+        "touching nodes at the ends of the window over all nodes there",
+        needs="window",
+        no_limit="it says whether the window is too small",
+    ),
     "rms_gradient": Observable("gradient", "rms gradient of the punch", of="surface"),
     "rms_gradient_contact": Observable(
         "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
@@ -221,6 +234,13 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
     ),
     "stick_fraction": Observable(
         "1", "touching nodes that stick over all touching nodes", undefined_at_times=True, needs="friction"
+    ),
+    "slid_over_peaks": Observable(
+        "gradient",
+        "longest way of a touching node past the body over the mean distance of the peaks",
+        undefined_at_times=True,
+        needs="drag",
+        no_limit="peaks come ever closer as eps_f goes to 0",
     ),
     "energy_lost": Observable(
         "energy",

@@ -88,6 +88,7 @@ def _of_flow(measure: Callable[[Flow], Any]) -> Callable[[Contact], Reals]:
 
 plastic_volume = _of_flow(lambda flow: flow.body.waves.thickness @ (flow.equivalent > 0.0).mean(axis=(1, 2)))
 largest_plastic_strain = _of_flow(lambda flow: flow.equivalent.max())
+plastic_strain_at_base = _of_flow(lambda flow: flow.equivalent[-1].max())
 flow_residual = _of_flow(lambda flow: flow.residual)
 increment_error = _of_flow(lambda flow: flow.error)
 

@@ -27,7 +27,8 @@ _NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
 NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
 _SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
 _LONGEST = 100  # of a text that is looked at
-_OVER_NM = re.compile(r"/\s*(?:N\s*[*·]?\s*m\b|\(\s*N\s*[*·]?\s*m\s*\))$")  # as wear rates are mostly written
+_OVER_NM = re.compile(r"/\s*N\s*[*·]?\s*m\b$")  # as wear rates are mostly written
+_OVER_BOTH = re.compile(r"/\s*\(\s*([^\W\d_]+)\s*[*·\s]\s*([^\W\d_]+)\s*\)")
 METRES = {
     "m": 1.0,
     "km": 1e3,
@@ -116,7 +117,7 @@ class Quantity:
             return float("nan")
 
     def _in_si(self, unit: str) -> Decimal:
-        registry, unit = _registry(), _OVER_NM.sub("/N/m", unit)
+        registry, unit = _registry(), _OVER_NM.sub("/N/m", _OVER_BOTH.sub(r"/\1/\2", unit))
         written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
             if re.fullmatch(_UNIT, unit) is None:
@@ -190,7 +191,13 @@ TIME = Quantity("time", ("s", "min", "h"), time=1)
 SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1, time=-1)
 WEAR_RATE = Quantity("wear rate", ("m^2/N", "mm^2/N", "mm^3/N/m"), modulus=-1)
 MEMORY = Quantity("memory", ("B", "MB", "GB"))
-QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, SPEED, WEAR_RATE, MEMORY)
+VISCOSITY = Quantity("dynamic viscosity", ("Pa s", "mPa s", "cP"))
+ELECTRICAL_CONDUCTIVITY = Quantity("electrical conductivity", ("S/m", "MS/m", "S/cm"))
+THERMAL_CONDUCTIVITY = Quantity("thermal conductivity", ("W/m/K", "W/(m K)", "kW/m/K"))
+QUANTITIES = (
+    *(LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, SPEED, WEAR_RATE, MEMORY),
+    *(VISCOSITY, ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY),
+)
 
 
 Keys = tuple[str | int, ...]  # that lead to a place in a record

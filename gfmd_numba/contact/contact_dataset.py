@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,7 @@ from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.boundary_values import BoundarySolution
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
-from gfmd_numba.contact.load_path import PathRecord, recorded_path
+from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -217,7 +216,7 @@ def path_dataset(
 
     The attribute `validity` holds the warnings about the result, one sentence a line.
     """
-    file, (steps, record) = given.file, recorded_path(problem, solved, partial(_followed_step, given))
+    file, (steps, record) = given.file, _steps(given, problem, solved)
     del solved  # and with it the last contact: warnings need its memory
     joined = steps[0]
     if file.path:
@@ -239,6 +238,24 @@ def path_dataset(
     return dataset
 
 
+def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> tuple[list[xr.Dataset], PathRecord]:
+    """Datasets of the steps of a path, and what is recorded of it.
+
+    It ends at its first step that is not ok, as it does in campaigns: the next one would begin there.
+    """
+    record, steps = PathRecord(), []
+    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
+        steps.append(step_dataset(given, at_load, contact))
+        is_ok = bool(steps[-1]["status"] == status.Status.ok)
+        if given.file.path:
+            record.add(at_load, contact, is_ok)
+        if contact.followed is not None:
+            _add_followed(steps[-1], given, at_load, contact, contact.followed)
+        if not is_ok:
+            break
+    return steps, record
+
+
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
     step, bodies = contact_dataset(given, problem, solved.in_plane), given.surfaces.bodies
@@ -251,14 +268,6 @@ def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.D
         elif len(bodies) > 1:  # that creep, at order 0
             together = "normal displacements of both bodies together, positive towards each other"
             step["displacement"].attrs["long_name"] = together
-    return step
-
-
-def _followed_step(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
-    """The same with the load at its largest jump, and how stable its end is, where it was divided at jumps."""
-    step = step_dataset(given, problem, solved)
-    if solved.followed is not None:
-        _add_followed(step, given, problem, solved, solved.followed)
     return step
 
 

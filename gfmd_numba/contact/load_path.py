@@ -3,12 +3,12 @@
 The solution is a fold over the steps of the path. The contact is recorded at every step, and the path as a whole.
 """
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import repeat
 from math import isinf, isnan, nan
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -59,7 +59,6 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
 
 
 Measures = dict[str, npt.NDArray[Any]]
-Measured = TypeVar("Measured", bound=Mapping[Any, Any])
 
 
 @dataclass
@@ -188,7 +187,13 @@ def _measure(problem: Problem, solved: Contact) -> Measures:
 
 def _along(problem: Problem, realisation: int) -> Measures:
     """Measures of one realisation: `[step]` of the contact, `[]` of all else."""
-    found, record = recorded_path(problem, solve_path(problem, realisation), _measure)
+    record, found = PathRecord(), []
+    for one, solved in zip(problem.at_each_load, solve_path(problem, realisation), strict=False):
+        found.append(_measure(one, solved))
+        is_ok = bool(found[-1]["status"][0] == Status.ok)
+        record.add(one, solved, is_ok)
+        if not is_ok:
+            break
     rows = recorded_of(problem)
     values = {name: np.concatenate([each[name] for each in found]) for name in rows}
     joined: Measures = {name: values[name][0] for name, row in rows.items() if row.of == "surface"}
@@ -197,24 +202,6 @@ def _along(problem: Problem, realisation: int) -> Measures:
     joined |= {"status": values["status"][-1], "residual": values["residual"].max()}
     joined |= {name: _filled(steps, problem.n_loads) for name, steps in record.of_steps().items()}
     return joined | {name: np.asarray(value) for name, value in record.of_path().items()}
-
-
-def recorded_path(
-    problem: Problem, solved: Iterable[Contact], measure: Callable[[Problem, Contact], Measured]
-) -> tuple[list[Measured], PathRecord]:
-    """What a function measures of each step of a path, and what is recorded of the path.
-
-    It ends at its first step that is not ok: the next one would begin there.
-    """
-    record, found = PathRecord(), []
-    for at_load, contact in zip(problem.at_each_load, solved, strict=False):
-        found.append(measure(at_load, contact))
-        is_ok = bool(np.ravel(found[-1]["status"])[0] == Status.ok)
-        if problem.path:
-            record.add(at_load, contact, is_ok)
-        if not is_ok:
-            break
-    return found, record
 
 
 def _filled(values: npt.NDArray[Any], steps: int) -> npt.NDArray[Any]:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.run import FirstDecision
 
 
-_OF_A_TARGET = {"until": "--target", "budget": "--budget"}
 _OF_SOME = {
     "error of hysteresis": "hysteresis_error",
     "error of pull-off": "pull_off_pressure_error",
@@ -85,7 +84,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     well = True
     if goal is not None:
         try:
-            with arguments.told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
+            with rounds_shown("--target") as (watch, said_of_round):
                 decided = first_decision(file, goal, Workers(workers), watch, said_of_round)
         except KeyboardInterrupt:
             warn("interrupted; a plan keeps no results")

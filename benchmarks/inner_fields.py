@@ -2,11 +2,11 @@
 
 from types import SimpleNamespace
 
-from gfmd_numba.elasticity.fields import Periodic
+from gfmd_numba.elasticity.fields import Inside
 
 NAMES = ("u1", "u3", "strain1", "strain3", "strain5", "stress1", "stress2", "stress3", "stress5")
 
 
 def inside(surface, z, body):
     """Fields `[z, x]` of a profile."""
-    return SimpleNamespace(**dict(zip(NAMES, Periodic(surface, body).section(z, NAMES), strict=True)))
+    return SimpleNamespace(**dict(zip(NAMES, Inside((surface,), body).section(z, NAMES), strict=True)))

@@ -7,7 +7,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import Periodic, displaced_surface
+from gfmd_numba.elasticity.fields import Inside, displaced_surface
 from gfmd_numba.fourier import grid
 
 ASPECT_RATIO, POISSONS_RATIO, AMPLITUDE, NX = 0.25, 0.33, 5e-5, 400  # z_m / L_x, -, u_3 / L_x, -
@@ -16,7 +16,7 @@ x, z = np.arange(NX) / NX, np.linspace(-ASPECT_RATIO, 0, 201)
 body = ElasticBody(POISSONS_RATIO, ASPECT_RATIO)
 given = displaced_surface(np.stack((np.zeros(NX), AMPLITUDE * np.sin(2 * np.pi * x))), body)
 names = "u1", "u3", "stress1", "stress3", "stress5"
-found = SimpleNamespace(**dict(zip(names, Periodic(given, body).section(z, names), strict=True)))
+found = SimpleNamespace(**dict(zip(names, Inside((given,), body).section(z, names), strict=True)))
 
 
 def along_x(field):

@@ -31,7 +31,7 @@ CONTINUUM = {0.0: 1.45, 0.3: 1.45, 0.5: 1.45, 0.8: 1.19}  # kappa in the continu
 
 
 def levels(dataset, hurst, nu, aspect_ratio, limit, nyquist=False):
-    """Levels of one limit from coarse to fine, kappa_counted (realisation, level)."""
+    """Levels of one limit from coarse to fine, counted kappa of a solid twice too stiff (realisation, level)."""
     # an incompressible half-space is any half-space
     mine = (dataset["hurst"] == hurst) & (dataset["aspect_ratio"] == aspect_ratio)
     mine &= dataset["poissons_ratio"] == (0.49 if nu == 0.5 else nu)
@@ -39,7 +39,7 @@ def levels(dataset, hurst, nu, aspect_ratio, limit, nyquist=False):
     chosen = dataset.isel(case=np.flatnonzero(mine)).sortby(limit, ascending=False)
     if limit == "eps_c" and not nyquist:
         chosen = chosen.isel(case=chosen["eps_c"].values < 1)
-    return chosen[limit].values, chosen["kappa_counted"].values.T
+    return chosen[limit].values, 0.5 * chosen["kappa_counted"].values.T
 
 
 def linear(eps, values, exponent):

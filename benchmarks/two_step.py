@@ -129,7 +129,7 @@ def walls(path):
 def unloaded(case):
     """Fig. 5.5: step 1 alone, the displacement that the forces of (5.15) call up on the flat body."""
     up = topography.formed_surface(case.topography, case.elastic)
-    tractions = fields.Periodic(up, case.elastic).plane(0.0, ("stress5", "stress3"))[:, 0]
+    tractions = fields.Inside((up,), case.elastic).plane(0.0, ("stress5", "stress3"))[:, 0]
     surface = fields.surface_under_tractions(tractions, case.elastic)
     formed = inside(surface, np.zeros(1), case.elastic)
     print(

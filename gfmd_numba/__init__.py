@@ -82,7 +82,7 @@ def solve(
     """
     from gfmd_numba import simulate
 
-    return simulate.solve(*_scene(scene, heights))
+    return _warned(simulate.solve(*_scene(scene, heights)))
 
 
 def load_curve(
@@ -215,7 +215,7 @@ def make_surface(surface: str | Path | Mapping[str, Any] | SurfaceFile) -> xr.Da
     from gfmd_numba.scene.surface_file import load_surface
     from gfmd_numba.simulate.surface import surface_dataset
 
-    return surface_dataset(*load_surface(surface))
+    return _warned(surface_dataset(*load_surface(surface)))
 
 
 def run(
@@ -275,9 +275,7 @@ def run(
         results = open_campaign(outcome.results)
         if not outcome.reached:
             warnings.warn(f"{results.attrs['until']} is {outcome.rounds.ended}", stacklevel=2)
-    if results.attrs.get("validity"):
-        warnings.warn(results.attrs["validity"], stacklevel=2)
-    return results
+    return _warned(results)
 
 
 def rounds(
@@ -466,25 +464,35 @@ def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     return percolation(_dataset("dataset", dataset, "solve"))
 
 
-def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Find the leakage through the gap of a map, by the Reynolds equation.
+def leakage(
+    dataset: xr.Dataset | str | Path,
+    viscosity: float | str | None = None,
+    pressure: float | str | None = None,
+    seal: Sequence[float | str] | None = None,
+) -> xr.Dataset:
+    """Find the leakage through the gap of a contact, by the Reynolds equation.
 
     Parameters
     ----------
     dataset
-        What `solve` returns of a map, or the path of its netCDF file.
+        What `solve` returns, or the path of its netCDF file. The grooves of a profile go on without end along y.
+    viscosity, pressure
+        Viscosity of a fluid (Pa s), and how much its pressure falls (Pa), or text with units, like `1 mPa s`.
+    seal
+        Length of a seal along the flow, and its width (m, or text with units); left out: those of the map.
 
     Returns
     -------
     xarray.Dataset
         Over `direction` x and y: `hydraulic_gap`, the gap of parallel walls that leak as much, in the unit of the gap;
         `flow_factor`, its cube over that of the mean gap; `flow_residual`, the relative difference of two ways to
-        count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean.
+        count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean. With a
+        viscosity also `flow` (m^3/s).
 
     Raises
     ------
     InputError
-        This is no solved map.
+        This is no solved contact, or the arguments make no sense.
 
     Examples
     --------
@@ -492,24 +500,31 @@ def leakage(dataset: xr.Dataset | str | Path) -> xr.Dataset:
     array([0.54, 0.65])
     """
     from gfmd_numba.analysis import leakage as leakage_of
+    from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    return _warned(leakage_of(_dataset("dataset", dataset, "solve")))
+    found, fluid = leakage_of(_dataset("dataset", dataset, "solve")), (viscosity, pressure, seal)
+    return _warned(found if fluid == (None, None, None) else with_flow(found, *fluid))
 
 
-def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
+def contact_conductance(
+    contact: xr.Dataset | str | Path, conductivity: str | Sequence[str] | None = None
+) -> xr.Dataset:
     """Find the electrical or thermal conductance of a contact, over the conductivity of the bodies.
 
     Parameters
     ----------
     contact
         What `solve` returns, or the path of its netCDF file.
+    conductivity
+        That of both bodies, or of each, as text with units, like `60 MS/m` or `16 W/m/K`.
 
     Returns
     -------
     xarray.Dataset
         `conductance` in 1/m (1/L_x without a length): times 2 s_1 s_2 / (s_1 + s_2) of two half-spaces of
         conductivities s_1 and s_2, it is the current per nominal area over the difference of potential or temperature.
-        `current_density` over (y, x) is the current through each node over the mean.
+        `current_density` over (y, x) is the current through each node over the mean. With a conductivity also the
+        `resistance` (ohm or K/W) of the nominal area.
 
     Raises
     ------
@@ -522,8 +537,10 @@ def contact_conductance(contact: xr.Dataset | str | Path) -> xr.Dataset:
     2.0
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
+    from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    return _warned(conductance_of(_dataset("contact", contact, "solve")))
+    found = conductance_of(_dataset("contact", contact, "solve"))
+    return _warned(found if conductivity is None else with_resistance(found, conductivity))
 
 
 def _goal(
@@ -532,8 +549,11 @@ def _goal(
     until: Mapping[str, float] | None,
     budget: float | str | None,
 ) -> Goal | None:
-    """Goal that is given, or that of the campaign, if any; raises InputError for arguments of another kind."""
-    from gfmd_numba.campaign.file import target_of_run
+    """Goal that is given, or that of the campaign, if any; raises InputError for arguments of another kind.
+
+    Warns the caller of the function that asks for it if the results of another version are replaced.
+    """
+    from gfmd_numba.campaign.file import load_campaign, replaced, target_of_run
     from gfmd_numba.campaign.goal import goal_of
 
     if not (output is None or isinstance(output, str | os.PathLike)):
@@ -541,7 +561,12 @@ def _goal(
     targets = until if until is not None else target_of_run(campaign)
     if targets is None and budget is not None:
         raise InputError("budget: you gave it without until, whose processor time it bounds; give both, or none")
-    return None if targets is None else goal_of(targets, budget)
+    goal = None if targets is None else goal_of(targets, budget)
+    of_goal = None if goal is None else goal.targets
+    loaded, _ = load_campaign(campaign, of_goal)
+    if told := replaced(Path(output or loaded.name), loaded, of_goal):
+        warnings.warn(told, stacklevel=3)
+    return goal
 
 
 def _scene(
@@ -556,10 +581,24 @@ def _scene(
 
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:
-    """Dataset, whose sentences on its validity become warnings of the caller of the function that returns it."""
-    for sentence in filter(None, dataset.attrs["validity"].split("\n")):
+    """Dataset; how runs failed and the sentences on validity become warnings of the caller of what returns it."""
+    for sentence in (*_failures(dataset), *filter(None, dataset.attrs["validity"].split("\n"))):
         warnings.warn(sentence, stacklevel=3)
     return dataset
+
+
+def _failures(dataset: xr.Dataset) -> Iterator[str]:
+    """How runs failed, behind the steps or loads of a path at which they did, or their number in a campaign."""
+    status = dataset.get("status")
+    for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
+        ended = dataset["status"] == i
+        if i == 0 or not ended.any() or ending.startswith("not_asked"):
+            continue
+        if ended.ndim > 1:
+            yield f"in {int(ended.sum())} of {ended.size} simulations: {ending}"
+        else:
+            where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
+            yield f"at {ended.dims[0]} {where}: {ending}" if where else ending
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

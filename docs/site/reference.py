@@ -141,7 +141,7 @@ def files_page() -> str:
     from gfmd_numba.campaign.axes import AXES
     from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 
-    symbols = {"E*/stiffness": "1", "gradient": "1", "length": "m", "height": "m", "pressure": "Pa", "energy": "J m-2"}
+    symbols = {"gradient": "1", "length": "m", "height": "m", "pressure": "Pa", "energy": "J m-2"}
 
     def described(table: dict[str, Any]) -> str:
         units = {name: symbols.get(row.unit, row.unit) for name, row in table.items()}

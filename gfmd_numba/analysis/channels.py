@@ -89,12 +89,16 @@ def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Re
 
 _REFINEMENTS, _ROUNDING = 30, 1e-14
 _LARGEST_RESIDUAL = 1e-3
+_OF_GROOVES = (
+    "The contact is that of a profile: its grooves go on without end along y, as after turning, and leak there. Across "
+    "them one ridge that touches holds all. For a surface that is rough along y too, solve a scene with `dimension: 2`"
+)
 _ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many channels is below 1.5
 
 
 @checked
 def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
-    """Leakage through the gap of maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
+    """Leakage through the gap of contacts as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
     A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across
     which a period goes around, and walls close a window: div(u^3 grad p) = 0 (Reynolds 1886), without flow into
@@ -103,18 +107,19 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the
     flow through a node over the mean flow of all nodes. `flow_residual` is the relative difference of the flow by
     outlet and by dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap
-    is not-a-number. The attribute `validity` names the doubts of the contact, factors above 1, and those that differ
-    much by direction. Raises UnusableDataError for a profile, a dataset without these fields, a run that is not ok, or
-    more nodes than memory takes.
+    is not-a-number. The gap of a profile goes on without end along y. The attribute `validity` names the doubts of the
+    contact, that of profiles, factors above 1, and those that differ much by direction. Raises UnusableDataError for a
+    dataset without these fields, a run that is not ok, or more nodes than memory takes.
     """
-    nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
-    around = goes_around(dataset)
+    nodes = check_fields(dataset, ("pressure", "gap"))
+    around = (False, *goes_around(dataset))[-2:]
 
     def both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
-        found = [_along_rows(np.moveaxis(gap, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
+        rows = np.atleast_2d(gap)
+        found = [_along_rows(np.moveaxis(rows, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
         gaps, residuals, flows = zip(*found, strict=True)
         turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
-        return np.array(gaps), np.array(residuals), np.array(turned)
+        return np.array(gaps), np.array(residuals), np.reshape(turned, (2, *gap.shape))
 
     hydraulic, residual, flow = xr.apply_ufunc(
         both_directions,
@@ -138,7 +143,8 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     for name, (long_name, unit) in described.items():
         result[name].attrs = {"long_name": long_name, "units": unit}
     of_contact = filter(None, [dataset.attrs.get("validity")])
-    result.attrs["validity"] = "\n".join([*of_contact, *_doubts(result["flow_factor"])])
+    own = _doubts(result["flow_factor"]) if "y" in nodes else (_OF_GROOVES,)
+    result.attrs["validity"] = "\n".join([*of_contact, *own])
     return result
 
 

@@ -223,8 +223,8 @@ FIELDS = Form(
 LEAKAGE = Form(
     "leakage of a contact",
     "what `gfmd leakage` leaves",
-    {"x": "x rising", "y": "y rising", "direction": "direction texts", "local_flow": "[step] direction y x finite"},
-    _all("[step] finite", *_PRESCRIBED),
+    {"x": "x rising", "direction": "direction texts", "local_flow": "[step] direction y? x finite"},
+    {"y": "y rising", **_all("[step] finite", *_PRESCRIBED)},
     least={"x": 4, "y": 4, "step": 1, "direction": 2},
 )
 CONDUCTANCE = Form(

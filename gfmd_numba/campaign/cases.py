@@ -16,7 +16,7 @@ from gfmd_numba.campaign.file import Campaign, check_scene
 from gfmd_numba.contact import contact_input, rough_surfaces
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import MeasuredSurfaces, PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces, MeasuredSurfaces
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.roughness.generators import RandomSurface
@@ -274,7 +274,7 @@ def _rough_bodies(
     scene: Scene,
     discretisation: Discretisation | None,
     given: MeasuredScene | None,
-) -> PressedSurfaces:
+) -> FacingSurfaces:
     """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError.
 
     The first realisation of each sum of surfaces is checked once, and then is among the `checked`.
@@ -286,10 +286,10 @@ def _rough_bodies(
     if known not in checked:
         rough_surfaces.check_drawn(scene, summed, rough, 0, document)
         checked.add(known)
-    return PressedSurfaces(summed, summed.rms_gradient, rough=rough)
+    return FacingSurfaces(summed, summed.rms_gradient, rough=rough)
 
 
-def _check_loads(scene: Scene, pressed: PressedSurfaces, campaign: Campaign, document: Document) -> None:
+def _check_loads(scene: Scene, pressed: FacingSurfaces, campaign: Campaign, document: Document) -> None:
     """Raise InputError for a load that cannot be reduced, at its place."""
     control = scene.loading.control
     varied = values_of(campaign.grid, control)

@@ -13,13 +13,13 @@ import xarray as xr
 from gfmd_numba.campaign import failures, rounds
 from gfmd_numba.campaign.cases import Block, Case, said_of
 from gfmd_numba.campaign.coordinates import described_coordinates, steps_of_paths
-from gfmd_numba.campaign.doubts import of_results
 from gfmd_numba.campaign.execution import SECONDS
 from gfmd_numba.campaign.failures import SENTENCES, Ending, Failure
 from gfmd_numba.campaign.plan import Plan
 from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, joined, machine, versions
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.validity import result_warnings
 from gfmd_numba.contact import contact_dataset, law_resolution, observables
 from gfmd_numba.contact.contact_dataset import Units, cf_attributes
 from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
@@ -104,8 +104,8 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
     made_in = rounds.read(directory)
     if made_in is not None and len(made_in.now.realisations) == len(planned.cases):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())
-    doubtful = of_results(planned.cases, planned.campaign.numerics, dataset)
-    dataset.attrs["validity"] = "\n".join(filter(None, (dataset.attrs["validity"], *doubtful)))
+    warnings = result_warnings(planned.cases, planned.campaign.numerics, dataset)
+    dataset.attrs["validity"] = "\n".join(filter(None, (dataset.attrs["validity"], *warnings)))
     dataset.attrs["content_sha256"] = content_digest(dataset)
     return dataset
 

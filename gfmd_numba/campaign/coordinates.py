@@ -11,7 +11,7 @@ from gfmd_numba.campaign.axes import AXES, Grid, present
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact.contact_dataset import Units, cf_attributes, load_attributes
 from gfmd_numba.contact.observables import PRESCRIBED
-from gfmd_numba.contact.scales import SLIDING, scales_of, steps_of, times_of
+from gfmd_numba.contact.scales import SLIDING, steps_of, times_of
 from gfmd_numba.scene import InputError, Scene
 from gfmd_numba.scene.document import nearest, plain_scalar
 from gfmd_numba.scene.loading import Step
@@ -53,7 +53,7 @@ def coordinates(cases: list[Case]) -> dict[str, list[Any]]:
         for axis in axes:
             columns[axis.coordinate].append(axis.value(scene, case.discretisation))
         if reduced:
-            columns[_REDUCED].append(case.problem.load * scales_of(scene).stiffness)
+            columns[_REDUCED].append(case.problem.load)
         dimensions.append(scene.dimension)
         measured.append(has_measured_slope_law(scene))
     return {

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import product
 from math import nan, prod
+from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import yaml
@@ -23,7 +24,7 @@ from gfmd_numba.campaign.limits import (
     first_levels,
     limits_around,
 )
-from gfmd_numba.campaign.output_directory import home_of
+from gfmd_numba.campaign.output_directory import LABEL, home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene import checks
 from gfmd_numba.scene import document as documents
@@ -35,7 +36,7 @@ from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_wave
 from gfmd_numba.scene.scene_file import located as located_files
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
-from gfmd_numba.text.input_error import ABSENT
+from gfmd_numba.text.input_error import ABSENT, InputError
 from gfmd_numba.theory.exponent_ranges import exponent_ranges, has_slope_law
 
 MOST_CASES = 1_000_000
@@ -272,6 +273,18 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
                 document, discretisation, locations, differing, campaign.scene.dimension, arrays
             )
     return campaign, document
+
+
+def replaced(directory: Path, campaign: Campaign, target: Mapping[str, float] | None = None) -> str:
+    """Say that a run of a campaign replaces the results of another version of it in a directory, if it does."""
+    label = directory / LABEL
+    try:
+        if not label.is_file() or load_campaign(label, target)[0] == campaign:
+            return ""
+    except (InputError, OSError):  # of another version of gfmd, or of files that are no longer there
+        pass
+    kept = "its results are replaced, and finished blocks that both share are kept (another output runs elsewhere)"
+    return f"{directory} holds another version of this campaign: {kept}"
 
 
 def is_without_levels(document: Document, campaign: Campaign) -> bool:

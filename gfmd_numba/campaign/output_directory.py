@@ -74,12 +74,6 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
         yield
 
 
-def holds_another_version(directory: Path, text: str) -> bool:
-    """Whether the last run in an output directory was of another text of the campaign."""
-    present = atomic_file.read(directory / LABEL)
-    return present is not None and not _is_text(present, text.encode())
-
-
 def at_work(directory: Path) -> bool:
     """Whether a run is at work in an output directory, which need not be writable."""
     lock = atomic_file.opened(directory / _LOCK)

@@ -30,10 +30,10 @@ from gfmd_numba.campaign.cases import (
 from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.coordinates import coordinates, described_coordinates
 from gfmd_numba.campaign.cost import Cost, predict
-from gfmd_numba.campaign.doubts import doubt_of_bodies, least_resolved, unresolved
 from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.validity import least_resolved, rough_body_warnings, unresolved_law_warning
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
@@ -119,11 +119,13 @@ class Plan:
 
     @property
     def validity(self) -> str:
-        """Reasons to doubt the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
+        """Warnings about the results: implausible numbers or surfaces, or laws that a grid does not resolve."""
         implausible = said_of(self.measured, "doubts")
         scene = self.campaign.scene.model_copy(update={"length": self.cases[0].scene.length})  # that a file tells
         numbers = doubt_of_numbers(scene, self.campaign.grid, self.campaign.path)
-        return "\n".join(filter(None, (numbers, *implausible, doubt_of_bodies(self.cases), unresolved(self.cases))))
+        return "\n".join(
+            filter(None, (numbers, *implausible, rough_body_warnings(self.cases), unresolved_law_warning(self.cases)))
+        )
 
     @property
     def file_bytes(self) -> int:

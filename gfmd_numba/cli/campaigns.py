@@ -61,8 +61,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     Each later round has finer levels, or more realisations, as the results so far ask for. The run ends when the fit
     says that the limit has the error you want.
     """
-    from gfmd_numba.campaign.file import load_campaign, target_of_run
-    from gfmd_numba.campaign.output_directory import holds_another_version
+    from gfmd_numba.campaign.file import load_campaign, replaced, target_of_run
     from gfmd_numba.campaign.run import Choice, InterruptedRunError, StoppedError, run_until
     from gfmd_numba.campaign.run import run as run_campaign
 
@@ -71,11 +70,10 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     until = until or target_of_run(file) or {}
     _check_options(until, budget, choice)
     goal = goal_in(file, until, budget, "--until") if until else None
-    campaign, document = load_campaign(file, None if goal is None else goal.targets)
-    directory = output or Path(campaign.name)
-    if holds_another_version(directory, document.text):
-        replaced = "its results are replaced, and finished blocks that both share are kept (-o runs elsewhere)"
-        say("note", f"{printable(directory)} holds another version of this campaign: {replaced}")
+    of_goal = None if goal is None else goal.targets
+    campaign, _ = load_campaign(file, of_goal)
+    if note := replaced(output or Path(campaign.name), campaign, of_goal):
+        say("note", printable(note))
     try:
         if goal is not None:
             with rounds_shown("--until") as (watched, told):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import warnings
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
 
 _MOST = 10_000
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
+_ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
 
 
 @main.command()
@@ -60,8 +60,7 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     described, document = read() if mpi is None else of_the_first(mpi, read)
     tells = described.path or described.scene.body.plasticity
     total = 1 + len(described.path) if tells else None
-    # warnings are told below, in the words of the file
-    with waiting("solving", total) as told, warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("solving", total) as told:
         found = solve_file(described, document, told) if mpi is None else solve_in_processes(described, document, mpi)
     if found is None:  # the first process has it
         return
@@ -128,8 +127,7 @@ def surface(file: Path, output: Path) -> None:
     described, document = load_surface(file)
     measured = described.surface
     check_output(output, file, *([Path(measured.file)] if isinstance(measured, Measured) and measured.file else []))
-    # warnings are told below, in the words of the file
-    with waiting("making the surface"), warnings.catch_warnings(action="ignore", category=UserWarning):
+    with waiting("making the surface"):
         dataset = surface_dataset(described, document)
     write(output, dataset, "surface")
     write_picture(picture, lambda: plot_surface(dataset))
@@ -339,30 +337,58 @@ def statistics(file: Path, output: Path, percolation: bool) -> None:
 @arguments.file_argument
 @_files_option
 @arguments.json_option
-def leakage(file: Path, output: Path | None, as_json: bool) -> None:
-    """Compute how much leaks through the gap of a map.
+@click.option("--viscosity", metavar="ETA", help="Viscosity of the fluid, like '1 mPa s': prints the flow")
+@click.option("--pressure", metavar="P", help="How much the pressure of the fluid falls, like '2 bar'")
+@click.option(
+    "--seal", nargs=2, metavar="L W", help="Length of a seal along the flow, and its width  [those of the map]"
+)
+def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> None:
+    """Compute how much leaks through the gap of a contact.
 
-    FILE is a contact that `gfmd solve` wrote of a scene with `dimension: 2`. The command solves the Reynolds equation
-    along x and along y, and prints hydraulic gap and flow factor. The picture shows the channels.
+    FILE is a contact that `gfmd solve` wrote. The command solves the Reynolds equation along x and along y, and prints
+    hydraulic gap and flow factor. The picture shows the channels. The grooves of a profile go on without end along y.
     """
     from gfmd_numba.analysis import leakage as leakage_of
+    from gfmd_numba.scene.document import plain_scalar
+    from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    _measure(file, output, leakage_of, "computing the flow", as_json)
+    given = {
+        name: [plain_scalar(each) for each in value] if isinstance(value, tuple) else plain_scalar(value)
+        for name, value in fluid.items()
+        if value
+    }
+
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = leakage_of(contact)
+        return with_flow(found, **given) if given else found
+
+    _measure(file, output, compute, "computing the flow", as_json)
 
 
 @main.command()
 @arguments.file_argument
 @_files_option
 @arguments.json_option
-def conductance(file: Path, output: Path | None, as_json: bool) -> None:
+@click.option(
+    "--conductivity",
+    multiple=True,
+    metavar="SIGMA",
+    help="Conductivity of both bodies, or twice for one each, like '60 MS/m' or '16 W/m/K': prints the resistance",
+)
+def conductance(file: Path, output: Path | None, as_json: bool, conductivity: tuple[str, ...]) -> None:
     """Compute the electrical or thermal conductance of a contact.
 
     FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
     over the conductivity of the bodies. The picture shows the current.
     """
     from gfmd_numba.simulate.contact_conductance import contact_conductance
+    from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    _measure(file, output, contact_conductance, "computing the current", as_json)
+    def compute(contact: xr.Dataset) -> xr.Dataset:
+        found = contact_conductance(contact)
+        return with_resistance(found, conductivity) if conductivity else found
+
+    _measure(file, output, compute, "computing the current", as_json)
 
 
 def _contact(file: Path) -> xr.Dataset:
@@ -391,7 +417,7 @@ def _measure(
     contact = _contact(file)
     if has_table := output is not None and "step" in contact.dims:
         table = companion(output, "table", ".csv")
-    with arguments.told_as({"contact": printable(file)}), naming(file), waiting(doing):
+    with arguments.told_as(_ARGUMENTS | {"contact": printable(file)}), naming(file), waiting(doing):
         dataset = compute(contact)
     if output is not None:
         write(output, dataset, err=as_json)

@@ -80,7 +80,7 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     from gfmd_numba.simulate.prony_fit import fit_relaxation
 
     table = read_table(file, unit, poissons_ratio)
-    for sentence in table.doubts():
+    for sentence in table.warnings():
         warn(sentence)
     found = fit_relaxation(table)
     span = f"{table.frequency[0]:g} to {table.frequency[-1]:g} Hz"
@@ -97,8 +97,8 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
     click.echo(f"    {nu}\n    relaxation:")
     for modulus, decay in zip(found.series.moduli, found.series.times, strict=True):
         click.echo(f"      - {{modulus: {told(modulus * found.youngs_modulus)}, time: {decay:.6g} s}}")
-    if found.doubt:
-        warn(found.doubt)
+    if found.warning:
+        warn(found.warning)
 
 
 def _check_campaign(document: Document) -> tuple[str, str]:
@@ -148,10 +148,10 @@ def _check_scene(document: Document) -> tuple[str, str]:
     doubts: list[str] = []
     if _needs_surfaces(file.scene):
         from gfmd_numba.contact.contact_input import read
-        from gfmd_numba.contact.doubts import of_input
+        from gfmd_numba.contact.validity import input_warnings
 
         given = read(file, document)
-        file, doubts = given.file, of_input(given)
+        file, doubts = given.file, input_warnings(given)
     check_combination(document, file.scene, file.numerics, file.path)
     kind = "a scene" if file.scene.has_punch else "a loaded body"
     told = ", ".join(filter(None, (kind, dimensions(file.scene)))) if file.scene.has_punch else kind

@@ -28,11 +28,18 @@ _WORDS = {  # of variables whose names are no words
     "n_segments": "contacts",
     "kappa_r": "kappa_r",
     "mean_tangential_traction_y": "mean tangential traction along y",
+    "tangential_force_y": "tangential force along y",
     "stick_fraction": "sticking share",
     "time_error": "error of time",
     "hysteretic_friction": "friction",
     "hysteretic_friction_error": "error of friction",
     "pull_off_pressure": "pull-off pressure",
+    "pull_off_force": "pull-off force",
+}
+_FORCES = {  # what they are of a form alone in a window, whose size has no meaning: N, or N/m of a profile
+    "pull_off_pressure": "pull_off_force",
+    "mean_tangential_traction": "tangential_force",
+    "mean_tangential_traction_y": "tangential_force_y",
 }
 _SECANT = "secant_stiffness"  # since the step before
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
@@ -45,7 +52,14 @@ _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
 _KNOWN = 0.9  # of the standard deviation of a range, above which data say nothing of an exponent in it
 _LONGEST_NAME = 40
 _SHOWN_OF_PATHS = (
-    *("pull_off_pressure", "hysteresis", "mean_tangential_traction", "mean_tangential_traction_y", "stick_fraction"),
+    *(
+        "pull_off_pressure",
+        "pull_off_force",
+        "hysteresis",
+        "mean_tangential_traction",
+        "mean_tangential_traction_y",
+        "stick_fraction",
+    ),
     *("contact_area_fraction", "mean_plastic_depth", "mean_worn_depth"),
 )
 _WIDE, _DIGITS = 24, 6
@@ -70,6 +84,8 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "mean_worn_depth",
     "mean_tangential_traction",
     "mean_tangential_traction_y",
+    "tangential_force",
+    "tangential_force_y",
     "stick_fraction",
     "energy_lost",
     "hysteretic_friction",
@@ -89,7 +105,9 @@ _MEASURES = {  # of a solved contact: words, and the unit of a contact without u
     "n_gaps": ("separate gaps", ""),
     "hydraulic_gap": ("hydraulic gap", "L_x"),
     "flow_factor": ("flow factor", ""),
+    "flow": ("flow", ""),
     "conductance": ("conductance", "1/L_x"),
+    "resistance": ("resistance", ""),
 }
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),
@@ -496,13 +514,15 @@ def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
     nothing = nothing | {"reduced_pressure", "kappa", "kappa_r"}
     if scene["periodic"] is not False:
         return dataset, nothing
-    name, si = {1: ("line_load", "N m-1"), 2: ("force", "N")}[scene["dimension"]]
-    if name not in dataset.variables:
-        pressure, length = dataset["mean_pressure"], scene["length"]
-        is_si, area = pressure.attrs["units"] == "Pa", "L_x" if scene["dimension"] == 1 else "L_x2"
-        unit = si if is_si and length else f"{'Pa' if is_si else 'E*'} {area}"
-        dataset = dataset.assign({name: (pressure * (length or 1.0) ** scene["dimension"]).assign_attrs(units=unit)})
-    return dataset, nothing | {"mean_pressure"}
+    name, si, area = {1: ("line_load", "N m-1", "L_x"), 2: ("force", "N", "L_x2")}[scene["dimension"]]
+    forces, length = {"mean_pressure": name} | _FORCES, scene["length"]
+    for force, pressure in ((force, dataset[of]) for of, force in forces.items() if of in dataset):
+        if force not in dataset.variables:
+            is_si = pressure.attrs["units"] == "Pa"
+            unit = si if is_si and length else f"{'Pa' if is_si else 'E*'} {area}"
+            whole = pressure * (length or 1.0) ** scene["dimension"]
+            dataset = dataset.assign({force: whole.assign_attrs(units=unit)})
+    return dataset, nothing | forces.keys()
 
 
 def of_contact(dataset: xr.Dataset) -> Told:
@@ -531,9 +551,9 @@ def of_steps(dataset: xr.Dataset) -> Told:
     found = dict(column(view, name) for name in _SHOWN if name in view.data_vars and name not in nothing)
     found["residual"] = [f"{float(residual):.1e}" for residual in dataset["residual"]]
     yield Table("steps of the path", steps | dict(column(dataset, name) for name in prescribed), found)
-    whole = [name for name in _SHOWN_OF_PATHS if name in dataset and not dataset[name].ndim]
-    for name in (each for each in whole if not isnan(float(dataset[each]))):
-        yield line(dataset, name)
+    whole = [name for name in _SHOWN_OF_PATHS if name in view and name not in nothing and not view[name].ndim]
+    for name in (each for each in whole if not isnan(float(view[each]))):
+        yield line(view, name)
 
 
 def of_curve(dataset: xr.Dataset) -> Told:
@@ -611,6 +631,8 @@ def _measured(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, list[str]]]
     for way, part in _ways(variable):
         values = part.values.ravel().tolist()
         cells = [("no", "yes")[value] if flag else with_prefix(value, unit, 5) for value in values]
+        if name == "flow":
+            cells = [f"{value:.3g} m^3/s = {3.6e6 * value:.3g} L/h" for value in values]
         yield f"{words} along {way}" if way else words, cells
 
 

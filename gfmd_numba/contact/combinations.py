@@ -3,7 +3,7 @@
 Importing it compiles nothing.
 """
 
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
 from textwrap import fill
@@ -64,6 +64,9 @@ _SOLVERS = """\
 """
 
 
+Because = Literal["physics", "solver", "not built yet", "without effect"]
+
+
 @dataclass(frozen=True)
 class Refusal:
     """Two features that do not go together: one that is `refused` where the other is `present`.
@@ -76,7 +79,7 @@ class Refusal:
     present: str
     refused: str
     allowed: str
-    because: Literal["physics", "solver", "not built yet", "without effect"]
+    because: Because
     ways: tuple[tuple[str, ...], ...] = ()
 
     def told(self, found: Collection[str] = ()) -> str:
@@ -109,27 +112,80 @@ def _laws_with_each_other() -> Iterator[Refusal]:
             yield Refusal(first, second, f"one {LAWS[first].ability} in place of several", "solver")
 
 
+def _each(present: str, because: Because, told: str, features: Mapping[str, str]) -> Iterator[Refusal]:
+    """Refusals of several features by one reason, which stands behind what is allowed in place of each."""
+    return (Refusal(present, feature, f"{allowed}{told}", because) for feature, allowed in features.items())
+
+
+def _not_built(present: str, where: str, features: Mapping[str, str]) -> Iterator[Refusal]:
+    return _each(present, "not built yet", f"{where}: this is not built yet", features)
+
+
+_SMOOTH, _ALONE = "a rigid punch on one smooth body", "a hard_wall alone"
+_SOFT, _ONE_LAW = {"hardness": "a hard_wall without hardness"}, {"normal law": _ALONE, "cohesive law": _ALONE}
+_NO_ACCURACY, _NEEDS_PUNCH = {"accuracy": "no `gfmd accuracy`"}, {"prescribed": "a contact"}
+_AROUND_A_WINDOW = {
+    "layers that are rubbed": "a rigid base, or a body of one material, under tangential tractions",
+    "tall slab": f"at most {TALLEST:g} times the length, or a half-space, under tangential tractions",
+    "incompressible slab": f"a number below 0.5, a half-space, or a height of at least {LOWEST:g} times the length "
+    "and no tangential tractions",
+    "soft below stiff": f"at least {SOFTEST:g} times the modulus of the stiffest layer above it",
+    "higher topography_order": "0, or nothing",
+}
+_OF_CREEP = {
+    **_SOFT,
+    **_NO_ACCURACY,
+    **_NEEDS_PUNCH,
+    "boundary": "no boundary",
+    "higher topography_order": "0, or nothing,",
+    "unlike bodies": "a counter_body that gives way as the body does (two half-spaces of one material each, or the "
+    "same heights, Poisson's ratios and ratios of moduli; neither friction nor a cohesive law)",
+}
+_OF_FLOW = {
+    "rough bodies": _SMOOTH,
+    "slab": "a half-space of one material",
+    "relaxation": "no relaxation",
+    **_ONE_LAW,
+    "friction": "no friction",
+    "wear": "no wear",
+    "no period": "true",
+    "boundary": "no boundary",
+    **_NEEDS_PUNCH,
+    "plane stress": "'plane_strain'",
+    "limits": "no limits",
+    **_NO_ACCURACY,
+}
+_OF_PROCESSES = {
+    "dimension 1": "dimension 2",
+    **_NEEDS_PUNCH,
+    "rough bodies": _SMOOTH,
+    "no period": "true",
+    "surface made as a whole": "a self-affine surface, method psd, with an rms_gradient of each surface",
+    "measured surface": "a random surface",
+    "form": "no form",
+    **_SOFT,
+    **_ONE_LAW,
+    "friction": "no friction",
+    "wear": "no wear",
+    "relaxation": "no relaxation",
+    "plasticity": "no plasticity",
+    "boundary": "no boundary",
+    "displacement": "a reduced_pressure, pressure or force",
+    "path": "no path",
+}
+_OF_SPEED = {"wear": "no wear", "rough bodies": _SMOOTH, "friction": "no friction", **_ONE_LAW}
+_STEADY = "nothing with a sliding speed, at which the punch has slid for ever"
+_ONE_THREAD = "1 but for maps under a punch without a hardness, as others are solved by one thread"
+
+
 def _without_a_period() -> Iterator[Refusal]:
     """What a contact without a period cannot be yet, and what it does not need."""
-    not_yet = {
-        "layers that are rubbed": "a rigid base, or a body of one material, under tangential tractions",
-        "tall slab": f"at most {TALLEST:g} times the length, or a half-space, under tangential tractions",
-        "incompressible slab": f"a number below 0.5, a half-space, or a height of at least {LOWEST:g} times the length "
-        "and no tangential tractions",
-        "soft below stiff": f"at least {SOFTEST:g} times the modulus of the stiffest layer above it",
-        "higher topography_order": "0, or nothing",
-    }
-    for feature, allowed in not_yet.items():
-        yield Refusal(
-            "no period", feature, f"without a period only {allowed}: the rest is not built yet", "not built yet"
-        )
+    told = "without a period only {}: the rest is not built yet"
+    not_yet = {feature: told.format(allowed) for feature, allowed in _AROUND_A_WINDOW.items()}
+    yield from _each("no period", "not built yet", "", not_yet)
     yield Refusal("prescribed", "no period", "true without a punch: the rest is not built yet", "not built yet")
-    yield Refusal(
-        "dimension 1",
-        "period along one axis",
-        "true or false with dimension 1; x and y need dimension 2",
-        "physics",
-    )
+    told = "true or false with dimension 1; x and y need dimension 2"
+    yield Refusal("dimension 1", "period along one axis", told, "physics")
     least = f"at least {LEAST_POISSONS_RATIO:g} under tangential tractions where periodic is false: below it the"
     yield Refusal("no period", "stiff sideways", f"{least} kernel as it is cut here would not be positive", "solver")
     size = "a reference, and limits of eps_c and eps_f alone, without a period: a window has a size, so that another"
@@ -138,59 +194,26 @@ def _without_a_period() -> Iterator[Refusal]:
     yield Refusal("no period", "treated ends", no_ends, "without effect")
 
 
-def _of_threads() -> Iterator[Refusal]:
-    """Where threads have nothing to share."""
-    alone = "1 but for maps under a punch without a hardness, as others are solved by one thread"
-    for feature in ("dimension 1", "prescribed", "hardness"):
-        yield Refusal(feature, "threads", alone, "without effect")
-    workers = "1 in a campaign: `--workers` says how many contacts are solved side by side"
-    yield Refusal("campaign", "threads", workers, "without effect")
-
-
 def _in_time() -> Iterator[Refusal]:
     """What bodies that creep and surfaces that wear do not go with yet, and what only they need."""
-    not_yet = {
-        "rough bodies": "a rigid punch on one smooth body",
-        "hardness": "a hard_wall without hardness",
-        "accuracy": "no `gfmd accuracy`",
-    }
-    of_laws = {"normal law": "a hard_wall alone", "cohesive law": "a hard_wall alone"}
-    of_bodies = {
-        "hardness": not_yet["hardness"],
-        "accuracy": not_yet["accuracy"],
-        "prescribed": "a contact",
-        "boundary": "no boundary",
-        "higher topography_order": "0, or nothing,",
-        "unlike bodies": "a counter_body that gives way as the body does (two half-spaces of one material each, or the "
-        "same heights, Poisson's ratios and ratios of moduli; neither friction nor a cohesive law)",
-    }
-    for feature, allowed in (not_yet | of_laws).items():
-        yield Refusal("wear", feature, f"{allowed} with wear: this is not built yet", "not built yet")
-    for feature, allowed in of_bodies.items():
-        told = f"{allowed} with a viscoelastic body: this is not built yet"
-        yield Refusal("relaxation", feature, told, "not built yet")
-    of_sliding = {"wear": "no wear", "rough bodies": not_yet["rough bodies"], "friction": "no friction"} | of_laws
+    yield from _not_built("wear", " with wear", {"rough bodies": _SMOOTH, **_SOFT, **_NO_ACCURACY, **_ONE_LAW})
+    yield from _not_built("relaxation", " with a viscoelastic body", _OF_CREEP)
     told = "true with a sliding speed, whose wake may be longer than any window: give steps of a path a sliding and a "
     yield Refusal("speed", "no period", f"{told}duration in place of the speed", "not built yet")
-    for feature, allowed in of_sliding.items():
-        told = f"{allowed} with a sliding speed: this is not built yet"
-        yield Refusal("speed", feature, told, "not built yet")
-    told = "no sliding over a viscoelastic body, or a hard_wall alone: this is not built yet"
-    yield Refusal("normal law", "sliding over creep", told, "not built yet")
-    told = "no sliding over a viscoelastic body, or a rigid punch on one smooth body: this is not built yet"
-    yield Refusal("rough bodies", "sliding over creep", told, "not built yet")
-    steady = "nothing with a sliding speed, at which the punch has slid for ever"
+    yield from _not_built("speed", " with a sliding speed", _OF_SPEED)
+    for feature, allowed in (("normal law", _ALONE), ("rough bodies", _SMOOTH)):
+        told = f"no sliding over a viscoelastic body, or {allowed}"
+        yield from _not_built(feature, "", {"sliding over creep": told})
     told = "nothing where the surface ends, but under a form alone: nobody knows what of a roughness would slide in"
     yield Refusal("no period", "roughness over an end", told, "physics")
-    for feature in ("duration", "sliding over creep", "time_tolerance"):
-        yield Refusal("speed", feature, steady, "without effect")
+    steady = dict.fromkeys(("duration", "sliding over creep", "time_tolerance"), _STEADY)
+    yield from _each("speed", "without effect", "", steady)
     nothing, rates = "nothing{ways}, as nothing here takes time", "friction that depends on the slip rate"
     yield Refusal("timeless", "duration", nothing, "without effect", (_RELAXATION, (rates, "slip rate")))
     yield Refusal("elastic bodies", "speed", nothing, "without effect", (_RELAXATION,))
     told = "a duration here, too, where friction depends on the slip rate"
     yield Refusal("slip rate", "at once", told, "physics")
-    told = "no `gfmd accuracy` where friction depends on the slip rate: this is not built yet"
-    yield Refusal("slip rate", "accuracy", told, "not built yet")
+    yield from _not_built("slip rate", " where friction depends on the slip rate", _NO_ACCURACY)
     told = "no function in a campaign, whose workers and files do not know it: a limit or slip_rates"
     yield Refusal("campaign", "function", told, "physics")
     told = "a finite coefficient where friction depends on the slip rate, as nodes that stick do not slip"
@@ -202,63 +225,14 @@ def _in_time() -> Iterator[Refusal]:
     yield Refusal("no sliding", "wear", "nothing where no step of the path is a sliding", "without effect")
 
 
-def _flowing() -> Iterator[Refusal]:
-    """What bodies that flow inside do not go with yet."""
-    not_yet = {
-        "rough bodies": "a rigid punch on one smooth body",
-        "slab": "a half-space of one material",
-        "relaxation": "no relaxation",
-        "normal law": "a hard_wall alone",
-        "cohesive law": "a hard_wall alone",
-        "friction": "no friction",
-        "wear": "no wear",
-        "no period": "true",
-        "boundary": "no boundary",
-        "prescribed": "a contact",
-        "plane stress": "'plane_strain'",
-        "limits": "no limits",
-        "accuracy": "no `gfmd accuracy`",
-    }
-    for feature, allowed in not_yet.items():
-        yield Refusal(
-            "plasticity", feature, f"{allowed} with plasticity of the body: this is not built yet", "not built yet"
-        )
-    twice = "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself"
-    yield Refusal("plasticity", "hardness", twice, "physics")
-
-
 def _of_processes() -> Iterator[Refusal]:
-    """What several processes do not share yet, or do without."""
-    not_yet = {
-        "dimension 1": "dimension 2",
-        "prescribed": "a contact",
-        "rough bodies": "a rigid punch on one smooth body",
-        "no period": "true",
-        "surface made as a whole": "a self-affine surface, method psd, with an rms_gradient of each surface",
-        "measured surface": "a random surface",
-        "form": "no form",
-        "hardness": "a hard_wall without hardness",
-        "normal law": "a hard_wall alone",
-        "cohesive law": "a hard_wall alone",
-        "friction": "no friction",
-        "wear": "no wear",
-        "relaxation": "no relaxation",
-        "plasticity": "no plasticity",
-        "boundary": "no boundary",
-        "displacement": "a reduced_pressure, pressure or force",
-        "path": "no path",
-    }
-    for feature, allowed in not_yet.items():
-        yield Refusal("processes", feature, f"{allowed} with --mpi: the rest is not built yet", "not built yet")
+    """What several processes and threads do not share yet, or do without, and where a file of nodes has no grid."""
+    yield from _each("processes", "not built yet", " with --mpi: the rest is not built yet", _OF_PROCESSES)
     yield Refusal("processes", "named solver", "auto with --mpi, which has a solver of its own", "without effect")
     yield Refusal("processes", "threads", "1 with --mpi: start more processes instead", "without effect")
-
-
-def _of_patterns() -> Iterator[Refusal]:
-    """Where a file of the work of adhesion at each node has no grid to be on, or no solver yet."""
     told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
     yield Refusal("accuracy", "pattern", told, "physics")
-    yield Refusal("hardness", "pattern", "no pattern with a hardness: this is not built yet", "not built yet")
+    yield from _not_built("hardness", "", {"pattern": "no pattern with a hardness"})
 
 
 REFUSALS = (
@@ -328,10 +302,21 @@ REFUSALS = (
     Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
     *_without_a_period(),
     *_in_time(),
-    *_flowing(),
-    *_of_threads(),
+    *_not_built("plasticity", " with plasticity of the body", _OF_FLOW),
+    Refusal(
+        "plasticity",
+        "hardness",
+        "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself",
+        "physics",
+    ),
+    *(Refusal(each, "threads", _ONE_THREAD, "without effect") for each in ("dimension 1", "prescribed", "hardness")),
+    Refusal(
+        "campaign",
+        "threads",
+        "1 in a campaign: `--workers` says how many contacts are solved side by side",
+        "without effect",
+    ),
     *_of_processes(),
-    *_of_patterns(),
     Refusal(
         "smooth bodies",
         "topography_order",

@@ -10,11 +10,10 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
-from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput
-from gfmd_numba.contact.doubts import doubt_of_bodies, doubts
+from gfmd_numba.contact.boundary_values import BoundarySolution
+from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord, recorded_of
-from gfmd_numba.contact.loaded_body import Loaded
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -29,7 +28,8 @@ from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
 from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
-from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.contact.two_step import RoughContact
+from gfmd_numba.contact.validity import path_warnings, rough_body_warnings
 from gfmd_numba.elasticity import fields, free_body, topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
@@ -82,7 +82,6 @@ class Units:
         both = [unit for unit in (pascal, metre) if unit != "1"]
         each = {
             "1": (1.0, "1"),
-            "E*/stiffness": (1.0 / scales.stiffness, "1"),
             "gradient": (rms_gradient, "1"),
             "length": (scales.length, metre),
             "height": (height, metre),
@@ -139,7 +138,7 @@ def modulus_attributes(scene: Scene) -> dict[str, str]:
         return {}
     scales = scales_of(scene)
     whose = "the topmost layer" if len(scene.deformable) == 1 else "both bodies together, of layers the topmost"
-    return {"effective_modulus": f"{scales.modulus / scales.stiffness:.17g} Pa: E* is that of {whose}"}
+    return {"effective_modulus": f"{scales.modulus:.17g} Pa: E* is that of {whose}"}
 
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
@@ -223,10 +222,10 @@ def path_dataset(
 ) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
-    The attribute `validity` holds the reasons to doubt the result, one sentence a line.
+    The attribute `validity` holds the warnings about the result, one sentence a line.
     """
     file, (steps, record) = given.file, _steps(given, problem, solved)
-    del solved  # and with it the last contact: doubts need its memory
+    del solved  # and with it the last contact: warnings need its memory
     joined = steps[0]
     if file.path:
         how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "exact"}
@@ -241,7 +240,9 @@ def path_dataset(
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), doubts(given, problem, dataset)))),
+        "validity": "\n".join(
+            filter(None, (*implausible(file.scene, file.path), path_warnings(given, problem, dataset)))
+        ),
     }
     return dataset
 
@@ -267,7 +268,7 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
     step = contact_dataset(given, problem, solved.in_plane)
-    if isinstance(solved, Pressed) and given.surfaces.bodies is not None:
+    if isinstance(solved, RoughContact) and given.surfaces.bodies is not None:
         _add_bodies(step, given, given.surfaces.bodies, problem, solved)
     elif given.surfaces.bodies is not None:  # of rough bodies that creep, at order 0
         for variable in step.values():
@@ -307,8 +308,8 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
     displacement, tangential = contact.equilibrium.displacement[0], contact.equilibrium.tangential
     if problem.displacement is None and not any(problem.ends):
         uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
-        pressed = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
-        displacement = displacement - displacement.mean() - pressed / contact.change.factor
+        by_mean = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
+        displacement = displacement - displacement.mean() - by_mean / contact.change.factor
     if contact.change.out is not None:
         displacement = displacement + contact.change.out[0]
     yield "height", "height", "height of the punch, peaks towards the body", contact.heights[0]
@@ -356,21 +357,21 @@ def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, A
 
 
 def _add_bodies(
-    found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, pressed: Pressed
+    found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, solved: RoughContact
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
     found["height"].attrs["long_name"] = _SUMMED
-    dims, pairing = found["height"].dims, pressed.correction.pairing
+    dims, pairing = found["height"].dims, solved.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
-    for name, body, response in zip(BODIES, bodies, pressed.responses, strict=False):
+    for name, body, response in zip(BODIES, bodies, solved.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
         unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own
-        alone = None if pairing is None else tractions_on(body, without, pressed, rms_gradient, pairing)
-        along, pressure = tractions_on(body, problem, pressed, rms_gradient, pairing)
+        alone = None if pairing is None else tractions_on(body, without, solved, rms_gradient, pairing)
+        along, pressure = tractions_on(body, problem, solved, rms_gradient, pairing)
         if any(problem.ends):
             own = [_moved_around_a_window(body, whose, along, pressure, problem.ends)]
         else:
@@ -387,14 +388,14 @@ def _add_bodies(
             own += _by_axis("tangential_traction", "pressure", rubs, rubbed)
         found.update({prefix + key: variable for key, variable in unit.variables(dims, own).items()})
     if pairing is not None and problem.interface.couples:  # what friction compares, on the axes of the surfaces
-        equilibrium = pressed.equilibrium
+        equilibrium = solved.equilibrium
         assert equilibrium.tangential is not None  # where something rubs
         told = "contact pressure along the normal of the touching surface"
         found["surface_pressure"] = whole.variable(dims, "pressure", told, equilibrium.pressure[0])
         rubs, values = "traction on the body along the touching surface", equilibrium.tangential.traction[0]
         found.update(whole.variables(dims, _by_axis("surface_traction", "pressure", rubs, values)))
     row = ROUGH_BODY_OBSERVABLES["next_order"]
-    found["next_order"] = whole.variable((), "length", row.long_name, pressed.next_order)
+    found["next_order"] = whole.variable((), "length", row.long_name, solved.next_order)
     refuse_nonfinite(found)
 
 
@@ -427,7 +428,7 @@ def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Descr
         return
     former = topography.forming(body.elastic, order)
     formed = topography.formed_surface(body.heights, former)
-    tangential, normal = fields.Periodic(formed, former).plane(0.0, ("stress5", "stress3"))[:, 0]
+    tangential, normal = fields.Inside((formed,), former).plane(0.0, ("stress5", "stress3"))[:, 0]
     forms = f"traction that forms the topography of the {whose} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
@@ -469,7 +470,7 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     attributes = load_attributes(given.file.scene)
     found: dict[str, list[float]] = {}
     for (scene, sliding), load in zip(given.steps, (problem.step, *problem.path), strict=True):
-        own = {} if problem.displacement is not None else {"reduced_pressure": load.load * given.scales.stiffness}
+        own = {} if problem.displacement is not None else {"reduced_pressure": load.load}
         own[scene.loading.control] = float(getattr(scene.loading, scene.loading.control))
         own |= {} if scene.loading.speed is None else {"speed": float(scene.loading.speed)}
         for name, value in (own | dict(zip(SLIDING, map(float, sliding), strict=False))).items():
@@ -483,12 +484,12 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
 
 
-def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
+def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
-    Of a rough body also its topography, and what forms that. The attribute `validity` holds reasons to doubt it.
+    Of a rough body also its topography, and what forms that. The attribute `validity` holds the warnings.
     """
-    file, deformed, scene = given.file, loaded.deformed, given.file.scene
+    file, deformed, scene = given.file, solved.deformed, given.file.scene
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
     found: dict[str, Any] = {}
     for kind, quantity, values in (
@@ -503,20 +504,20 @@ def loaded_body_dataset(given: LoadedBodyInput, loaded: Loaded) -> xr.Dataset:
         found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
         found |= unit.variables(dims, forming_tractions(given.rough, "body", file.slope_order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
-        found["next_order"] = unit.variable((), row.unit, row.long_name, loaded.next_order)
+        found["next_order"] = unit.variable((), row.unit, row.long_name, solved.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
         row, value = OBSERVABLES[name], getattr(deformed, name)
         told = replace(row, long_name=_TOLD.get(name, row.long_name))
         found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
-    attributes |= {"solver": loaded.solver} | modulus_attributes(scene)
+    attributes |= {"solver": solved.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)
     refuse_nonfinite(dataset)
     sentences = implausible(scene)
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(doubt_of_bodies((given.rough,), file.slope_order, dataset, "normal_displacement"))
+        sentences.append(rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement"))
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

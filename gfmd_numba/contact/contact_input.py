@@ -13,11 +13,11 @@ from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
 from gfmd_numba.contact.refusal import check_combination
 from gfmd_numba.contact.rough_surfaces import (
+    FacingSurfaces,
     MeasuredSurfaces,
-    PressedSurfaces,
     RoughBody,
+    facing_surfaces,
     measured_surfaces,
-    pressed_surfaces,
 )
 from gfmd_numba.contact.scales import Scales, Sliding, reduced_load, scales_of, steps_of
 from gfmd_numba.contact.surfaces import SummedSurface
@@ -53,7 +53,7 @@ class Input:
 
 
 @dataclass(frozen=True)
-class LoadedBodyInput(Input):
+class BoundaryInput(Input):
     """What a scene without a punch prescribes, and its body if that is rough."""
 
     prescribed: Prescribed
@@ -67,7 +67,7 @@ class ContactInput(Input):
     A `pattern` `[(y,) x]` multiplies the work of adhesion of its law. All else follows.
     """
 
-    surfaces: PressedSurfaces
+    surfaces: FacingSurfaces
     tractions: Tractions | None = None
     pattern: Reals | None = None
 
@@ -89,13 +89,13 @@ def read(file: SceneFile, document: Document) -> Input:
     scene, dimension = file.scene, file.scene.dimension
     check_combination(document, scene, file.numerics, file.path)
     shape = None if file.points is None else (file.points,) * dimension
-    surfaces = pressed_surfaces(file, measured, document) if scene.has_punch or scene.follows_topography else None
+    surfaces = facing_surfaces(file, measured, document) if scene.has_punch or scene.follows_topography else None
     shape = shape if surfaces is None else surfaces.surface.shape
     arrays = {} if scene.boundary is None else read_boundary(document, scene.boundary, dimension, shape)
     if surfaces is None or not scene.has_punch:
         arrays = _on_a_body(document, file, arrays)
         rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
-        return LoadedBodyInput(file, tuple(measured.values()), arrays, rough)
+        return BoundaryInput(file, tuple(measured.values()), arrays, rough)
     tractions = tractions_on_the_body(document, scene, arrays, surfaces) if arrays else None
     pattern = pattern_of(document, scene.interface, dimension, surfaces.surface.shape)
     given = ContactInput(file, tuple(measured.values()), surfaces, tractions, pattern)
@@ -155,12 +155,12 @@ def with_measured(scene: Scene, document: Document, read: Reader = read_content)
     return scene, measured
 
 
-def check_loads(loaded: Iterable[tuple[Location, Scene]], surfaces: PressedSurfaces, document: Document) -> None:
+def check_loads(at_loads: Iterable[tuple[Location, Scene]], surfaces: FacingSurfaces, document: Document) -> None:
     """Raise InputError for a load that is beyond all measure for the rms gradient and the moduli, or a hardness.
 
     If one of these lacks its unit, the error is about that.
     """
-    for place, scene in loaded:
+    for place, scene in at_loads:
         try:
             reduced_load(scene, surfaces.rms_gradient)
         except ValueError as error:
@@ -185,7 +185,7 @@ def pattern_of(document: Document, interface: Interface, dimension: int, shape: 
 
 
 def check_room(
-    file: SceneFile, surfaces: PressedSurfaces, document: Document, displacements: Mapping[Location, float | None]
+    file: SceneFile, surfaces: FacingSurfaces, document: Document, displacements: Mapping[Location, float | None]
 ) -> None:
     """Raise InputError for a punch that would have to displace more of an incompressible body than there is room.
 
@@ -210,7 +210,7 @@ def check_room(
 
 
 def tractions_on_the_body(
-    document: Document, scene: Scene, arrays: Mapping[str, Reals], surfaces: PressedSurfaces
+    document: Document, scene: Scene, arrays: Mapping[str, Reals], surfaces: FacingSurfaces
 ) -> Tractions:
     """Tractions of what `read_boundary` has read, over the rms gradient of the surfaces that are pressed together.
 

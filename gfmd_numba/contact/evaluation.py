@@ -1,6 +1,6 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache
 from pkgutil import resolve_name
 from typing import Any
@@ -92,11 +92,6 @@ def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.
     return np.asarray(now & ~plastic & next_to_plastic & next_to_open)
 
 
-def plastic_area_fraction(contact: Contact) -> Reals:
-    """Nodes at the hardness over all nodes `[realisation]`."""
-    return mean_of_nodes(np.asarray(contact.equilibrium.plastic))
-
-
 @once
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
@@ -127,11 +122,6 @@ def _above_flow(contact: Contact) -> Indices | int:
     if "flow" not in contact.memory:
         return 0
     return np.asarray(_open_sides(contact, touching(contact) & ~elastic_nodes(contact)).sum(axis=(0, 2)))
-
-
-def contact_area_fraction_counted(contact: Contact) -> Reals:
-    """Touching nodes over all nodes `[realisation]`."""
-    return np.asarray(mean_of_nodes(touching(contact)))
 
 
 @once
@@ -222,37 +212,6 @@ def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:
     return np.asarray(field.mean(axis=tuple(range(1, field.ndim))))
 
 
-def kappa(contact: Contact) -> Reals:
-    """Area-load coefficient a_r g E* / p, contact area corrected for its edges `[realisation]`; nan unless p > 0."""
-    return _over_pressure(contact_area_fraction(contact) * rms_gradient(contact), contact)
-
-
-def _over_pressure(product: Reals, contact: Contact) -> Reals:
-    """Area times gradient over the mean pressure `[realisation]`; nan without one above 0, as adhesion allows."""
-    pressure = mean_pressure(contact)
-    return np.asarray(product / np.where(pressure > 0.0, pressure, np.nan))
-
-
-def kappa_counted(contact: Contact) -> Reals:
-    """Area-load coefficient with the contact area as counted nodes `[realisation]`."""
-    return _over_pressure(contact_area_fraction_counted(contact) * rms_gradient(contact), contact)
-
-
-def kappa_r(contact: Contact) -> Reals:
-    """Area-load coefficient a_r g_r E* / p with the rms gradient over the contact `[realisation]`."""
-    return _over_pressure(contact_area_fraction(contact) * rms_gradient_contact(contact), contact)
-
-
-def kappa_edges(contact: Contact) -> Reals:
-    """Area-load coefficient, each contact edge located from the pressures next to it `[realisation]`."""
-    return _over_pressure(located_length(contact)[0] * rms_gradient(contact), contact)
-
-
-def kappa_edges_error(contact: Contact) -> Reals:
-    """Standard deviation of `kappa_edges` by stretches of too few nodes to locate their edges `[realisation]`."""
-    return _over_pressure(located_length(contact)[1] * rms_gradient(contact), contact)
-
-
 def kappa_residual_error(contact: Contact) -> Reals:
     """What the solver's residual may change kappa by: as the pressure may, and nodes left open do `[realisation]`.
 
@@ -273,12 +232,6 @@ def kappa_residual_error(contact: Contact) -> Reals:
     nodes = edges * np.maximum(leaving, joining) / now[0].size
     share = violated.reshape(-1) / mean_pressure(contact) + nodes / contact_area_fraction(contact)
     return np.asarray(share * kappa(contact))
-
-
-@once
-def mean_pressure(contact: Contact) -> Reals:
-    """Mean contact pressure in g E* `[realisation]`."""
-    return mean_of_nodes(contact.equilibrium.pressure)
 
 
 def peak_pressure(contact: Contact) -> Reals:
@@ -317,9 +270,34 @@ def gap(contact: Contact) -> Reals:
     return distance if contact.equilibrium.plastic is None else np.maximum(distance, 0.0)
 
 
-def mean_gap(contact: Contact) -> Reals:
-    """Mean distance between the surfaces in g L_x `[realisation]`."""
-    return mean_of_nodes(gap(contact))
+def _mean(field: Callable[[Contact], Any]) -> Callable[[Contact], Reals]:
+    """Mean over the nodes of a field of each contact `[realisation]`."""
+    return lambda contact: mean_of_nodes(np.asarray(field(contact)))
+
+
+contact_area_fraction_counted = _mean(touching)
+plastic_area_fraction = _mean(lambda contact: contact.equilibrium.plastic)
+mean_plastic_depth = _mean(lambda contact: contact.plastic_depth)
+mean_worn_depth = _mean(lambda contact: contact.memory["worn"])
+mean_pressure = once(_mean(lambda contact: contact.equilibrium.pressure))
+mean_gap = _mean(lambda contact: gap(contact))
+
+
+def _over_pressure(product: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
+    """Area times gradient over the mean pressure `[realisation]`; nan without one above 0, as adhesion allows."""
+
+    def found(contact: Contact) -> Reals:
+        pressure = mean_pressure(contact)
+        return np.asarray(product(contact) / np.where(pressure > 0.0, pressure, np.nan))
+
+    return found
+
+
+kappa = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient(contact))
+kappa_counted = _over_pressure(lambda contact: contact_area_fraction_counted(contact) * rms_gradient(contact))
+kappa_r = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient_contact(contact))
+kappa_edges = _over_pressure(lambda contact: located_length(contact)[0] * rms_gradient(contact))
+kappa_edges_error = _over_pressure(lambda contact: located_length(contact)[1] * rms_gradient(contact))
 
 
 def approach(contact: Contact) -> Reals:
@@ -327,9 +305,30 @@ def approach(contact: Contact) -> Reals:
     return np.asarray(np.reshape(np.asarray(contact.approach), -1) * np.ones(len(contact.heights)))
 
 
-def mean_plastic_depth(contact: Contact) -> Reals:
-    """Mean depth in g L_x by which the punch has been flattened since it was first loaded `[realisation]`."""
-    return mean_of_nodes(np.asarray(contact.plastic_depth))
+def edge_contact(contact: Contact) -> Reals:
+    """Touching nodes at the ends of a window over all nodes there `[realisation]`."""
+    touches = gap(contact) <= 0.0
+    outermost = np.zeros(touches.shape, dtype=np.bool_)
+    for axis, ends in enumerate(contact.ends, 1):
+        np.moveaxis(outermost, axis, 0)[[0, -1]] |= ends
+    return np.asarray((touches & outermost).sum(axis=tuple(range(1, touches.ndim))) / outermost[0].sum())
+
+
+def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
+    """Longest way of a touching node past the body over the mean distance of the peaks, 2 pi (m2 / m4)^(1/2), in g.
+
+    nan without a period, and where no way is known `[realisation]`. Source: Longuet-Higgins, Phil. Trans. R. Soc. A
+    249:321, 1957.
+    """
+    if contact.ends or contact.sideways is None:
+        return np.full(len(contact.heights), np.nan)
+    along = tuple(range(1, contact.heights.ndim))
+    m0, m2 = _moment(contact, 0), _moment(contact, 2) / len(along)  # along any direction
+    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
+    touches = gap(contact) <= 0.0
+    counts = touches | ~touches.any(axis=along, keepdims=True)
+    distance = 2.0 * np.pi * (m0 / nayak(contact) / m2) ** 0.5
+    return np.asarray(np.max(way, axis=along, where=counts, initial=0.0) / distance)
 
 
 def plastic_work(contact: Contact) -> Reals:
@@ -338,11 +337,6 @@ def plastic_work(contact: Contact) -> Reals:
     A node that gives way bears what it bears at the end of the step, all the way.
     """
     return mean_of_nodes(contact.equilibrium.pressure * contact.flattened)
-
-
-def mean_worn_depth(contact: Contact) -> Reals:
-    """Mean depth in g L_x that the punch has worn by since it was first loaded `[realisation]`."""
-    return mean_of_nodes(np.asarray(contact.memory["worn"]))
 
 
 def time_error(contact: Contact) -> Reals:

@@ -75,9 +75,9 @@ def start(
     tractions = -before.pressure[:, np.newaxis]
     if along is not None:
         tractions = np.concatenate((along.traction, tractions), axis=1)
-    loaded = np.zeros((*tractions.shape[:2], *free_body.padded_shape(tractions.shape[2:], ends)))
-    loaded[corner] = tractions
-    moved = np.stack([response.apply(each) for each in loaded])
+    wide = np.zeros((*tractions.shape[:2], *free_body.padded_shape(tractions.shape[2:], ends)))
+    wide[corner] = tractions
+    moved = np.stack([response.apply(each) for each in wide])
     displacement = np.asarray(sunk + moved[:, -1])
     open_nodes = displacement[corner]
     displacement[corner] = np.where(before.touching, window.displacement, open_nodes)
@@ -92,8 +92,8 @@ def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ..
     """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
     assert found.mean_displacement is not None  # of a corner it is known
-    pressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
-    return np.asarray(found.mean_displacement.reshape(pressed.shape) + pressed)
+    compressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
+    return np.asarray(found.mean_displacement.reshape(compressed.shape) + compressed)
 
 
 def in_corner(values: npt.NDArray[Any], around: npt.NDArray[Any], ends: tuple[bool, ...]) -> npt.NDArray[Any]:

@@ -33,7 +33,7 @@ def resolution(problem: Problem) -> float:
     return max(_on(problem, problem.surface.nx))
 
 
-def doubt(problem: Problem, discretisation: Discretisation | None) -> str:
+def warning(problem: Problem, discretisation: Discretisation | None) -> str:
     """Return a warning about a law that the grid does not resolve, with a grid that would; else nothing."""
     x = resolution(problem)
     if x <= COARSEST:

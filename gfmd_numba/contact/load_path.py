@@ -16,14 +16,14 @@ import numpy.typing as npt
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
-from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work
+from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work, slid_over_peaks
 from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State, Tell
 from gfmd_numba.contact.surfaces import SummedSurface
-from gfmd_numba.contact.two_step import Pressed
+from gfmd_numba.contact.two_step import RoughContact
 from gfmd_numba.solvers.status import Status
 
 
@@ -103,6 +103,7 @@ class PathRecord:
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))
         self.steps["stick_fraction"].append(stick_fraction(problem, solved))
+        self.steps["slid_over_peaks"].append(float(slid_over_peaks(contact, problem.step.sliding)[0]))
         self.steps["energy_lost"].append(lost)
 
     def of_steps(self) -> dict[str, npt.NDArray[Any]]:
@@ -180,7 +181,7 @@ def recorded_of(problem: Problem) -> dict[str, Observable]:
 def _measure(problem: Problem, solved: Contact) -> Measures:
     """Measures `[realisation]` of one contact."""
     values = measure(solved.in_plane)
-    if not isinstance(solved, Pressed):
+    if not isinstance(solved, RoughContact):
         return values
     assert isinstance(problem.surface, SummedSurface)  # of rough bodies
     error = solved.next_order / problem.surface.rms_gradient

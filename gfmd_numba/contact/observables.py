@@ -27,40 +27,24 @@ OF_TOUCHING = {  # observables, and statistics of a contact, that there are only
 class Observable:
     """A recorded quantity: what it tells of, its unit and its meaning.
 
-    Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds; E*/stiffness is 1 but for a scene with a
-    `stiffness_scale`. `function` is "module:function" of a contact, by default that of its name in `evaluation`; of a
-    run the equilibrium has the number. One that is `undefined_at_times` may be not-a-number in a run that is ok:
-    without contact it is 0/0, or unknown on maps. One is recorded where what it `needs` is there.
+    Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds. `function` is "module:function" of a contact, by default
+    that of its name in `evaluation`; of a run the equilibrium has the number. One that is `undefined_at_times` may be
+    not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One is recorded where what it
+    `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
     eps_t go to 0: the load p / (g E*), the gradient g, the rms height, or nothing ("").
     """
 
-    of: Literal["contact", "surface", "run", "path"]
-    unit: Literal["1", "E*/stiffness", "gradient", "length", "height", "pressure", "energy", "s"]
+    unit: Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
     long_name: str
     function: str | None = None
+    of: Literal["contact", "surface", "run", "path"] = "contact"
     undefined_at_times: bool = False
     no_limit: str = ""
     held: Literal["", "load", "gradient", "height"] = ""
-    needs: Literal[
-        "",
-        "hardness",
-        "flow",
-        "springs",
-        "divisions",
-        "worn",
-        "sliding",
-        "form",
-        "period",
-        "window",
-        "drag",
-        "drag of maps",
-        "friction",
-        "loss",
-        "tension",
-    ] = ""
+    needs: str = ""
 
     @property
     def without_limit(self) -> str:
@@ -70,55 +54,45 @@ class Observable:
 
 OBSERVABLES = {
     "kappa": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, contact area corrected for its edges",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_residual_error": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "largest change of kappa to expect from the residual of the solver",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_counted": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, contact area as counted nodes",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_r": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
         undefined_at_times=True,
         held="load",
     ),
     "contact_area_fraction": Observable(
-        "contact", "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
+        "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
     ),
-    "contact_area_fraction_counted": Observable("contact", "1", "touching nodes over all nodes", held="load"),
+    "contact_area_fraction_counted": Observable("1", "touching nodes over all nodes", held="load"),
     "contact_area_fraction_error": Observable(
-        "contact",
         "1",
         "standard deviation of contact_area_fraction by edges between the nodes of profiles",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
-    "plastic_area_fraction": Observable(
-        "contact", "1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"
-    ),
+    "plastic_area_fraction": Observable("1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"),
     "mean_plastic_depth": Observable(
-        "contact", "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"
+        "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"
     ),
-    "mean_worn_depth": Observable(
-        "contact", "height", "mean depth by which the punch has worn", needs="worn", held="height"
-    ),
+    "mean_worn_depth": Observable("height", "mean depth by which the punch has worn", needs="worn", held="height"),
     "plastic_volume": Observable(
-        "contact",
         "length",
         "volume of the body that has flowed over the nominal area",
         function=f"{_FLOW}:plastic_volume",
@@ -126,15 +100,20 @@ OBSERVABLES = {
         no_limit=_OF_A_LAYER,
     ),
     "largest_plastic_strain": Observable(
-        "contact",
         "gradient",
         "largest equivalent plastic strain of a sublayer",
         function=f"{_FLOW}:largest_plastic_strain",
         needs="flow",
         no_limit=_OF_A_LAYER,
     ),
+    "plastic_strain_at_base": Observable(
+        "gradient",
+        "largest equivalent plastic strain of the lowest sublayer",
+        function=f"{_FLOW}:plastic_strain_at_base",
+        needs="flow",
+        no_limit=_OF_A_LAYER,
+    ),
     "largest_von_mises": Observable(
-        "contact",
         "pressure",
         "largest von Mises stress of a sublayer",
         function=f"{_FLOW}:largest_von_mises",
@@ -142,7 +121,6 @@ OBSERVABLES = {
         no_limit=_OF_A_LAYER,
     ),
     "flow_residual": Observable(
-        "contact",
         "1",
         "largest violation of the yield condition and the flow rule over the yield stress",
         function=f"{_FLOW}:flow_residual",
@@ -150,7 +128,6 @@ OBSERVABLES = {
         no_limit=_OF_AN_ERROR,
     ),
     "increment_error": Observable(
-        "contact",
         "1",
         "relative change of pressures or residual displacements with half the increments of the step",
         undefined_at_times=True,
@@ -159,133 +136,130 @@ OBSERVABLES = {
         no_limit=_OF_AN_ERROR,
     ),
     "time_error": Observable(
-        "contact",
         "1",
         "relative error of pressures and displacements by the divisions of all steps so far",
         needs="divisions",
         no_limit=_OF_AN_ERROR,
     ),
     "hysteretic_friction": Observable(
-        "contact",
         "gradient",
         "friction by hysteresis: force against the sliding of the punch along x, over the load",
         needs="sliding",
         held="gradient",
     ),
     "hysteretic_friction_error": Observable(
-        "contact",
         "gradient",
         "difference from the force on the slopes of the punch over the load, an error of the grid",
         needs="sliding",
         no_limit=_OF_AN_ERROR,
     ),
     "kappa_edges": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
         undefined_at_times=True,
         held="load",
     ),
     "kappa_edges_error": Observable(
-        "contact",
-        "E*/stiffness",
+        "1",
         "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
         undefined_at_times=True,
         no_limit=_OF_AN_ERROR,
     ),
     "n_segments": Observable(
-        "contact",
         "1",
         "number of separate stretches of contact, or clusters of a map",
         no_limit="contacts become ever more as eps_f and eps_t go to 0",
     ),
     "mean_segment_length": Observable(
-        "contact",
         "1",
         "mean length of a stretch of contact over L_x, corrected for its edges",
         undefined_at_times=True,
         no_limit="contacts become ever smaller as eps_f and eps_t go to 0",
     ),
     "contact_radius": Observable(
-        "contact",
         "length",
         "half the contact length of a profile, of a map the radius of a disc as large as the contact area",
         needs="form",
         held="load",
     ),
     "elastic_energy": Observable(
-        "contact",
         "energy",
         "elastic energy per nominal area of the deformation by the punch, beyond uniform compression",
         held="height",
     ),
     "mean_pressure": Observable(
-        "contact",
         "pressure",
         "mean contact pressure",
         no_limit="the loading prescribes it, or a displacement does, for which its laws are not known",
     ),
     "peak_pressure": Observable(
-        "contact",
         "pressure",
         "largest contact pressure",
         no_limit="peaks become ever sharper and more as eps_f and eps_t go to 0, and the largest pressure grows",
     ),
-    "mean_gap": Observable("contact", "height", "mean gap between the surfaces", held="height"),
+    "mean_gap": Observable("height", "mean gap between the surfaces", held="height"),
     "approach": Observable(
-        "contact",
-        "height",
-        "displacement of the punch into the body beyond first touch",
+        "height", "displacement of the punch into the body beyond first touch", needs="window", held="height"
+    ),
+    "edge_contact": Observable(
+        "1",
+        "touching nodes at the ends of the window over all nodes there",
         needs="window",
-        held="height",
+        no_limit="it says whether the window is too small",
     ),
-    "rms_gradient": Observable("surface", "gradient", "rms gradient of the punch"),
+    "rms_gradient": Observable("gradient", "rms gradient of the punch", of="surface"),
     "rms_gradient_contact": Observable(
-        "contact", "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
+        "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
-    "nayak": Observable("surface", "1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs="period"),
+    "nayak": Observable("1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs="period", of="surface"),
     "full_contact_pressure": Observable(
-        "surface",
-        "pressure",
-        "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)",
+        "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)", of="surface"
     ),
-    "status": Observable("run", "1", "how the run ended"),
+    "status": Observable("1", "how the run ended", of="run"),
     "residual": Observable(
-        "run", "1", "largest violation of the contact conditions over the largest pressure, or relative load imbalance"
+        "1",
+        "largest violation of the contact conditions over the largest pressure, or relative load imbalance",
+        of="run",
     ),
-    "n_iterations": Observable("run", "1", "solver iterations"),
-    "n_transforms": Observable("run", "1", "fast Fourier transforms of the whole grid"),
-    "wall_time": Observable("run", "s", "time spent in the solver"),
+    "n_iterations": Observable("1", "solver iterations", of="run"),
+    "n_transforms": Observable("1", "fast Fourier transforms of the whole grid", of="run"),
+    "wall_time": Observable("s", "time spent in the solver", of="run"),
 }
 PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
     "mean_tangential_traction": Observable(
-        "contact", "pressure", "mean tangential traction along x of the punch on the body", needs="drag"
+        "pressure", "mean tangential traction along x of the punch on the body", needs="drag"
     ),
     "mean_tangential_traction_y": Observable(
-        "contact", "pressure", "mean tangential traction along y of the punch on the body", needs="drag of maps"
+        "pressure", "mean tangential traction along y of the punch on the body", needs="drag of maps"
     ),
     "stick_fraction": Observable(
-        "contact", "1", "touching nodes that stick over all touching nodes", undefined_at_times=True, needs="friction"
+        "1", "touching nodes that stick over all touching nodes", undefined_at_times=True, needs="friction"
+    ),
+    "slid_over_peaks": Observable(
+        "gradient",
+        "longest way of a touching node past the body over the mean distance of the peaks",
+        undefined_at_times=True,
+        needs="drag",
+        no_limit="peaks come ever closer as eps_f goes to 0",
     ),
     "energy_lost": Observable(
-        "contact",
         "energy",
         "work since the last step less stored energy, per area; of friction, what slipping nodes lose",
         needs="loss",
     ),
     "hysteresis": Observable(
-        "path", "energy", "energy lost along the path per area, of a closed path the area of its loop", needs="loss"
+        "energy", "energy lost along the path per area, of a closed path the area of its loop", needs="loss", of="path"
     ),
     "pull_off_pressure": Observable(
-        "path",
         "pressure",
         "largest mean tension while the punch is withdrawn, unknown where the path ends before it falls",
         undefined_at_times=True,
         needs="tension",
+        of="path",
     ),
 }
 ROUGH_BODY_OBSERVABLES = {
-    "next_order": Observable("contact", "height", "most that the next order in the slope would add to a displacement"),
+    "next_order": Observable("height", "most that the next order in the slope would add to a displacement"),
 }
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 

@@ -3,8 +3,9 @@
 Strains are in g, stresses in g E*, thicknesses in L_x.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -84,27 +85,18 @@ def stresses(contact: Contact) -> Reals:
     return np.stack((equivalent(deviator), normal + deviator[0] - deviator[1]))
 
 
-def plastic_volume(contact: Contact) -> Reals:
-    """Volume that has flowed over the nominal area `[realisation]`."""
-    flow = flow_of(contact)
-    return np.array([float(flow.body.waves.thickness @ (flow.equivalent > 0.0).mean(axis=(1, 2)))])
+def _of_flow(measure: Callable[[Flow], Any]) -> Callable[[Contact], Reals]:
+    """A number of what has flowed in each contact `[realisation]`."""
+    return lambda contact: np.array([float(measure(flow_of(contact)))])
 
 
-def largest_plastic_strain(contact: Contact) -> Reals:
-    """Largest equivalent plastic strain `[realisation]`."""
-    return np.array([float(flow_of(contact).equivalent.max())])
+plastic_volume = _of_flow(lambda flow: flow.body.waves.thickness @ (flow.equivalent > 0.0).mean(axis=(1, 2)))
+largest_plastic_strain = _of_flow(lambda flow: flow.equivalent.max())
+plastic_strain_at_base = _of_flow(lambda flow: flow.equivalent[-1].max())
+flow_residual = _of_flow(lambda flow: flow.residual)
+increment_error = _of_flow(lambda flow: flow.error)
 
 
 def largest_von_mises(contact: Contact) -> Reals:
     """Largest equivalent stress `[realisation]`."""
     return np.array([float(stresses(contact)[0].max())])
-
-
-def flow_residual(contact: Contact) -> Reals:
-    """Violation of the yield condition and the flow rule over the yield stress `[realisation]`."""
-    return np.array([flow_of(contact).residual])
-
-
-def increment_error(contact: Contact) -> Reals:
-    """Change by half the increments `[realisation]`."""
-    return np.array([flow_of(contact).error])

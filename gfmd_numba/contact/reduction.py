@@ -8,27 +8,13 @@ that of the topmost one.
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import lru_cache
-from itertools import islice
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import CounterBody, Effect, Problem, Tractions
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
-from gfmd_numba.contact.scales import (
-    Scales,
-    longest_time,
-    passing,
-    plasticity,
-    reduced_duration,
-    reduced_load,
-    reduced_speed,
-    reduced_step,
-    relaxation,
-    scales_of,
-    steps_of,
-    wear_rate,
-)
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
+from gfmd_numba.contact.scales import plasticity, reduced_step, scales_of, steps_of
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -36,7 +22,7 @@ from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.records import TIME_TOLERANCE
-from gfmd_numba.scene.units import in_reduced_units
+from gfmd_numba.scene.units import in_reduced_units, rounded
 from gfmd_numba.solvers.table import SOLVERS, Options, automatic
 
 _NU = "Poisson's ratio"
@@ -46,7 +32,7 @@ _NO_MISMATCH = 1e-12  # of Dundurs' beta, whose share of a body in the complianc
 
 def reduce(
     scene: Scene,
-    pressed: PressedSurfaces,
+    surfaces: FacingSurfaces,
     numerics: Numerics,
     path: Iterable[Step] = (),
     tractions: Tractions | None = None,
@@ -58,20 +44,19 @@ def reduce(
     ValueError for a load that is beyond all measure for the rms gradient and the moduli, or that the hardness cannot
     carry.
     """
-    rms_gradient, rough = pressed.rms_gradient, pressed.rough
-    scales, load = scales_of(scene), reduced_load(scene, rms_gradient)
-    displacement, pressure = (None, load) if scene.loading.displacement is None else (load, None)
+    rms_gradient, rough, scales = surfaces.rms_gradient, surfaces.rough, scales_of(scene)
+    first, *steps = (reduced_step(*step, rms_gradient) for step in steps_of(scene, path))
+    displacement, pressure = (None, first.load) if scene.loading.displacement is None else (first.load, None)
     facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
-    may_slip = pressed.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
-    interface, interactions = _interface(
-        scene.interface, scales.bodies[0], facing, may_slip, scales, rms_gradient, longest_time(scene)
-    )
+    may_slip = surfaces.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
+    length, stress = rms_gradient * scales.length, rms_gradient * scales.modulus
+    acting = in_reduced_units(scene.interface, length, stress, scales.time)
+    interface, interactions = _interface(acting, scales.bodies[0], facing, may_slip, (stress, length / scales.time))
     exact = displacement is not None or interface.normal_law is not None  # a jump may hang on any small difference
     tolerance = 0.0 if exact or numerics.effects == "exact" else numerics.effects
-    memory = relaxation(scene)
-    if memory is not None:  # of two bodies that give way alike, the one stands for both; slopes are followed nowhere
-        facing = rough = None
-    mean_matters = displacement is not None or any(scene.ends) or memory is not None
+    if scales.relaxation is not None:  # of two bodies that give way alike, the one stands for both
+        facing = rough = None  # slopes are followed nowhere
+    mean_matters = displacement is not None or any(scene.ends) or scales.relaxation is not None
     needs_nu = tractions is not None or scene.body.plasticity is not None
     body, elasticity = _body(scales.bodies[0], interface, mean_matters, needs_nu, tolerance)
     options = _options(numerics, scene, interface.abilities)
@@ -79,11 +64,11 @@ def reduce(
     elasticity += dropped
     if rough is not None:  # Poisson's ratio, which the flat bodies do without, their topographies need
         elasticity = tuple(effect for effect in elasticity if not effect.name.startswith(_NU))
-    steps = tuple(reduced_step(*step, rms_gradient) for step in islice(steps_of(scene, path), 1, None))
     if pattern is not None:
         interface = interface.patterned(pattern, free_body.padded_shape(pattern.shape, scene.ends))
+    passes = scene.passes and any(any(step.sliding) for step in steps)
     problem = Problem(
-        pressed.surface,
+        surfaces.surface,
         body,
         interface,
         pressure,
@@ -91,19 +76,19 @@ def reduce(
         options,
         tractions,
         counter,
-        steps,
+        tuple(steps),
         rough,
         periodic=scene.periodic,
-        duration=reduced_duration(scene),
-        speed=reduced_speed(scene),
-        relaxation=memory,
-        time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if scene.creeps or scene.interface.wear else None,
-        wear_rate=wear_rate(scene, rms_gradient),
+        duration=first.duration,
+        speed=first.speed,
+        relaxation=scales.relaxation,
+        time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if scene.creeps or acting.wear else None,
+        wear_rate=None if acting.wear is None else acting.wear.rate,
         plasticity=plasticity(scene, rms_gradient),
-        passing=passing(scene, steps, rms_gradient),
+        passing=rounded(rms_gradient) if passes else None,
     )
     effects = interactions + _slow_effects(scene)
-    return problem, _all_effects(elasticity, effects, tractions is not None, scales.stiffness)
+    return problem, _all_effects(elasticity, effects, tractions is not None)
 
 
 def _counter_body(
@@ -130,13 +115,9 @@ def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
 
 @lru_cache(maxsize=4096)  # a tuple that many problems share
 def _all_effects(
-    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], loaded: bool, stiffness_scale: float
+    elasticity: tuple[Effect, ...], interactions: tuple[Effect, ...], has_tractions: bool
 ) -> tuple[Effect, ...]:
-    effects = (*elasticity, *interactions, _as_asked("prescribed tractions", loaded or None))
-    if stiffness_scale == 1.0:
-        return effects
-    wrong = f"all stiffnesses are {stiffness_scale:g} times too large, as the scene asks for"
-    return (Effect("stiffness scale", "on", wrong), *effects)
+    return (*elasticity, *interactions, _as_asked("prescribed tractions", has_tractions or None))
 
 
 def _options(numerics: Numerics, scene: Scene, abilities: tuple[str, ...]) -> Options:
@@ -154,7 +135,7 @@ def solver_options(numerics: Numerics, automatic: str) -> Options:
 
 @lru_cache(maxsize=4096)
 def _body(
-    body: ElasticBody, interface: Interactions, mean_matters: bool, loaded: bool, tolerance: float
+    body: ElasticBody, interface: Interactions, mean_matters: bool, needs_nu: bool, tolerance: float
 ) -> tuple[ElasticBody, tuple[Effect, ...]]:
     condensed = Effect(
         "tangential displacement", "condensed", "without friction the normal displacement determines it exactly (6.75)"
@@ -163,7 +144,7 @@ def _body(
     tangential = coupled if interface.couples else condensed
     if body.stack is None and body.aspect_ratio is None:
         off = Effect("slab", "off", "the body is a half-space")
-        if interface.couples or loaded:  # tangential tractions move the surface up and down by nu
+        if interface.couples or needs_nu:  # tangential tractions move the surface up and down by nu
             return body, (tangential, off)
         unknown = Effect(_NU, "dropped", "it enters a frictionless half-space only through E*")
         return ElasticBody(None, None), (condensed, off, unknown)
@@ -181,7 +162,7 @@ def _body(
         return body, (coupled, Effect("slab" if body.stack is None else name, "on", matters))
     effect = body.deviation()
     bound = f"{what}, by at most {effect:.1e}"
-    if mean_matters or loaded or effect > max(_ROUNDING, tolerance):
+    if mean_matters or needs_nu or effect > max(_ROUNDING, tolerance):
         return body, (condensed, Effect(name, "on", bound))
     return ElasticBody(None, None), (condensed, Effect(name, "dropped", f"{bound}, {_below(effect, tolerance)}"))
 
@@ -192,19 +173,9 @@ def _below(effect: float, tolerance: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _interface(
-    asked: Interface,
-    body: ElasticBody,
-    counter: CounterBody | None,
-    may_slip: bool,
-    scales: Scales,
-    rms_gradient: float,
-    time: float,
+    asked: Interface, body: ElasticBody, counter: CounterBody | None, may_slip: bool, units: tuple[float, float]
 ) -> tuple[Interactions, tuple[Effect, ...]]:
-    laws = {name: in_reduced_units(law, scales.length, scales.modulus) for name, law in asked.laws.items()}
-    units = scales.modulus * rms_gradient, scales.length * rms_gradient / time
-    interactions = Interactions.scaled(
-        asked.model_copy(update=laws), rms_gradient, rms_gradient * rms_gradient, time, units
-    )
+    interactions = Interactions.of(asked, units)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
     reason = "" if interactions.friction is None or may_slip else _why_nothing_slips(body, counter)
     if reason:

@@ -72,97 +72,71 @@ def _table_refusals(found: Features) -> Iterator[tuple[Location, Refusal]]:
             yield from ((location, told) for location in found[row.refused])
 
 
+Asked = Iterator[tuple[str, Location, bool]]  # a feature, where it stands in the file, and whether it is there
+
+
 def _features(scene: Scene, numerics: Numerics, path: Sequence[Step], grid: Grid | None) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
     parts = [_of_numerics(numerics), _of_bodies(scene)]
-    parts.append(_of_contact(scene, path, grid or {}) if scene.has_punch else _of_loaded_body(scene))
-    if grid is not None:
-        parts.append(iter([("campaign", ("grid",))]))
-    for feature, location in chain(*parts):
-        found.setdefault(feature, []).append(location)
+    parts += _of_contact(scene, path, grid or {}) if scene.has_punch else [_of_body_alone(scene)]
+    for feature, location, is_there in chain(*parts, [("campaign", ("grid",), grid is not None)]):
+        if is_there:
+            found.setdefault(feature, []).append(location)
     return found
 
 
-def _of_numerics(numerics: Numerics) -> Iterator[tuple[str, Location]]:
-    if numerics.time_tolerance is not None:
-        yield "time_tolerance", ("numerics", "time_tolerance")
-    if numerics.solver != "auto":
-        yield "named solver", ("numerics", "solver")
-    if numerics.threads > 1:
-        yield "threads", ("numerics", "threads")
-    if numerics.topography_order is not None:
-        yield "topography_order", ("numerics", "topography_order")
-        if numerics.topography_order > 0:
-            yield "higher topography_order", ("numerics", "topography_order")
+def _of_numerics(numerics: Numerics) -> Asked:
+    order = numerics.topography_order
+    yield "time_tolerance", ("numerics", "time_tolerance"), numerics.time_tolerance is not None
+    yield "named solver", ("numerics", "solver"), numerics.solver != "auto"
+    yield "threads", ("numerics", "threads"), numerics.threads > 1
+    yield "topography_order", ("numerics", "topography_order"), order is not None
+    yield "higher topography_order", ("numerics", "topography_order"), bool(order)
 
 
-def _of_bodies(scene: Scene) -> Iterator[tuple[str, Location]]:
-    yield f"dimension {scene.dimension}", ("scene", "dimension")
-    if scene.body.state == "plane_stress":
-        yield "plane stress", ("scene", "body", "state")
-    if not scene.follows_topography:
-        yield "smooth bodies", ("scene", "body")
-    of_time = [name for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False) if body.relaxation is not None]
-    yield from (("relaxation", ("scene", name, "relaxation")) for name in of_time)
-    if not of_time:
-        yield "elastic bodies", ("scene", "body")
-        if not scene.has_slip_rates:
-            yield "timeless", ("scene", "body")
-        if scene.interface.wear is None:
-            yield "undivided steps", ("scene", "body")
-    for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
-        if body.plasticity is not None:
-            yield "plasticity", ("scene", name, "plasticity")
+def _of_bodies(scene: Scene) -> Asked:
+    bodies = tuple(zip(_ASPECT_RATIO, scene.deformable, strict=False))
+    yield f"dimension {scene.dimension}", ("scene", "dimension"), True
+    yield "plane stress", ("scene", "body", "state"), scene.body.state == "plane_stress"
+    yield "smooth bodies", ("scene", "body"), not scene.follows_topography
+    yield "elastic bodies", ("scene", "body"), not scene.creeps
+    yield "timeless", ("scene", "body"), not scene.creeps and not scene.has_slip_rates
+    yield "undivided steps", ("scene", "body"), not scene.creeps and scene.interface.wear is None
+    for name, body in bodies:
+        yield "relaxation", ("scene", name, "relaxation"), body.relaxation is not None
+        yield "plasticity", ("scene", name, "plasticity"), body.plasticity is not None
     for place, surface in scene.surfaces.items():
-        if getattr(surface, "anisotropy", None) is not None:
-            yield "anisotropy", ("scene", *place, "anisotropy")
-        if isinstance(surface, Measured) and scene.has_punch:
-            yield "measured surface", ("scene", *place, "method")
-        if isinstance(surface, Random) and not surface.by_columns:
-            yield "surface made as a whole", ("scene", *place)
-        if isinstance(surface, Random) and surface.of_maps:
-            yield "model of maps", ("scene", *place, surface.named_by)
-    along_y = [name for name, value in scene.boundary or () if value is not None and name.endswith("_y")]
-    yield from (("boundary along y", ("scene", "boundary", name)) for name in along_y)
+        yield "anisotropy", ("scene", *place, "anisotropy"), getattr(surface, "anisotropy", None) is not None
+        yield "measured surface", ("scene", *place, "method"), isinstance(surface, Measured) and scene.has_punch
+        if isinstance(surface, Random):
+            yield "surface made as a whole", ("scene", *place), not surface.by_columns
+            yield "model of maps", ("scene", *place, surface.named_by), surface.of_maps
+    for name, value in scene.boundary or ():
+        yield "boundary along y", ("scene", "boundary", name), value is not None and name.endswith("_y")
 
 
-def _of_loaded_body(scene: Scene) -> Iterator[tuple[str, Location]]:
-    yield "prescribed", ("scene", "boundary")
-    if any(scene.ends):
-        yield "no period", ("scene", "periodic")
+def _of_body_alone(scene: Scene) -> Asked:
+    yield "prescribed", ("scene", "boundary"), True
+    yield "no period", ("scene", "periodic"), any(scene.ends)
 
 
-def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> Iterator[tuple[str, Location]]:
-    yield "punch", ("scene",)
-    yield from _of_laws(scene)
-    yield from _of_touching_nodes(scene, grid)
-    if not scene.interface.couples and scene.interface.wear is None:
-        yield "contact without drag", ("scene", "interface")
-    if not scene.interface.reaches_across:
-        yield "contact without reach", ("scene", "interface")
-    yield from _of_time(scene, path)
-    if scene.counter_body is not None:
-        yield "rough bodies", ("scene", "counter_body")
-        if scene.creeps and not _give_way_alike(scene, grid):
-            yield "unlike bodies", ("scene", "counter_body")
-    elif scene.follows_topography:
-        yield "rough bodies", ("scene", "body", "roughness")
-    if scene.boundary is not None:
-        yield "boundary", ("scene", "boundary")
-    if isinstance(scene.periodic, str):
-        yield "period along one axis", ("scene", "periodic")
-    yield from _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
-    if scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid:
-        yield "slab", ("scene", "body")
-    yield from _of_form(scene, grid)
-    yield from _of_loading(scene, path)
-    for i, value in enumerate(grid.get("displacement", ())):
-        if value < 0.0:
-            yield "negative displacement", ("grid", "displacement", i)
-    if "anisotropy" in grid:
-        yield "anisotropy", ("grid", "anisotropy")
-    if scene.loading.displacement is not None and not any(scene.ends):
-        yield from (("rigid mean", location) for location in _incompressible(scene, grid))
+def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> list[Asked]:
+    around = _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
+    parts = _of_laws(scene, grid), _of_time(scene, path), _of_shape(scene, grid), around
+    return [*parts, _of_form(scene, grid), _of_loading(scene, path, grid), _of_boundary(scene)]
+
+
+def _of_shape(scene: Scene, grid: Grid) -> Asked:
+    counter = scene.counter_body
+    yield "punch", ("scene",), True
+    yield "rough bodies", ("scene", "counter_body"), counter is not None
+    unlike = counter is not None and scene.creeps and not _give_way_alike(scene, grid)
+    yield "unlike bodies", ("scene", "counter_body"), unlike
+    yield "rough bodies", ("scene", "body", "roughness"), counter is None and scene.follows_topography
+    yield "period along one axis", ("scene", "periodic"), isinstance(scene.periodic, str)
+    is_slab = scene.body.thinnest_layer(scene.length) < inf or "aspect_ratio" in grid
+    yield "slab", ("scene", "body"), is_slab
+    yield "anisotropy", ("grid", "anisotropy"), "anisotropy" in grid
 
 
 def _give_way_alike(scene: Scene, grid: Grid) -> bool:
@@ -171,125 +145,109 @@ def _give_way_alike(scene: Scene, grid: Grid) -> bool:
         return False
     if all(body.is_half_space and body.layers is None for body in scene.deformable):
         return True
-    from gfmd_numba.contact.scales import elastic_body  # numbers, which the tables do without
+    from gfmd_numba.contact.scales import elastic_body, in_own_units  # numbers, which the tables do without
 
-    one, other = (elastic_body(body, scene.length) for body in scene.deformable)
+    one, other = (elastic_body(in_own_units(body, scene.length)) for body in scene.deformable)
     return one == other and not any(axis in grid for axis in _POISSONS_RATIO.values())
 
 
-def _of_laws(scene: Scene) -> Iterator[tuple[str, Location]]:
-    for name, law in scene.interface.laws.items():
+def _of_laws(scene: Scene, grid: Grid) -> Asked:
+    acting, place = scene.interface, ("scene", "interface")
+    for name, law in acting.laws.items():
         for feature in dict.fromkeys((name, law.ability)):
-            yield feature, ("scene", "interface", name)
-        if isinstance(law, Friction) and law.depends_on_rate:
-            yield "slip rate", ("scene", "interface", name)
-            if law.function is not None:
-                yield "function", ("scene", "interface", name, "function")
-        if isinstance(law, LawOfTheGap) and law.pattern is not None:
-            yield "pattern", ("scene", "interface", name, "pattern")
-
-
-def _of_time(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
-    """What takes time, or depends on how far the punch has slid."""
-    loads: list[tuple[Location, Controls]] = [
-        (("scene", "loading"), scene.loading),
-        *((("path", i), step) for i, step in enumerate(path)),
-    ]
-    for place, load in loads:
-        yield ("at once", place) if load.duration is None else ("duration", (*place, "duration"))
-    if scene.loading.speed is not None:
-        yield "speed", ("scene", "loading", "speed")
-    if scene.interface.wear is not None:
-        yield "wear", ("scene", "interface", "wear")
-        if all(step.sliding is None and step.sliding_y is None for step in path):
-            yield "no sliding", ("path",)
-
-
-def _of_form(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    if scene.form is None:
-        return
-    yield "form", ("scene", "form")
-    if not scene.surfaces:
-        yield "form alone", ("scene", "form")
-    if scene.counter_body is not None:
-        yield "form between elastic bodies", ("scene", "form")
-    if scene.form.radius_y is not None:
-        yield "radius_y", ("scene", "form", "radius_y")
-    if "radius_y" in grid:
-        yield "radius_y", ("grid", "radius_y")
-
-
-def _of_touching_nodes(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
-    if _has_hardness(scene, grid):
-        yield "hardness", ("scene", "interface", "hard_wall", "hardness")
-        if scene.touches_inclined:
-            yield "hardness on inclined surfaces", ("scene", "interface", "hard_wall", "hardness")
-    friction = scene.interface.friction
+            yield feature, (*place, name), True
+        if isinstance(law, Friction):
+            yield "slip rate", (*place, name), law.depends_on_rate
+            yield "function", (*place, name, "function"), law.function is not None
+        if isinstance(law, LawOfTheGap):
+            yield "pattern", (*place, name, "pattern"), law.pattern is not None
+    has_hardness = acting.hardness is not None or "hardness" in grid
+    yield "hardness", (*place, "hard_wall", "hardness"), has_hardness
+    yield "hardness on inclined surfaces", (*place, "hard_wall", "hardness"), has_hardness and scene.touches_inclined
     for i, coefficient in enumerate(grid.get("friction_coefficient", ())):
-        if isinf(coefficient):
-            yield "sticking", ("grid", "friction_coefficient", i)
-    if "friction_coefficient" not in grid and friction is not None and isinf(friction.coefficient):
-        yield "sticking", ("scene", "interface", "friction", "coefficient")
+        yield "sticking", ("grid", "friction_coefficient", i), isinf(coefficient)
+    sticks = acting.friction is not None and isinf(acting.friction.coefficient)
+    yield "sticking", (*place, "friction", "coefficient"), "friction_coefficient" not in grid and sticks
+    yield "contact without drag", place, not acting.couples and acting.wear is None
+    yield "contact without reach", place, not acting.reaches_across
 
 
-def _has_hardness(scene: Scene, grid: Grid) -> bool:
-    return scene.interface.hardness is not None or "hardness" in grid
+def _of_time(scene: Scene, path: Sequence[Step]) -> Asked:
+    """What takes time, or depends on how far the punch has slid."""
+    loads: list[tuple[Location, Controls]] = [(("scene", "loading"), scene.loading)]
+    for place, load in (*loads, *((("path", i), step) for i, step in enumerate(path))):
+        yield "at once", place, load.duration is None
+        yield "duration", (*place, "duration"), load.duration is not None
+    yield "speed", ("scene", "loading", "speed"), scene.loading.speed is not None
+    wears, slides = (
+        scene.interface.wear is not None,
+        any(step.sliding is not None or step.sliding_y is not None for step in path),
+    )
+    yield "wear", ("scene", "interface", "wear"), wears
+    yield "no sliding", ("path",), wears and not slides
 
 
-def _of_loading(scene: Scene, path: Sequence[Step]) -> Iterator[tuple[str, Location]]:
-    if scene.loading.displacement is not None:
-        yield "displacement", ("scene", "loading", "displacement")
-        if scene.loading.displacement < 0.0:
-            yield "negative displacement", ("scene", "loading", "displacement")
-    for load in ("reduced_pressure", "line_load", "force"):
-        if getattr(scene.loading, load) is not None:
-            yield load, ("scene", "loading", load)
-    if path:
-        yield "path", ("path",)
+def _of_form(scene: Scene, grid: Grid) -> Asked:
+    if scene.form is not None:
+        yield "form", ("scene", "form"), True
+        yield "form alone", ("scene", "form"), not scene.surfaces
+        yield "form between elastic bodies", ("scene", "form"), scene.counter_body is not None
+        yield "radius_y", ("scene", "form", "radius_y"), scene.form.radius_y is not None
+        yield "radius_y", ("grid", "radius_y"), "radius_y" in grid
+
+
+def _of_loading(scene: Scene, path: Sequence[Step], grid: Grid) -> Asked:
+    load, displaces = scene.loading, scene.loading.displacement is not None
+    yield "displacement", ("scene", "loading", "displacement"), displaces
+    yield "negative displacement", ("scene", "loading", "displacement"), (load.displacement or 0.0) < 0.0
+    for name in ("reduced_pressure", "line_load", "force"):
+        yield name, ("scene", "loading", name), getattr(load, name) is not None
+    yield "path", ("path",), bool(path)
+    # how far a punch has slid that wears and nothing drags on, a half-space need not know
+    drags = scene.interface.wear is None or scene.wears_by_slip
     for i, step in enumerate(path):
-        # how far a punch has slid that wears and nothing drags on, a half-space need not know
-        drags = ("sliding",) if scene.interface.wear is None or scene.wears_by_slip else ()
-        if scene.passes:
-            drags = ("sliding over creep",)
         for name, end in zip(("sliding", "sliding_y"), (*scene.ends[::-1], False), strict=False):
-            if getattr(step, name) is not None:
-                yield from ((feature, ("path", i, name)) for feature in drags)
-                if scene.passes and end and scene.surfaces:
-                    yield "roughness over an end", ("path", i, name)
-        if step.sliding_y is not None:
-            yield "sliding_y", ("path", i, "sliding_y")
-        if (step.displacement or 0.0) < 0.0:
-            yield "negative displacement", ("path", i, "displacement")
-    if scene.boundary is not None:
-        given = [name for name, value in scene.boundary if isinstance(value, str)]
-        yield from (("tractions of a file", ("scene", "boundary", name)) for name in given)
-        names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
-        given = [name for name in names if getattr(scene.boundary, name) is not None]
-        yield from (("prescribed displacement", ("scene", "boundary", name)) for name in given[:1])
+            place, slides = ("path", i, name), getattr(step, name) is not None
+            yield "sliding", place, slides and drags and not scene.passes
+            yield "sliding over creep", place, slides and scene.passes
+            yield "roughness over an end", place, slides and scene.passes and end and bool(scene.surfaces)
+        yield "sliding_y", ("path", i, "sliding_y"), step.sliding_y is not None
+        yield "negative displacement", ("path", i, "displacement"), (step.displacement or 0.0) < 0.0
+    for i, value in enumerate(grid.get("displacement", ())):
+        yield "negative displacement", ("grid", "displacement", i), value < 0.0
+    for location in _incompressible(scene, grid) if displaces and not any(scene.ends) else ():
+        yield "rigid mean", location, True
 
 
-def _half_spaces(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+def _of_boundary(scene: Scene) -> Asked:
+    yield "boundary", ("scene", "boundary"), scene.boundary is not None
+    for name, value in scene.boundary or ():
+        yield "tractions of a file", ("scene", "boundary", name), isinstance(value, str)
+    names = [component.key("displacement") for component in COMPONENTS[2][::-1]]
+    for name in [name for name in names if getattr(scene.boundary, name, None) is not None][:1]:
+        yield "prescribed displacement", ("scene", "boundary", name), True
+
+
+def _half_spaces(scene: Scene, grid: Grid) -> Asked:
     for (name, axis), body in zip(_ASPECT_RATIO.items(), scene.deformable, strict=False):
-        if body.is_half_space and axis not in grid:
-            feature, key = ("half-space", "aspect_ratio") if body.layers is None else ("layers on a half-space", "base")
-            yield feature, ("scene", name, key)
+        feature, key = ("half-space", "aspect_ratio") if body.layers is None else ("layers on a half-space", "base")
+        yield feature, ("scene", name, key), body.is_half_space and axis not in grid
     for axis in _ASPECT_RATIO.values():
         for i, value in enumerate(grid.get(axis, ())):
-            if isinf(value):
-                yield "half-space", ("grid", axis, i)
+            yield "half-space", ("grid", axis, i), isinf(value)
 
 
-def _without_a_period(scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+def _without_a_period(scene: Scene, grid: Grid) -> Asked:
     """What the table refuses or may refuse of a scene without a period."""
-    yield "no period", ("scene", "periodic")
+    yield "no period", ("scene", "periodic"), True
     for name, body in zip(_ASPECT_RATIO, scene.deformable, strict=False):
         yield from _body_without_a_period(name, body, scene, grid)
     for place, surface in scene.surfaces.items():
-        if isinstance(surface, Measured) and surface.periodic != "none" and all(scene.ends):
-            yield "treated ends", ("scene", *place, "periodic")
+        is_treated = isinstance(surface, Measured) and surface.periodic != "none"
+        yield "treated ends", ("scene", *place, "periodic"), is_treated and all(scene.ends)
 
 
-def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> Iterator[tuple[str, Location]]:
+def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> Asked:
     """What the table may refuse of one body around a window."""
     place, layers = ("scene", name), body.layers
     own: tuple[str | int, ...] = () if layers is None else ("layers", 0)
@@ -302,20 +260,18 @@ def _body_without_a_period(name: str, body: Body, scene: Scene, grid: Grid) -> I
         heights = {("grid", axis, i): height for i, height in enumerate(grid[axis])}
     if layers is None and (axis := _POISSONS_RATIO[name]) in grid:
         ratios = {("grid", axis, i): ratio for i, ratio in enumerate(grid[axis])}
-    slabs = {at: height for at, height in heights.items() if not isinf(height)}
-    rubs = scene.interface.couples or scene.boundary is not None
-    if rubs:
-        yield from (("tall slab", at) for at, height in slabs.items() if height > TALLEST)
-    if rubs and len(slabs) < len(heights) and layers is not None:
-        yield "layers that are rubbed", (*place, "base")
-    elif rubs and len(slabs) < len(heights):
-        stiff = (at for at, nu in ratios.items() if body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO)
-        yield from (("stiff sideways", at) for at in stiff)
-    if any(rubs or height < LOWEST for height in slabs.values()):
-        copies = {at: body.model_copy(update={"poissons_ratio": nu}) for at, nu in ratios.items()}
-        yield from (("incompressible slab", at) for at, each in copies.items() if each.is_incompressible)
-    if max(heights.values()) > SAMPLED:
-        yield from (("soft below stiff", (*place, *at)) for at in _soft_below_stiff(body))
+    slabs = [height for height in heights.values() if not isinf(height)]
+    rubs, is_deep = scene.interface.couples or scene.boundary is not None, len(slabs) < len(heights)
+    for at, height in heights.items():
+        yield "tall slab", at, rubs and TALLEST < height < inf
+    yield "layers that are rubbed", (*place, "base"), rubs and is_deep and layers is not None
+    low = any(rubs or height < LOWEST for height in slabs)
+    for at, nu in ratios.items():
+        stiff = layers is None and body.effective_poissons_ratio(nu) < LEAST_POISSONS_RATIO
+        yield "stiff sideways", at, rubs and is_deep and stiff
+        yield "incompressible slab", at, low and body.model_copy(update={"poissons_ratio": nu}).is_incompressible
+    for where in _soft_below_stiff(body):
+        yield "soft below stiff", (*place, *where), max(heights.values()) > SAMPLED
 
 
 def _with_least_modulus(scene: Scene, location: Location, row: Refusal) -> Refusal:

@@ -57,7 +57,7 @@ class RoughBody:
 
 
 @dataclass(frozen=True)
-class PressedSurfaces:
+class FacingSurfaces:
     """What is pressed together, in units of its rms gradient g.
 
     `rough` are the elastic bodies that rough surfaces belong to, and `bodies` what one realisation of them is.
@@ -93,13 +93,13 @@ def measured_surfaces(
     return surfaces, length
 
 
-def pressed_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> PressedSurfaces:
+def facing_surfaces(file: SceneFile, measured: MeasuredSurfaces, document: Document) -> FacingSurfaces:
     """Surfaces of a scene; raises InputError for those that cannot be used, or do not fit each other or their body."""
     if file.scene.follows_topography:
         draws = file.discretisation, file.seed, file.slope_order
         summed, bodies = ensemble_of_rough_bodies(file.scene, *draws, measured, document)
         drawn = check_drawn(file.scene, summed, bodies, file.realisation, document)
-        return PressedSurfaces(summed, summed.rms_gradient, drawn, bodies)
+        return FacingSurfaces(summed, summed.rms_gradient, drawn, bodies)
     rough = None if file.scene.roughness is None else _of_the_punch(file, measured, document)
     return punch_on_its_form(file.scene, rough, document)
 
@@ -156,7 +156,7 @@ def smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography | Non
 
 def punch_on_its_form(
     scene: Scene, rough: tuple[RandomSurface | GivenSurface, float] | None, document: Document
-) -> PressedSurfaces:
+) -> FacingSurfaces:
     """Surface of a rigid punch in units of its rms gradient g: its roughness, if any, on its form, if any.
 
     g is that of the roughness, and of a form alone its own. Raises InputError for a form that is flat but for rounding.
@@ -164,14 +164,14 @@ def punch_on_its_form(
     smooth = smooth_part(scene, None if rough is None else rough[0].shape)
     if smooth is None:
         assert rough is not None  # a scene has one of the two
-        return PressedSurfaces(*rough)
+        return FacingSurfaces(*rough)
     if rough is not None:
-        return PressedSurfaces(SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1])
+        return FacingSurfaces(SummedSurface((Topography(*rough, False), smooth), rough[1]), rough[1])
     try:
         gradient = given_surface(smooth.drawn(0), periodic=scene.periodic)[1]
     except ValueError as error:
         raise document.refused(("scene", "form"), f"a form that is not flat, not {error}") from None
-    return PressedSurfaces(SummedSurface((smooth,), gradient), gradient)
+    return FacingSurfaces(SummedSurface((smooth,), gradient), gradient)
 
 
 def _of_the_punch(

@@ -21,7 +21,7 @@ from gfmd_numba.scene.body_record import Layer
 from gfmd_numba.scene.body_record import Material as MaterialRecord
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.units import in_unit_of, quantities, rounded
+from gfmd_numba.scene.units import in_reduced_units, in_unit_of, quantities, rounded
 
 _INCOMPRESSIBLE = 0.5 - 1e-12
 SLIDING = ("sliding", "sliding_y")
@@ -29,35 +29,37 @@ _YIELDS = "the body yields at all depths"
 
 
 def effective_modulus(body: Body, in_pascal: bool) -> float:
-    """Modulus of the stiffness, in Pa, or 1 where stresses stay in E*: E* but for a `stiffness_scale`.
+    """E* in Pa, or 1 where stresses stay in E*.
 
     Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
     """
     if body.surface_modulus is None or not in_pascal:
-        return body.stiffness_scale
-    return moduli.plane_modulus(body.stiffness_scale * body.surface_modulus, body.surface_poissons_ratio, body.state)
+        return 1.0
+    return moduli.plane_modulus(body.surface_modulus, body.surface_poissons_ratio, body.state)
 
 
 @lru_cache(maxsize=4096)
-def elastic_body(body: Body, length: float | None) -> ElasticBody:
-    """The body of a record in units of L_x and E*, with all that is known of it; `length` is L_x in m, if known.
+def in_own_units(body: Body, length: float | None, time: float = 1.0) -> Body:
+    """Body in units of L_x, its modulus at the surface and a time, to 12 digits: it is the same in all units."""
+    found: Body = in_reduced_units(body, length or 1.0, body.surface_modulus or 1.0, time)
+    return found
 
-    Heights and moduli of layers have 12 digits, so that they are the same in all units.
-    """
-    if body.layers is None:
-        nu = body.effective_poissons_ratio(body.surface_poissons_ratio)
-        return ElasticBody(nu, None if math.isinf(body.aspect_ratio) else body.aspect_ratio)
-    top = body.layers[0]
+
+def elastic_body(own: Body) -> ElasticBody:
+    """The body of a record in its own units, with all that is known of it."""
+    nu = own.effective_poissons_ratio(own.surface_poissons_ratio)
+    if own.layers is None:
+        return ElasticBody(nu, None if math.isinf(own.aspect_ratio) else own.aspect_ratio)
+    top = moduli.plane_modulus(1.0, own.surface_poissons_ratio, own.state)
 
     def material(part: Layer | MaterialRecord) -> Material:
-        shapes = (moduli.plane_modulus(1.0, each.poissons_ratio, body.state) for each in (part, top))
-        modulus = part.youngs_modulus / top.youngs_modulus * (next(shapes) / next(shapes))
-        return Material(rounded(modulus), body.effective_poissons_ratio(part.poissons_ratio))
+        modulus = moduli.plane_modulus(part.youngs_modulus, part.poissons_ratio, own.state) / top
+        return Material(rounded(modulus), own.effective_poissons_ratio(part.poissons_ratio))
 
     return ElasticBody.layered(
-        tuple(rounded(layer.height / (length or 1.0)) for layer in body.layers),
-        tuple(material(layer) for layer in body.layers),
-        None if body.base is None or body.base == "rigid" else material(body.base),
+        tuple(layer.height for layer in own.layers),
+        tuple(material(layer) for layer in own.layers),
+        None if own.base is None or own.base == "rigid" else material(own.base),
     )
 
 
@@ -66,15 +68,17 @@ class Scales:
     """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
 
     `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `stiffness` is the factor by which all that deforms is stiffer than its moduli
-    say. Each of the `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units.
+    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. Each of the
+    `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are
+    the branches of all that deforms over its relaxed modulus and that time, None if nothing creeps.
     """
 
     length: float
     modulus: float
-    stiffness: float
+    time: float
     bodies: tuple[ElasticBody, ...]
     shares: tuple[float, ...]
+    relaxation: PronySeries | None
 
 
 def scales_of(scene: Scene) -> Scales:
@@ -84,29 +88,16 @@ def scales_of(scene: Scene) -> Scales:
 
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
-    elastic = tuple(elastic_body(body, length) for body in bodies)
-    own = [effective_modulus(body, in_pascal) for body in bodies]
-    modulus, stiffness = own[0], bodies[0].stiffness_scale
-    if len(bodies) > 1:
-        modulus = 1.0 / sum(1.0 / each for each in own)
-        softness = sum(body.stiffness_scale / each for body, each in zip(bodies, own, strict=True))
-        stiffness = rounded(modulus * softness)
-    return Scales(length or 1.0, modulus, stiffness, elastic, tuple(rounded(modulus / each) for each in own))
-
-
-def longest_time(scene: Scene) -> float:
-    """Longest relaxation time of a scene in s, in which durations count; 1 s without one."""
-    return max((branch.time for body in scene.deformable for branch in body.relaxation or ()), default=1.0)
-
-
-def reduced_duration(scene: Scene) -> float:
-    """Duration of the loading of a scene in its longest relaxation time, to 12 digits; 0 of one that is at once."""
-    return 0.0 if scene.loading.duration is None else rounded(scene.loading.duration / longest_time(scene))
-
-
-def reduced_speed(scene: Scene) -> float:
-    """Sliding speed of the loading of a scene in L_x over its longest relaxation time, to 12 digits; 0 without one."""
-    return rounded(rounded((scene.loading.speed or 0.0) / (scene.length or 1.0)) * longest_time(scene))
+    time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
+    moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
+    modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
+    shares = tuple(rounded(modulus / each) for each in moduli_of)
+    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
+    branches = [body.relaxation or () for body in own]
+    series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
+    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
+        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(shares, series, strict=True)))
+    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), shares, relaxation)
 
 
 def times_of(steps: Iterable[Scene]) -> list[float]:
@@ -114,47 +105,17 @@ def times_of(steps: Iterable[Scene]) -> list[float]:
     return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
-def relaxation(scene: Scene) -> PronySeries | None:
-    """Branches of all that deforms over its relaxed modulus and the longest time; None if nothing creeps.
-
-    Those of a body have 12 digits. Two bodies give way alike, as the table of combinations says, each by its share.
-    """
-    if not scene.creeps:
-        return None
-    longest = longest_time(scene)
-    each = tuple(_branches(body, longest) for body in scene.deformable)
-    return each[0] if len(each) == 1 else in_series(tuple(zip(scales_of(scene).shares, each, strict=True)))
-
-
-def _branches(body: Body, longest: float) -> PronySeries:
-    relaxed, branches = body.surface_modulus or 1.0, body.relaxation or ()
-    moduli = tuple(rounded(branch.modulus / relaxed) for branch in branches)
-    return PronySeries(moduli, tuple(rounded(branch.time / longest) for branch in branches))
-
-
-def wear_rate(scene: Scene, rms_gradient: float) -> float | None:
-    """Rate at which the punch wears in 1 / g E*, None if it does not."""
-    wear = scene.interface.wear
-    return None if wear is None else rounded(rounded(wear.rate * scales_of(scene).modulus) * rms_gradient)
-
-
 def plasticity(scene: Scene, rms_gradient: float) -> Plasticity | None:
     """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
-    given = scene.body.plasticity
-    if given is None:
+    if scene.body.plasticity is None:
         return None
     scales = scales_of(scene)
-    first, slope, last = (
-        rounded((stress or 0.0) / scales.modulus)
-        for stress in (given.yield_stress, given.hardening, given.saturation_stress)
-    )
-    stress = rounded(first / rms_gradient)
-    voce = {}
-    if given.saturation_strain is not None:
-        rise, strain = rounded(last / rms_gradient) - stress, rounded(given.saturation_strain / rms_gradient)
+    given, voce = in_reduced_units(scene.body.plasticity, scales.length, rms_gradient * scales.modulus), {}
+    if given.saturation_stress is not None and given.saturation_strain is not None:
+        rise, strain = given.saturation_stress - given.yield_stress, rounded(given.saturation_strain / rms_gradient)
         voce = {"rise": rise, "strain": strain}
-    depth = None if given.depth is None else rounded(given.depth / scales.length)
-    return Plasticity(Hardening(stress, slope, **voce), depth, given.sublayers, given.increments)
+    slope = rounded((given.hardening or 0.0) * rms_gradient)  # over strains in g
+    return Plasticity(Hardening(given.yield_stress, slope, **voce), given.depth, given.sublayers, given.increments)
 
 
 def whole_body_yields(body: Body) -> float:
@@ -172,7 +133,7 @@ Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 
 def reduced_load(scene: Scene, rms_gradient: float) -> float:
-    """What the loading of a scene prescribes, a displacement (g L_x) or the pressure at its stiffness (g E*).
+    """What the loading of a scene prescribes, a displacement (g L_x) or the mean pressure (g E*).
 
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
@@ -180,38 +141,35 @@ def reduced_load(scene: Scene, rms_gradient: float) -> float:
     loading, scales = scene.loading, scales_of(scene)
     if loading.displacement is not None:
         return reduced_length(loading.displacement, scene, rms_gradient)
-    true_modulus = scales.modulus / scales.stiffness
+    one, whole, plastic = (
+        rms_gradient * scales.modulus,
+        whole_body_yields(scene.body),
+        plastic_pressure(scene.interface),
+    )
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
-    unit = 1.0 if quantity is None else quantity.scale(scales.length, true_modulus) * rms_gradient
-    found = load / unit
+    unit = 1.0 if quantity is None else quantity.scale(scales.length, scales.modulus) * rms_gradient
+    found, one = load / unit, rms_gradient * scales.modulus
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
-    whole = whole_body_yields(scene.body) / (rms_gradient * true_modulus)
-    if found >= whole:
-        raise ValueError(f"below {in_unit_of(load, whole * unit)}, at which {_YIELDS}")
-    plastic = plastic_pressure(scene.interface)
-    if plastic is not None and found >= (most := plastic / (rms_gradient * true_modulus)):
-        raise ValueError(f"below {in_unit_of(load, most * unit)}, at which {at_most(scene.interface)}")
-    return rounded(found) / scales.stiffness
+    for most, told in ((whole, _YIELDS), (plastic, at_most(scene.interface))):
+        if most is not None and found >= most / one:
+            raise ValueError(f"below {in_unit_of(load, most / one * unit)}, at which {told}")
+    return rounded(found)
 
 
 def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
     """Displacement of the punch (m or L_x of the scene) in g L_x."""
-    return rounded(rounded(length / (scene.length or 1.0)) / rms_gradient)
+    return rounded(length / ((scene.length or 1.0) * rms_gradient))
 
 
 def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
     """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
 
-    Raises ValueError as `reduced_load` does.
+    Durations count in the longest relaxation time, speeds in L_x over that. Raises ValueError as `reduced_load` does.
     """
-    ways = tuple(reduced_length(way, scene, rms_gradient) for way in sliding)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, reduced_duration(scene), reduced_speed(scene))
-
-
-def passing(scene: Scene, steps: Iterable[LoadStep], rms_gradient: float) -> float | None:
-    """Way in L_x for a sliding of g L_x of a punch that passes over a body that creeps, None where none does so."""
-    return rounded(rms_gradient) if scene.passes and any(any(step.sliding) for step in steps) else None
+    ways, time = tuple(reduced_length(way, scene, rms_gradient) for way in sliding), scales_of(scene).time
+    duration, speed = (scene.loading.duration or 0.0) / time, (scene.loading.speed or 0.0) / (scene.length or 1.0)
+    return LoadStep(reduced_load(scene, rms_gradient), ways, rounded(duration), rounded(speed * time))
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

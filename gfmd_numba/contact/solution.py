@@ -66,8 +66,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
-        response = change.felt(_response(problem))
-        equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
+        equilibrium = equilibrate(punch, change.felt(_response(problem)), load, problem.numerics, laws, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)

@@ -25,7 +25,7 @@ _CLOSER, _PATIENCE = 0.9, 3  # part of the least change so far that is closer; r
 
 
 @dataclass(frozen=True, kw_only=True)
-class Pressed(Contact):
+class RoughContact(Contact):
     """The contact of the flat bodies that the rough ones amount to, and what the topography of each adds (L_x).
 
     `next_order` is what the next order would add to any displacement (L_x), and `correction` what slopes added to the
@@ -68,7 +68,7 @@ def begin(problem: Problem, realisation: int) -> State:
     return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes), problem.surface.form)
 
 
-def solve(problem: Problem, state: State) -> Pressed:
+def solve(problem: Problem, state: State) -> RoughContact:
     """Press rough bodies together, from the state that the last step has left.
 
     Flat bodies are pressed against walls moved by what their slopes add, until that stands still to the residual of the
@@ -115,7 +115,7 @@ def solve(problem: Problem, state: State) -> Pressed:
     if found.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)
     of_contact = {each.name: getattr(solved, each.name) for each in fields(solved) if each.init}
-    return Pressed(**of_contact, responses=responses, next_order=error, correction=correction)
+    return RoughContact(**of_contact, responses=responses, next_order=error, correction=correction)
 
 
 def _failed(contact: Contact) -> Contact:

@@ -139,8 +139,8 @@ class Relaxation:
         if solved.approach is None and self.problem.mean_pressure is not None:
             along = tuple(range(1, u.ndim))
             mean = change.factor * self.problem.body.uniform_stiffness()[1]
-            pressed = found.pressure.mean(axis=along, keepdims=True) / mean if mean > 0.0 else 0.0
-            u = u - u.mean(axis=along, keepdims=True) - pressed
+            by_mean = found.pressure.mean(axis=along, keepdims=True) / mean if mean > 0.0 else 0.0
+            u = u - u.mean(axis=along, keepdims=True) - by_mean
         out = (u if change.out is None else u + change.out)[:, np.newaxis]
         return out if solved.sideways is None else np.concatenate((solved.sideways, out), axis=1)
 

@@ -9,8 +9,9 @@ Lengths in L_x, stresses in E*; z counts from the undeformed surface and is nega
 an interface of layers the fields are those just above it.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
+from math import ceil
 from typing import Literal, Protocol
 
 import numpy as np
@@ -29,6 +30,7 @@ Axis = Literal["x", "y"]
 
 _ONE = (1.0, 1.0)  # the periods of a surface, unless it has others
 _FADED = 50.0  # q depth beyond which nothing is felt: exp(-50) (1 + 50^2) < 1e-18
+_LEAST = 64  # nodes along a side of a window on which the largest stress is looked for
 _CHUNK = 2**16  # waves taken at once, which bounds the memory
 
 
@@ -38,6 +40,10 @@ class LoadedSurface(Protocol):
     @property
     def shape(self) -> tuple[int, ...]:
         """Nodes along y and x."""
+
+    @property
+    def periods(self) -> tuple[float, float]:
+        """Periods along y and x (L_x)."""
 
     def waves(
         self, depth: float, body: ElasticBody, names: tuple[str, ...]
@@ -142,11 +148,20 @@ class Largest:
 
 
 @dataclass(frozen=True)
-class Periodic:
-    """The inside of a body whose surface is periodic."""
+class Inside:
+    """The inside of a body below its periodic surface, or below a window as a sum of `parts`, each of its own periods.
 
-    surface: LoadedSurface
+    `uniform` are displacements along x, y and z that are left (L_x).
+    """
+
+    parts: tuple[LoadedSurface, ...]
     body: ElasticBody
+    uniform: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Nodes along y and x of the period, or of the window."""
+        return tuple(n // round(period) for n, period in zip(self.parts[0].shape, self.parts[0].periods, strict=True))
 
     def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
         """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it.
@@ -154,41 +169,55 @@ class Periodic:
         That of a profile is y = 0. Raises ValueError for z outside the body.
         """
         on_line, along = (spectrum_at_x, 0) if across == "x" else (spectrum_at_y, 1)
-        depths = [depth_of(each, self.body) for each in z]
-        found = [on_line(self.surface, depth, self.body, at, names) for depth in depths]
-        return np.stack([grid.signal(each, self.surface.shape[along]) for each in found], axis=1)
+
+        def at_depth(depth: float) -> Reals:
+            spectra = (on_line(part, depth, self.body, at / part.periods[1 - along], names) for part in self.parts)
+            return self._sum(spectra, {along: self.shape[along]}, names)
+
+        return np.stack([at_depth(depth_of(each, self.body)) for each in z], axis=1)
 
     def plane(self, z: float, names: tuple[str, ...]) -> Reals:
         """Named fields `[field, y, x]` on the plane z, on the nodes of the map; ValueError for z outside the body."""
-        return self._plane(depth_of(z, self.body), names, self.surface.shape)
+        return self._plane(depth_of(z, self.body), names, self.shape)
 
     def largest_von_mises(self, z: Reals) -> Largest:
         """Largest von Mises stress of whole planes z `[z]`, on grids that resolve the waves that are felt there."""
-        return largest_of_planes(z, self.body, self._shape_at, self._plane)
+        found = np.empty((3, z.size))
+        for i, depth in enumerate(depth_of(each, self.body) for each in z):
+            shape = self._shape_at(depth)
+            stress = von_mises(*self._plane(depth, STRESSES, shape))
+            row, column = np.unravel_index(int(stress.argmax()), shape)
+            found[:, i] = stress[row, column], column / shape[1], row / shape[0]
+        return Largest(*found)
 
     def _shape_at(self, depth: float) -> tuple[int, ...]:
-        kept = waves_kept(self.surface.shape, depth)
-        return tuple(min(n, 2 * k + 2) for n, k in zip(self.surface.shape, kept, strict=True))
+        first, least = self.parts[0], _LEAST if len(self.parts) > 1 else 1
+        kept = waves_kept(first.shape, depth, first.periods)
+        needed = (max(ceil((2 * k + 2) / period), least) for k, period in zip(kept, first.periods, strict=True))
+        return tuple(min(n, some) for n, some in zip(self.shape, needed, strict=True))
 
     def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
-        spectrum = spectrum_of_plane(self.surface, depth, self.body, names, shape)
-        return np.stack([grid.signal(each, *shape) for each in spectrum])
+        first, *others = self.parts
+        grid_of_first = tuple(round(period) * n for period, n in zip(first.periods, shape, strict=True))
+        grids = grid_of_first, *(part.shape for part in others)
+        parts = zip(self.parts, grids, strict=True)
+        spectra = (spectrum_of_plane(part, depth, self.body, names, waves) for part, waves in parts)
+        return self._sum(spectra, dict(enumerate(shape)), names)
 
+    def _sum(self, spectra: Iterator[Complexes], nodes: dict[int, int], names: tuple[str, ...]) -> Reals:
+        """Named fields `[field, ...]` on so many nodes along axes 0 (y) and 1 (x), of the coefficients of each part.
 
-def largest_of_planes(
-    z: Reals,
-    body: ElasticBody,
-    shape_at: Callable[[float], tuple[int, ...]],
-    plane: Callable[[float, tuple[str, ...], tuple[int, ...]], Reals],
-) -> Largest:
-    """Largest von Mises stress of planes z `[z]`, each found from its depth, names and the shape that it has there."""
-    found = np.empty((3, z.size))
-    for i, depth in enumerate(depth_of(each, body) for each in z):
-        shape = shape_at(depth)
-        stress = von_mises(*plane(depth, STRESSES, shape))
-        row, column = np.unravel_index(int(stress.argmax()), shape)
-        found[:, i] = stress[row, column], column / shape[1], row / shape[0]
-    return Largest(*found)
+        The first part has a grid there.
+        """
+        first, *others = self.parts
+        window = (slice(None), *(slice(n) for n in nodes.values()))
+        found = grid.signal(next(spectra), *(round(first.periods[i]) * n for i, n in nodes.items()))[window]
+        for part, spectrum in zip(others, spectra, strict=True):
+            found += grid.signal_at(spectrum, *(np.arange(n) / n / part.periods[i] for i, n in nodes.items()))
+        for i, name in enumerate(names):
+            if name in DISPLACEMENTS:
+                found[i] += self.uniform[DISPLACEMENTS.index(name)]
+        return found
 
 
 def von_mises(stress1: Reals, stress2: Reals, stress3: Reals, *shear: Reals) -> Reals:

@@ -11,8 +11,6 @@ of the last period. Along an axis with a period, P stays 1: the longest waves ar
 Each sum is one of periodic tractions, all lengths in L_x and stresses in E*.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
@@ -21,7 +19,7 @@ from scipy.special import erfc
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import DISPLACEMENTS, Axis, Largest, Surface
+from gfmd_numba.elasticity.fields import Inside, Surface
 from gfmd_numba.elasticity.free_body import displaced_by_layers
 from gfmd_numba.fourier import grid
 
@@ -32,7 +30,6 @@ _SUMS = {
     1: 30,
     2: 18,
 }  # by the axes that end: what stresses miss falls with the period, or its square
-_LEAST = 64  # places along a side of a window where the largest stress is looked for
 
 
 def _share(q: Reals, period: float) -> Reals:
@@ -40,71 +37,7 @@ def _share(q: Reals, period: float) -> Reals:
     return np.asarray(0.5 * erfc(((period - 1.0) * q - _FALLS) / _WITHIN))
 
 
-@dataclass(frozen=True)
-class Free:
-    """The inside of a body under tractions on a window of ny, nx nodes, as a sum of `parts`, each of its own periods.
-
-    `uniform` are displacements along x, y and z that are left (L_x).
-    """
-
-    shape: tuple[int, ...]
-    parts: tuple[Surface, ...]
-    uniform: Reals
-    body: ElasticBody
-
-    def section(self, z: Reals, names: tuple[str, ...], across: Axis = "y", at: float = 0.0) -> Reals:
-        """Named fields `[field, z, node]` on the vertical section x = at, or y = at (L_x), over the nodes along it."""
-        spectrum, along = (fields.spectrum_at_x, 0) if across == "x" else (fields.spectrum_at_y, 1)
-        nodes = np.arange(self.shape[along]) / self.shape[along]
-
-        def on_line(depth: float) -> Reals:
-            def of(part: Surface) -> Complexes:
-                return spectrum(part, depth, self.body, at / part.periods[1 - along], names)
-
-            return self._sum(of, {along: nodes}, names)
-
-        return np.stack([on_line(fields.depth_of(each, self.body)) for each in z], axis=1)
-
-    def plane(self, z: float, names: tuple[str, ...]) -> Reals:
-        """Named fields `[field, y, x]` on the plane z, on the nodes of the window; ValueError for z outside it."""
-        return self._plane(fields.depth_of(z, self.body), names, self.shape)
-
-    def largest_von_mises(self, z: Reals) -> Largest:
-        """Largest von Mises stress of the window on whole planes z `[z]`, on grids that resolve the waves there."""
-        return fields.largest_of_planes(z, self.body, self._shape_at, self._plane)
-
-    def _shape_at(self, depth: float) -> tuple[int, ...]:
-        first = self.parts[0]
-        places = max(max(fields.waves_kept(first.shape, depth, first.periods)) + 1, _LEAST)
-        return tuple(min(n, places) for n in self.shape)
-
-    def _plane(self, depth: float, names: tuple[str, ...], shape: tuple[int, ...]) -> Reals:
-        first = self.parts[0]
-
-        def of(part: Surface) -> Complexes:
-            periods = part.periods
-            waves = tuple(round(p) * n for p, n in zip(periods, shape, strict=True)) if part is first else part.shape
-            return fields.spectrum_of_plane(part, depth, self.body, names, waves)
-
-        return self._sum(of, {axis: np.arange(n) / n for axis, n in enumerate(shape)}, names)
-
-    def _sum(self, of: Callable[[Surface], Complexes], places: dict[int, Reals], names: tuple[str, ...]) -> Reals:
-        """Named fields `[field, ...]` at places (L_x) along axes 0 (y) and 1 (x), of the parts' coefficients.
-
-        The first part has a grid there.
-        """
-        first, *others = self.parts
-        window = (slice(None), *(slice(each.size) for each in places.values()))
-        found = grid.signal(of(first), *(round(first.periods[i]) * each.size for i, each in places.items()))[window]
-        for part in others:
-            found += grid.signal_at(of(part), *(each / part.periods[i] for i, each in places.items()))
-        for i, name in enumerate(names):
-            if name in DISPLACEMENTS:
-                found[i] += self.uniform[DISPLACEMENTS.index(name)]
-        return found
-
-
-def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] = ()) -> Free:
+def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] = ()) -> Inside:
     """Inside of a body under tractions `[component, (y,) x]` (E*), along its surface and out of it, of a window.
 
     The window `ends` along (y,) x, or along all axes.
@@ -120,11 +53,12 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
             most = [2 * ceil(_HIGHEST / (shorter - 1.0) * each / (2.0 * np.pi)) for each in periods]
             waves = tuple(min(some, n) for some, n in zip(most, waves, strict=True))
         q = grid.magnitudes(waves, periods)
-        loaded = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
+        waves_of_window = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
         share = (_share(q, shorter) if parts else 1.0) - _share(q, period)
-        parts.append(fields.surface_under_waves(share * loaded, waves, body, periods))
+        parts.append(fields.surface_under_waves(share * waves_of_window, waves, body, periods))
         shorter, period = period, 2.0 * period
-    return Free(shape, tuple(parts), _left(rows, body, both, shorter), body)
+    x, y, z = map(float, _left(rows, body, both, shorter))
+    return Inside(tuple(parts), body, (x, y, z))
 
 
 def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:

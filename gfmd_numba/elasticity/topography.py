@@ -31,8 +31,8 @@ from gfmd_numba.elasticity.fields import (
     DISPLACEMENTS,
     STRESSES,
     Axis,
+    Inside,
     LoadedSurface,
-    Periodic,
     Surface,
     displaced_surface,
     in_rows,
@@ -108,10 +108,10 @@ def forming(body: ElasticBody, order: int) -> ElasticBody:
 def formed_at(
     heights: Reals, z: Reals, body: ElasticBody, order: int, names: tuple[str, ...], across: Axis = "y", at: float = 0.0
 ) -> Reals:
-    """Displacements u'' `[component, z, node]` of these names on a section, as `Periodic.section` has them."""
+    """Displacements u'' `[component, z, node]` of these names on a section, as `Inside.section` has them."""
     former = forming(body, order)
     # labels below the body that was formed are places
-    return Periodic(formed_surface(heights, former), former).section(np.maximum(z, former.base), names, across, at)
+    return Inside((formed_surface(heights, former),), former).section(np.maximum(z, former.base), names, across, at)
 
 
 @dataclass(frozen=True)
@@ -129,6 +129,11 @@ class RoughSurface:
     def shape(self) -> tuple[int, ...]:
         """Nodes along y and x."""
         return self.flat.shape
+
+    @property
+    def periods(self) -> tuple[float, float]:
+        """Periods along y and x (L_x)."""
+        return self.flat.periods
 
     def waves(
         self, depth: float, body: ElasticBody, names: tuple[str, ...]

@@ -8,7 +8,6 @@ import numpy as np
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Exponential
-from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
@@ -22,9 +21,9 @@ class ExponentialLaw:
     length: float
 
     @classmethod
-    def scaled(cls, asked: Exponential, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length))
+    def of(cls, asked: Exponential) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls(asked.work_of_adhesion, asked.range)
 
     @property
     def strength(self) -> float:

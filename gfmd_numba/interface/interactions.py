@@ -37,24 +37,17 @@ class Interactions:
     slip_rate: SlipRateFriction | None = None
 
     @classmethod
-    def scaled(
-        cls,
-        asked: scene.Interface,
-        length: float,
-        energy: float,
-        time: float = 1.0,
-        units: tuple[float, float] = (1.0, 1.0),
-    ) -> Self:
-        """Interactions of a scene, their lengths, energies per area and slip rates over these.
+    def of(cls, asked: scene.Interface, units: tuple[float, float] = (1.0, 1.0)) -> Self:
+        """Interactions of a record in units of g L_x, g E* and the longest relaxation time.
 
-        `units` are what a pressure of 1 is then in Pa, and a slip rate of 1 in m/s.
+        `units` are what a pressure of 1 is then in Pa, and a slip rate of 1 in m/s, as a function of the user wants.
         """
         computed: dict[str, Any] = {
-            law.ability: resolve_name(law.implementation).scaled(law, length, energy)
+            law.ability: resolve_name(law.implementation).of(law)
             for law in asked.laws.values()
             if law.implementation is not None
         }
-        rubs, stress = asked.friction, energy / length
+        rubs = asked.friction
         friction, limit, rise = (
             (None, None, 0.0) if rubs is None else (rubs.coefficient, rubs.limit, rubs.pressure_coefficient or 0.0)
         )
@@ -63,10 +56,10 @@ class Interactions:
             computed.get("normal law"),
             friction,
             computed.get("cohesive law"),
-            None if asked.hardness is None else asked.hardness / stress,
-            None if limit is None else limit / stress,
+            asked.hardness,
+            limit,
             rise,
-            None if rubs is None or not rubs.depends_on_rate else _slip_rate(rubs, stress, length / time, units),
+            None if rubs is None or not rubs.depends_on_rate else _slip_rate(rubs, units),
         )
 
     def lasting(self, duration: float) -> Self:
@@ -134,14 +127,13 @@ class Interactions:
         return f"{type(law).__module__}:{type(law).__qualname__}"
 
 
-def _slip_rate(rubs: Friction, stress: float, speed: float, units: tuple[float, float]) -> SlipRateFriction:
-    """Friction that depends on the slip rate, its stresses and slip rates over these."""
-    limit = inf if rubs.limit is None else rubs.limit / stress
+def _slip_rate(rubs: Friction, units: tuple[float, float]) -> SlipRateFriction:
+    limit = inf if rubs.limit is None else rubs.limit
     return SlipRateFriction(
         rubs.coefficient,
         rubs.velocity_strengthening or 0.0,
-        1.0 if rubs.reference_velocity is None else rubs.reference_velocity / speed,
-        (0.0, *(rate / speed for rate in rubs.slip_rates)) if rubs.slip_rates else (),
+        rubs.reference_velocity or 1.0,
+        (0.0, *rubs.slip_rates) if rubs.slip_rates else (),
         (rubs.coefficient, *rubs.coefficients) if rubs.slip_rates else (),
         limit if rubs.function is None else UserFunction(rubs.function, *units),
         rubs.pressure_coefficient or 0.0,

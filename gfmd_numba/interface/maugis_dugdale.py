@@ -8,7 +8,6 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.scene.interface_records import MaugisDugdale
-from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
@@ -24,9 +23,9 @@ class MaugisDugdaleLaw(NormalLaw):
     taper: float
 
     @classmethod
-    def scaled(cls, asked: MaugisDugdale, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length), asked.taper)
+    def of(cls, asked: MaugisDugdale) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls(asked.work_of_adhesion, asked.range, asked.taper)
 
     @property
     def strength(self) -> float:

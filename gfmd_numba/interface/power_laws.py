@@ -9,7 +9,6 @@ import scipy  # its modules load with their first use
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.scene.interface_records import LennardJones, PowerLaw
-from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
@@ -119,10 +118,10 @@ class LennardJonesLaw(SumOfPowers):
     """
 
     @classmethod
-    def scaled(cls, asked: LennardJones, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        work = rounded(asked.work_of_adhesion / energy)
-        return cls((-4.0 / 3.0 * work, work / 3.0), (2.0, 8.0), rounded(asked.range / length), 0.0, 0.5)
+    def of(cls, asked: LennardJones) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        work = asked.work_of_adhesion
+        return cls((-4.0 / 3.0 * work, work / 3.0), (2.0, 8.0), asked.range, 0.0, 0.5)
 
 
 class ShiftedPowerLaw(SumOfPowers):
@@ -132,7 +131,6 @@ class ShiftedPowerLaw(SumOfPowers):
     """
 
     @classmethod
-    def scaled(cls, asked: PowerLaw, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        reach = rounded(asked.range / length)
-        return cls((-rounded(asked.work_of_adhesion / energy),), (asked.exponent,), reach, reach, 0.1)
+    def of(cls, asked: PowerLaw) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls((-asked.work_of_adhesion,), (asked.exponent,), asked.range, asked.range, 0.1)

@@ -9,7 +9,6 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.scene.interface_records import SquaredExponential
-from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
@@ -23,9 +22,9 @@ class SquaredExponentialLaw(NormalLaw):
     length: float
 
     @classmethod
-    def scaled(cls, asked: SquaredExponential, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        return cls(rounded(asked.work_of_adhesion / energy), rounded(asked.range / length))
+    def of(cls, asked: SquaredExponential) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls(asked.work_of_adhesion, asked.range)
 
     @property
     def strength(self) -> float:

@@ -10,7 +10,6 @@ import scipy  # its modules load with their first use
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Cohesive
-from gfmd_numba.scene.units import rounded
 
 
 @dataclass(frozen=True)
@@ -29,10 +28,9 @@ class XuNeedlemanLaw:
     tangential: float
 
     @classmethod
-    def scaled(cls, asked: Cohesive, length: float, energy: float) -> Self:
-        """Law of a scene, its lengths and its energies per area over these."""
-        lengths = (rounded(each / length) for each in (asked.normal_length, asked.tangential_length))
-        return cls(rounded(asked.work_of_adhesion / energy), *lengths)
+    def of(cls, asked: Cohesive) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls(asked.work_of_adhesion, asked.normal_length, asked.tangential_length)
 
     @property
     def strength(self) -> float:

@@ -42,6 +42,7 @@ _EQUAL_SHARE = 5e-4  # of all heights, that are equal
 _FEWEST_EQUAL = 5  # equal heights
 _LEVELS = 12  # different heights: with fewer, the surface is a grating, or counts
 _BEYOND = 0.1  # of the range of all other heights, by which a mark of missing heights lies outside
+_FAR = {1: 100.0, 2: 1.0}  # the same of a single height and of a few equal ones, which then are no spikes
 _NEXT = 8  # heights above and below, with which one is compared
 _RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
 _DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
@@ -63,10 +64,10 @@ class Field:
     units: Mapping[str, str]
     mirrored: bool = False
 
-    def said(self, length: float, axis: str) -> str:
+    def said(self, length: float, axis: str, digits: int = 3) -> str:
         """Return a length in the user's unit of x or z."""
         name = self.units.get(axis) or self.units.get("z") or PERIOD
-        return f"{length / METRES.get(name, 1.0):.3g} {name}"
+        return f"{length / METRES.get(name, 1.0):.{digits}g} {name}"
 
 
 @dataclass(frozen=True)
@@ -164,24 +165,23 @@ def offsets(level: Reals) -> list[tuple[int, int, float]]:
 
 
 def repeated(heights: Reals) -> list[Repeated]:
-    """Heights of a field that occur too often, the most frequent first; missing ones are not-a-number."""
+    """Heights of a field that occur too often, or lie too far out; missing ones are not-a-number.
+
+    The most frequent is the first.
+    """
     values, counts = np.unique(heights[~np.isnan(heights)], return_counts=True)
     if len(values) < _LEVELS or is_design(heights):
         return []
     least = max(_FEWEST_EQUAL, _EQUAL_SHARE * heights.size)
     found = []
+    for end in (0, len(values) - 1):
+        gap, span = _beyond(values, end)
+        if counts[end] < least and gap > _FAR[min(int(counts[end]), 2)] * span:
+            found.append(_described(heights, values, end))
     for i in np.flatnonzero(counts >= least):
         nearest = np.concatenate([counts[max(i - _NEXT, 0) : i], counts[i + 1 : i + 1 + _NEXT]])
         if counts[i] > _OFTEN * nearest.mean() + (_ROUNDED if nearest.max() > 1 else 0):
-            at, others = heights == values[i], np.delete(values, i)
-            gap = max(others[0] - values[i], values[i] - others[-1])
-            runs = int(at[..., 0].sum() + (np.diff(at.astype(np.int8), axis=-1) == 1).sum())
-            cause: Cause = "stuck"
-            if gap > _BEYOND * (others[-1] - others[0]) or (gap <= 0.0 and at.sum() < _RUN * runs):
-                cause = "mark"
-            elif gap > 0.0:
-                cause = "top" if i else "bottom"
-            found.append(Repeated(float(values[i]), runs, cause, at))
+            found.append(_described(heights, values, int(i)))
     return sorted(found, key=lambda each: -each.at.sum())
 
 
@@ -194,7 +194,8 @@ def is_design(heights: Reals) -> bool:
 
 def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
     for each in found[:2]:
-        times = f"{each.at.sum()} of {field.as_measured.size} heights are exactly {field.said(each.height, 'z')}"
+        are = "are" if each.at.sum() > 1 else "is"
+        times = f"{each.at.sum()} of {field.as_measured.size} heights {are} exactly {field.said(each.height, 'z', 6)}"
         if each.cause in ("top", "bottom"):
             end = "largest" if each.cause == "top" else "smallest"
             yield f"{times}, the {end} height: if the instrument was saturated, measure again with a wider range"
@@ -324,3 +325,22 @@ def _lasting(line: Reals, i: int) -> float:
     step = float(np.median(after) - np.median(before))
     sharp = float(abs(np.diff(line[max(i - 1, 0) : i + 4])).max())
     return step if sharp > 0.5 * abs(step) and abs(step) > 0.5 * abs(line[i + 1] - line[i]) else 0.0
+
+
+def _beyond(values: Reals, i: int) -> tuple[float, float]:
+    """By how much one of some values that rise lies outside the range of the others, and this range."""
+    others = np.delete(values, i)
+    return float(max(others[0] - values[i], values[i] - others[-1])), float(others[-1] - others[0])
+
+
+def _described(heights: Reals, values: Reals, i: int) -> Repeated:
+    at, (gap, span) = heights == values[i], _beyond(values, i)
+    runs = int(at[..., 0].sum() + (np.diff(at.astype(np.int8), axis=-1) == 1).sum())
+    cause: Cause = "stuck"
+    if gap > _BEYOND * span:
+        cause = "mark"
+    elif gap > 0.0:
+        cause = "top" if i else "bottom"
+    elif at.sum() < _RUN * runs:
+        cause = "mark"
+    return Repeated(float(values[i]), runs, cause, at)

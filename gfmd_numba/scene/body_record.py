@@ -13,7 +13,6 @@ from gfmd_numba.scene.quantities import (
     NonnegativePressure,
     PoissonsRatio,
     Pressure,
-    Size,
     broken_rule,
 )
 from gfmd_numba.scene.surfaces import Surface
@@ -117,10 +116,6 @@ class Body(BaseModel):
         "ratio is constant. Layers and their base relax all alike, and moduli of branches are beside the topmost layer",
     )
     plasticity: Plasticity | None = Field(None, description="Plastic flow inside the body; None: it is elastic")
-    stiffness_scale: Size = Field(
-        1.0,
-        description="Factor on the stiffness; 1 is right, and 2 repeats an error of the thesis's chapter 4",
-    )
     state: Literal["plane_strain", "plane_stress"] = Field(
         "plane_strain", description="What is zero along the third direction: strain or stress"
     )

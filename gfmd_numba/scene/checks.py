@@ -19,7 +19,7 @@ _ARRAYS_OF_LAWS = {
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = {1: 128, 2: 56}, {1: 48, 2: 60}  # at order 0, and more for each order
 _ARRAYS_OF_INCLINED_SURFACES = 56  # and more above order 0
 _ARRAYS_OF_STABILITY = 64  # to find how near a fold each step of a path is
-_ARRAYS_OF_A_LOADED_BODY = {1: 32, 2: 48}
+_ARRAYS_WITHOUT_A_PUNCH = {1: 32, 2: 48}
 _ARRAYS_OF_A_SUBLAYER = {1: 36, 2: 60}
 _ARRAYS_OF_A_BRANCH, _ARRAYS_OF_WEAR = 24, 8
 _FIELDS = {1: 7, 2: 9}  # of each step of a path that stay in memory, tangential ones and slip too
@@ -50,7 +50,7 @@ def arrays_of(scene: Scene, order: int, steps: int = 0) -> int:
     dimension = scene.dimension
     if not scene.has_punch:
         rough = arrays_of_topography(dimension, 1 + order) if scene.follows_topography else 0
-        return _ARRAYS_OF_A_LOADED_BODY[dimension] + rough
+        return _ARRAYS_WITHOUT_A_PUNCH[dimension] + rough
     laws = [*scene.interface.laws, *(() if scene.boundary is None else ("boundary",))]
     arrays = arrays_per_realisation(dimension, laws, scene.ends) + arrays_of_memory(scene)
     if scene.follows_topography:

@@ -380,7 +380,8 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
         case "array":
             item = _allowed(schema, _resolved(schema, node["items"])).removeprefix("a ")
             plural = re.sub("number|mapping|file name", r"\g<0>s", item, count=1)
-            return f"a list of one or more {plural}" if plural != item else f"a list, each item {item}"
+            many = node.get("minItems") if node.get("minItems") == node.get("maxItems") else None
+            return f"a list of {many or 'one or more'} {plural}" if plural != item else f"a list, each item {item}"
         case "object":
             return "a mapping of " + ", ".join(map(repr, node["properties"])) if node["properties"] else "{}"
         case "integer":

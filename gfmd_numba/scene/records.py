@@ -236,7 +236,7 @@ class Scene(BaseModel):
         return given
 
     @model_validator(mode="after")
-    def _is_pressed(self) -> Self:
+    def _needs_a_load(self) -> Self:
         alone = self.surfaces.keys() <= {("body", "roughness")} and self.form is None and self.counter_body is None
         if alone and self.boundary is not None and not self.has_punch and self.interface == Interface():
             return self

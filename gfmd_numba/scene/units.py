@@ -27,7 +27,8 @@ _NO_NUMBER = r"[-+]?\.?(?:inf|nan)(?![^\W\d_])"
 NUMBER_WITH_UNIT = rf"^\s*{_NUMBER}\s*[^\s\d].*$"
 _SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNORECASE)
 _LONGEST = 100  # of a text that is looked at
-_OVER_NM = re.compile(r"/\s*(?:N\s*[*·]?\s*m\b|\(\s*N\s*[*·]?\s*m\s*\))$")  # as wear rates are mostly written
+_OVER_NM = re.compile(r"/\s*N\s*[*·]?\s*m\b$")  # as wear rates are mostly written
+_OVER_BOTH = re.compile(r"/\s*\(\s*([^\W\d_]+)\s*[*·\s]\s*([^\W\d_]+)\s*\)")
 METRES = {
     "m": 1.0,
     "km": 1e3,
@@ -65,14 +66,15 @@ def respelt(text: str) -> str:
 class Quantity:
     """A kind of quantity: its name, units to name for it, the SI unit first, and what it is counted in without units.
 
-    That is L_x to the power `length` times E* to the power `modulus`. As an annotation of a float it lets the field
-    take text like `0.2 mm`, which becomes a number in SI units.
+    That is L_x to the power `length` times E* to the power `modulus` and a time to the power `time`. As an annotation
+    of a float it lets the field take text like `0.2 mm`, which becomes a number in SI units.
     """
 
     name: str
     units: tuple[str, ...]
     length: int = 0
     modulus: int = 0
+    time: int = 0
 
     @property
     def si(self) -> str:
@@ -89,9 +91,9 @@ class Quantity:
         """What a number with a unit of it may look like, in words."""
         return f"{self.article} in {', '.join(self.units)} or the like"
 
-    def scale(self, length: float, modulus: float) -> float:
+    def scale(self, length: float, modulus: float, time: float = 1.0) -> float:
         """What it is counted in where the period is `length` and the contact modulus `modulus`."""
-        return length**self.length * modulus**self.modulus
+        return length**self.length * modulus**self.modulus * time**self.time
 
     def si_value(self, text: str) -> float | None:
         """Value in SI units of a text like `0.2 mm`, None if it is no number with a unit; nan if it is not finite.
@@ -115,7 +117,7 @@ class Quantity:
             return float("nan")
 
     def _in_si(self, unit: str) -> Decimal:
-        registry, unit = _registry(), _OVER_NM.sub("/N/m", unit)
+        registry, unit = _registry(), _OVER_NM.sub("/N/m", _OVER_BOTH.sub(r"/\1/\2", unit))
         written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
             if re.fullmatch(_UNIT, unit) is None:
@@ -185,11 +187,17 @@ PRESSURE = Quantity("pressure", ("Pa", "kPa", "MPa", "GPa"), modulus=1)
 ENERGY_PER_AREA = Quantity("energy per area", ("J/m^2", "mJ/m^2"), length=1, modulus=1)
 FORCE_PER_LENGTH = Quantity("force per length", ("N/m", "kN/m", "N/mm"), length=1, modulus=1)
 FORCE = Quantity("force", ("N", "mN", "kN"), length=2, modulus=1)
-TIME = Quantity("time", ("s", "min", "h"))
-SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1)
+TIME = Quantity("time", ("s", "min", "h"), time=1)
+SPEED = Quantity("speed", ("m/s", "mm/s", "km/h"), length=1, time=-1)
 WEAR_RATE = Quantity("wear rate", ("m^2/N", "mm^2/N", "mm^3/N/m"), modulus=-1)
 MEMORY = Quantity("memory", ("B", "MB", "GB"))
-QUANTITIES = (LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, SPEED, WEAR_RATE, MEMORY)
+VISCOSITY = Quantity("dynamic viscosity", ("Pa s", "mPa s", "cP"))
+ELECTRICAL_CONDUCTIVITY = Quantity("electrical conductivity", ("S/m", "MS/m", "S/cm"))
+THERMAL_CONDUCTIVITY = Quantity("thermal conductivity", ("W/m/K", "W/(m K)", "kW/m/K"))
+QUANTITIES = (
+    *(LENGTH, PRESSURE, ENERGY_PER_AREA, FORCE_PER_LENGTH, FORCE, TIME, SPEED, WEAR_RATE, MEMORY),
+    *(VISCOSITY, ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY),
+)
 
 
 Keys = tuple[str | int, ...]  # that lead to a place in a record
@@ -255,18 +263,18 @@ def rounded(value: float) -> float:
 
 
 @lru_cache(maxsize=4096)
-def in_reduced_units(record: Record, length: float, modulus: float) -> Record:
-    """Record whose lengths, stresses and so on are in units of a period and of a contact modulus, to 12 digits."""
-    values = {name: (getattr(record, name), quantity) for name, quantity in quantities(type(record)).items()}
-    return record.model_copy(
-        update={
-            name: tuple(rounded(each / quantity.scale(length, modulus)) for each in value)
-            if isinstance(value, tuple)
-            else rounded(value / quantity.scale(length, modulus))
-            for name, (value, quantity) in values.items()
-            if value is not None
-        }
-    )
+def in_reduced_units(record: Record, length: float, modulus: float, time: float = 1.0) -> Record:
+    """Record, and those inside it, with all quantities in units of a length, a stress and a time, to 12 digits."""
+    of_fields = quantities(type(record))
+
+    def reduced(value: Any, quantity: Quantity | None) -> Any:
+        if isinstance(value, BaseModel):
+            return in_reduced_units(value, length, modulus, time)
+        if isinstance(value, tuple):
+            return tuple(reduced(each, quantity) for each in value)
+        return value if value is None or quantity is None else rounded(value / quantity.scale(length, modulus, time))
+
+    return record.model_copy(update={name: reduced(value, of_fields.get(name)) for name, value in record})
 
 
 @lru_cache

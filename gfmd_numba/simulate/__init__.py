@@ -1,42 +1,32 @@
 """One file in, one dataset out: read, reduce, solve, write."""
 
-import warnings
-
 import xarray as xr
 
 from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact.contact_dataset import loaded_body_dataset, path_dataset
-from gfmd_numba.contact.contact_input import ContactInput, LoadedBodyInput, read, read_contact
+from gfmd_numba.contact.boundary_values import solve_boundary_values
+from gfmd_numba.contact.contact_dataset import boundary_dataset, path_dataset
+from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput, read, read_contact
 from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
-from gfmd_numba.contact.loaded_body import solve_loaded_body
 from gfmd_numba.contact.refusal import check_where
 from gfmd_numba.contact.state import Tell
 from gfmd_numba.scene import Document, SceneFile
-from gfmd_numba.solvers.status import SENTENCES, Status
 
 
 def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -> xr.Dataset:
     """Solve what a file describes, a contact or a loaded body without a punch, in SI units.
 
-    `tell` is called with the steps of a path, or parts of a step, done since the last call.
-    Warns of what its `validity` says, and of a `status` that is not ok. Raises InputError for a file that makes no
-    sense.
+    `tell` is called with the steps of a path, or parts of a step, done since the last call. Raises InputError for a
+    file that makes no sense.
     """
     given = read(file, document)
     if isinstance(given, ContactInput):
         problem, effects = given.reduced
         with shared_by(file.numerics.threads):
-            dataset = path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
-    else:
-        assert isinstance(given, LoadedBodyInput)  # the other of the two
-        dataset = loaded_body_dataset(given, solve_loaded_body(given))
-    endings = sorted(set(dataset["status"].values.ravel().tolist()) - {Status.ok})
-    failed = [f"{Status(ended).name}: {SENTENCES[Status(ended)]}" for ended in endings]
-    for sentence in (*failed, *filter(None, dataset.attrs["validity"].split("\n"))):
-        warnings.warn(sentence, stacklevel=2)
-    return dataset
+            return path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
+    assert isinstance(given, BoundaryInput)  # the other of the two
+    return boundary_dataset(given, solve_boundary_values(given))
 
 
 def solve_in_processes(file: SceneFile, document: Document, communicator: Communicator) -> xr.Dataset | None:

@@ -31,7 +31,7 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     dp/d(mean gap) = `conductance` times E*, or dp/d(approach) without a period (Barber, Proc. R. Soc. Lond. A 459:53,
     2003). It is 0 without contact and infinite in full contact with a period. `current_density` is the current through
     a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
-    along y, which the attribute `validity` says after the doubts of the contact.
+    along y, which the attribute `validity` says after the warnings about the contact.
     Raises InputError for a dataset that no contact was solved for, or a run that is not ok.
     """
     nodes = _nodes(contact)
@@ -52,12 +52,12 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density
     result["current_density"].attrs = cf_attributes("current through a node over the mean of all nodes")
-    doubts = (
+    warnings = (
         [*filter(None, [contact.attrs.get("validity")])]
         + [_OF_RIDGES] * (len(nodes) == 1)
         + [_OF_NOTHING] * (not touching.any())
     )
-    result.attrs["validity"] = "\n".join(doubts)
+    result.attrs["validity"] = "\n".join(warnings)
     return result
 
 

@@ -20,12 +20,12 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
-from gfmd_numba.contact.doubts import FEW_NODES, NARROW_CONTACTS, doubts
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
+from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, path_warnings, wording
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
@@ -219,7 +219,7 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
                     for name in ("n_iterations", "wall_time"):
                         scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
                     scalars["contact_stiffness"] = _stiffness(short, step)
-                validity = "\n".join(filter(None, (*numbers, doubts(given, whole, step))))
+                validity = "\n".join(filter(None, (*numbers, path_warnings(given, whole, step))))
                 yield scalars.assign_attrs(solver=whole.numerics.solver, validity=validity)
 
 
@@ -297,7 +297,7 @@ def _of_all(validities: Sequence[tuple[float, str]], unit: str) -> str:
     every = {load for load, _ in validities}
     said: dict[str, list[tuple[float, str]]] = {}
     for load, line in ((load, line) for load, validity in validities for line in validity.splitlines()):
-        said.setdefault(re.sub(r"[-+.\de]*\d", "", line), []).append((load, line))
+        said.setdefault(wording(line), []).append((load, line))
     return "\n".join(_at_loads(lines, every, unit) for lines in said.values())
 
 

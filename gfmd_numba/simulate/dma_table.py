@@ -44,7 +44,7 @@ class Moduli(NamedTuple):
     lines: tuple[int, ...] = ()
     read: str = ""
 
-    def doubts(self) -> list[str]:
+    def warnings(self) -> list[str]:
         """Sentences about moduli that no viscoelastic solid has."""
         told, swapped = [], "did you swap the columns of storage and loss?"
         if (ratio := float(np.median(self.loss / self.storage))) > _LARGEST_LOSS:

@@ -21,9 +21,9 @@ from gfmd_numba.elasticity.fields import (
     STRAINS,
     STRESSES,
     Axis,
+    Inside,
     Largest,
     LoadedSurface,
-    Periodic,
 )
 from gfmd_numba.scene import COMPONENTS, Body, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import beyond_memory
@@ -92,7 +92,7 @@ class _Inside:
             return None  # which order 0 is
         return step[name].values / self.length if name in step else None
 
-    def below(self, step: xr.Dataset) -> Periodic | free_fields.Free:
+    def below(self, step: xr.Dataset) -> Inside:
         """The inside under the tractions of a step."""
         tractions, heights = self.tractions(step), self.heights(step)
         if any(self.ends):
@@ -100,7 +100,7 @@ class _Inside:
         surface: LoadedSurface = fields.surface_under_tractions(tractions, self.elastic)
         if heights is not None and (len(self.nodes) == 1 or (self.order > 0 and heights.any())):
             surface = topography.rough_surface(tractions, heights, self.elastic, self.order)
-        return Periodic(surface, self.elastic)
+        return Inside((surface,), self.elastic)
 
 
 @dataclass(frozen=True)

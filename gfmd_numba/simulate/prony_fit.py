@@ -18,13 +18,13 @@ _LARGEST_MISFIT = 0.1
 class Relaxation(NamedTuple):
     """Relaxed modulus in Pa, branches over it with times in s, and the rms relative misfit of both moduli.
 
-    `doubt` is a sentence about a large misfit, or nothing.
+    `warning` is a sentence about a large misfit, or nothing.
     """
 
     youngs_modulus: float
     series: PronySeries
     misfit: float
-    doubt: str = ""
+    warning: str = ""
 
 
 def fit_relaxation(table: Moduli) -> Relaxation:
@@ -51,12 +51,12 @@ def fit_relaxation(table: Moduli) -> Relaxation:
     if not branches:
         raise InputError.of(table.source, "moduli that do not relax", "those of a viscoelastic body")
     series = PronySeries(*zip(*branches, strict=True))
-    misfit, doubt = float(deviation / np.sqrt(2 * frequency.size)), ""
+    misfit, warning = float(deviation / np.sqrt(2 * frequency.size)), ""
     if misfit > _LARGEST_MISFIT:
         off = abs(weighted @ moduli - 1.0).reshape(2, -1).max(axis=0)
         worst = int(off.argmax())
-        doubt = (
+        warning = (
             f"{table.source}: the branches are off by {misfit:.0%} (rms), most by {off[worst]:.0%} at "
             f"{table.at(worst)}: is this one sweep, of a linear body, with its columns and units as read above?"
         )
-    return Relaxation(float(moduli[0]), series, misfit, doubt)
+    return Relaxation(float(moduli[0]), series, misfit, warning)

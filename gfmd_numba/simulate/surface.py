@@ -1,6 +1,5 @@
 """One rough surface from its description to a dataset: heights, statistics, and the curves of theory."""
 
-import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -62,8 +61,8 @@ def _measured(file: SurfaceFile, record: Measured) -> Made:
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
     """Heights of one surface with its statistics and the curves of theory, in m or L_x.
 
-    `processing` tells what was done to a measured surface; `validity`, and a warning, what makes it implausible. Raises
-    InputError for a description that makes no sense or a measured file that cannot be used.
+    `processing` tells what was done to a measured surface; `validity` what makes it implausible. Raises InputError for
+    a description that makes no sense or a measured file that cannot be used.
     """
     made = made_surface(file, document)
     dataset = _described(made)
@@ -76,10 +75,7 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
         except ValueError as error:
             allowed = f"a range that holds waves, not {error}"
             raise document.refused(("hurst_range",), allowed) from None
-    sentences = [*implausible(file), *made.doubts]
-    for sentence in sentences:
-        warnings.warn(sentence, stacklevel=2)
-    dataset.attrs["validity"] = "\n".join(sentences)
+    dataset.attrs["validity"] = "\n".join([*implausible(file), *made.doubts])
     dataset.attrs["surface"] = file.model_dump_json()
     return dataset
 

@@ -140,7 +140,8 @@ def equilibrate(
     bounds = (interface.normal_law, interface.cohesive, hardness) != (None, None, None)  # of pressures, needed at once
     scale = pressure_scale(punch, response) if bounds else np.full(realisations, np.nan)
     result = Equilibrium.empty(punch, scale, interface, sliding, around is not None)
-    elastic = response if load is None else response.with_mean(0.0)
+    if load is not None:
+        response = response.with_mean(0.0)
     borne = (load or 0.0) + (hardness or 0.0)  # also by punches that have been flattened
     block = max(1, SOLVERS[options.solver].block_samples // n)
     for first in range(0, realisations, block):
@@ -154,7 +155,7 @@ def equilibrate(
             begun = None if start is None else start.rows(some)
             beyond = None if around is None else around[some]
             room = (result.displacement[some], result.pressure[some]) if isinstance(some, slice) else (None, None)
-            return Batch(punch[some], elastic, given, laws, begun, sliding, largest, beyond, *room)
+            return Batch(punch[some], response, given, laws, begun, sliding, largest, beyond, *room)
 
         if hardness is None:
             _solve(batch, interface, rows, borne, options, result)
@@ -174,7 +175,7 @@ def equilibrate(
     unstable = result.status == Status.unstable
     if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
-    return _with_growing_waves(result, unstable, elastic) if unstable.any() else result
+    return _with_growing_waves(result, unstable, response) if unstable.any() else result
 
 
 def _with_growing_waves(result: Equilibrium, unstable: Flags, response: SpectralResponse) -> Equilibrium:

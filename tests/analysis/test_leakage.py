@@ -30,6 +30,34 @@ def test_parallel_walls_have_the_flow_factor_one():
     np.testing.assert_allclose(found["hydraulic_gap"], 0.3, rtol=1e-12)
 
 
+def test_the_flow_is_that_of_poiseuille_between_parallel_walls():
+    """b^3 W P / (12 eta L): 3 um apart, at 2 bar, water."""
+    walls = made(OPEN, 3e-6).isel(y=slice(0, 16))
+    walls["gap"].attrs["units"] = "m"
+    walls = walls.assign_coords({dim: (1e-3 * walls[dim]).assign_attrs(units="m") for dim in ("x", "y")})
+    flow = 2.7e-17 * 2e5 / (12.0 * 1e-3)
+    found = gfmd_numba.leakage(walls, "1 mPa s", "2 bar")["flow"]
+    np.testing.assert_allclose(found, [0.5 * flow, 2.0 * flow])
+    assert found.units == "m3 s-1"
+    seal = gfmd_numba.leakage(walls, 1e-3, 2e5, ("1 mm", 0.3))["flow"]
+    np.testing.assert_allclose(seal, 300.0 * flow)
+
+
+@pytest.mark.parametrize(
+    ("fluid", "said"),
+    [
+        ({"viscosity": "1 mPa s"}, "^pressure: you gave nothing"),
+        ({"seal": (1, 2)}, "^viscosity: you gave nothing"),
+        ({"viscosity": "1 cSt", "pressure": 1.0}, "^viscosity: .* allows a dynamic viscosity in Pa s, mPa s"),
+        ({"viscosity": 1.0, "pressure": 1.0, "seal": ("1 mm",)}, "^seal: .* allows a list of 2 numbers"),
+        ({"viscosity": 1.0, "pressure": 1.0}, "^viscosity: .* nothing for a contact without a length"),
+    ],
+)
+def test_fluids_that_make_no_sense_are_refused(fluid, said):
+    with pytest.raises(gfmd_numba.InputError, match=said):
+        gfmd_numba.leakage(made(OPEN, 0.3), **fluid)
+
+
 @pytest.mark.parametrize("depth", [0.3, 0.7])
 def test_a_wave_across_the_flow_is_a_series_of_resistances(depth):
     """1 + e cos: the mean of u^-3 is (2 + e^2) / (2 (1 - e^2)^(5/2)), that of u^3 is 1 + 3 e^2 / 2."""
@@ -127,11 +155,28 @@ def test_a_pressed_ridge_leaks_along_itself_only():
     assert found["hydraulic_gap"].units == dataset["gap"].units
 
 
-def test_profiles_do_not_leak():
-    with pytest.raises(
-        UnusableDataError, match=r"you gave the contact of a profile.*solve a scene with `dimension: 2`"
-    ):
-        leakage(made(OPEN).isel(y=0))
+@pytest.mark.parametrize("lift", [0.0, 0.01])
+def test_the_grooves_of_a_profile_leak_in_parallel_and_across_them_in_series(lift):
+    """As the map of the same grooves does."""
+    of_map = pressed(wave(64, 0.01), 0.3 * np.pi * 0.01)
+    of_map["gap"] = of_map["gap"] + lift
+    found, expected = leakage(of_map.isel(y=0).drop_vars("y")), leakage(of_map)
+    cubes = [0.0 if lift == 0.0 else 1.0 / float((of_map["gap"] ** -3.0).mean()), float((of_map["gap"] ** 3).mean())]
+    np.testing.assert_allclose(found["hydraulic_gap"] ** 3, cubes, rtol=1e-12)
+    for name in ("hydraulic_gap", "flow_factor"):
+        np.testing.assert_allclose(found[name], expected[name], rtol=1e-9)
+    np.testing.assert_allclose(found["local_flow"], expected["local_flow"].isel(y=0), atol=1e-9)
+    assert "its grooves go on without end along y" in found.validity
+
+
+def test_the_flow_through_a_profile_needs_the_width_of_a_seal():
+    grooves = made(OPEN, 3e-6).isel(y=0).drop_vars("y")
+    grooves["gap"].attrs["units"] = grooves["x"].attrs["units"] = "m"
+    with pytest.raises(gfmd_numba.InputError, match=r"^seal: you gave nothing; gfmd allows the length and the width"):
+        gfmd_numba.leakage(grooves, 1e-3, "2 bar")
+    with pytest.warns(UserWarning, match="that of a profile"):
+        found = gfmd_numba.leakage(grooves, 1e-3, "2 bar", ("1 mm", "10 mm"))["flow"]
+    np.testing.assert_allclose(found, 2.7e-17 * 2e5 / 12e-3 * 10.0)
 
 
 def test_the_flow_through_nodes_is_that_of_the_channel_they_are_in():

@@ -40,6 +40,15 @@ def test_the_text_of_a_mapping_says_the_same(mapping, tmp_path, name):
     assert load_campaign(path)[0] == given
 
 
+def test_another_version_of_a_campaign_warns_that_it_replaces_results(mapping, finished, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    gfmd_numba.run(mapping)
+    mapping["grid"] = {"hurst": [0.8]}
+    with pytest.warns(UserWarning, match="^small holds another version of this campaign: its results are replaced"):
+        changed = gfmd_numba.run(mapping)
+    assert changed.sizes["case"] < finished.sizes["case"]
+
+
 def test_faults_of_a_mapping_are_told(mapping):
     mapping["grid"]["hirst"] = mapping["grid"].pop("hurst")
     with pytest.raises(InputError, match=r"^grid.hirst: you gave an unknown key; .*did you mean 'hurst'\?"):

@@ -30,7 +30,7 @@ def test_a_new_observable_is_computed_and_no_old_shard_is_used(tmp_path, monkeyp
     path = campaign(tmp_path, TINY)
     gfmd_numba.run(path, tmp_path / "out", workers=0)
     (before,) = {case.problem.identity for case in plan(path).cases}
-    toy = Observable("contact", "pressure", "largest pressure", "gfmd_numba.contact.evaluation:largest_pressure")
+    toy = Observable("pressure", "largest pressure", "gfmd_numba.contact.evaluation:largest_pressure")
     monkeypatch.setattr(
         evaluation, "largest_pressure", lambda contact: contact.equilibrium.pressure.max(axis=-1), raising=False
     )
@@ -58,7 +58,7 @@ def test_the_version_follows_units_and_solvers_but_not_prose(monkeypatch):
             problem.results_version.cache_clear()
             return problem.results_version()
 
-    assert changed(OBSERVABLES, "kappa", unit="1") != found
+    assert changed(OBSERVABLES, "kappa", unit="pressure") != found
     assert changed(SOLVERS, "verlet", gives_up_after=7) != found
     assert changed(OBSERVABLES, "kappa", long_name="another sentence") == found
     assert changed(SOLVERS, "verlet", sentence="another sentence") == found

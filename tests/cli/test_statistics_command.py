@@ -51,6 +51,20 @@ def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
     assert "channel along x" in done.output
 
 
+@pytest.mark.filterwarnings("ignore:The flow factor")
+def test_flow_and_resistance_are_printed_in_units_of_engineers(folder):
+    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP", "--pressure", "2e5", "--seal", "1mm", "0.3")
+    found = gfmd_numba.leakage(folder / "map.nc", 1e-3, 2e5, ("1 mm", 0.3))["flow"]
+    for along, flow in zip("xy", found.values.tolist(), strict=True):
+        assert f"flow along {along}                {flow:.3g} m^3/s = {3.6e6 * flow:.3g} L/h\n" in done.stdout
+    done = gfmd("conductance", folder / "map.nc", *["--conductivity", "16 W/m/K"] * 2)
+    found = float(gfmd_numba.contact_conductance(folder / "map.nc", "16 W/m/K")["resistance"])
+    assert f"resistance                  {found:.5g} K/W\n" in done.stdout
+    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP")
+    assert done.exit_code == 2
+    assert "--pressure: you gave nothing" in unfolded(done.output)
+
+
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:The flow factor")
 @pytest.mark.parametrize("command", TRANSPORT)
@@ -110,18 +124,20 @@ def test_a_profile_has_distributions_but_no_channels(folder, tmp_path):
     done = gfmd("statistics", folder / "profile.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 0, done.output
     assert "segments" in xr.load_dataset(tmp_path / "statistics.nc")
-    for command in (("statistics", "--percolation"), ("leakage",)):
-        done = gfmd(*command, folder / "profile.nc", "-o", tmp_path / "out.nc")
-        assert done.exit_code == 2
-        said = unfolded(done.stderr)
-        assert f"{folder / 'profile.nc'}: you gave the contact of a profile" in said
-        assert "solve a scene with `dimension: 2`" in said
+    done = gfmd("statistics", "--percolation", folder / "profile.nc", "-o", tmp_path / "out.nc")
+    assert done.exit_code == 2
+    said = unfolded(done.stderr)
+    assert f"{folder / 'profile.nc'}: you gave the contact of a profile" in said
+    assert "solve a scene with `dimension: 2`" in said
 
 
-def test_a_profile_conducts_with_a_word_on_its_ridges(folder):
-    done = gfmd("conductance", folder / "profile.nc")
+@pytest.mark.parametrize(("command", "what"), [("conductance", "ridges"), ("leakage", "grooves")])
+def test_a_profile_conducts_and_leaks_with_a_word_on_its_ridges(folder, tmp_path, command, what):
+    done = gfmd(command, folder / "profile.nc", "-o", tmp_path / "out.nc")
     assert done.exit_code == 0
-    assert "ridges without end along y" in unfolded(done.stderr)
+    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert f"{what}" in unfolded(done.stderr)
+    assert "without end along y" in unfolded(done.stderr)
 
 
 @pytest.mark.parametrize("command", ["statistics", *TRANSPORT])

@@ -63,7 +63,6 @@ SCENES = {
     "cohesive law": {"interface": COHESIVE} | SLAB,
     "slab": SLAB,
     "displacement": SLAB | {"loading": {"displacement": um("0.7")}},
-    "scale": {"body": {"poissons_ratio": NU, "stiffness_scale": 2.0}},
     "own wavelengths": {"roughness": OWN | {"rms_gradient": GRADIENT, "cut_on": um("15.1"), "roll_off": um("99.7")}},
     "own height": {"roughness": PSD | {"rms_gradient": None, "rms_height": um("0.77")}, **SLAB}
     | {"loading": {"displacement": um("0.7")}},

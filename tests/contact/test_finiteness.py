@@ -10,7 +10,7 @@ import gfmd_numba
 from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run
-from gfmd_numba.contact import loaded_body, solution
+from gfmd_numba.contact import boundary_values, solution
 from gfmd_numba.contact.evaluation import finite_status
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.status import Status
@@ -143,9 +143,9 @@ def test_a_spoiled_rough_body_is_not_ok(monkeypatch):
 
 @pytest.mark.filterwarnings("ignore:nonfinite:UserWarning")
 def test_a_spoiled_loaded_body_is_not_ok(monkeypatch):
-    deform = loaded_body.deform
+    deform = boundary_values.deform
     monkeypatch.setattr(
-        loaded_body,
+        boundary_values,
         "deform",
         lambda *a: replace(found := deform(*a), displacement=np.full_like(found.displacement, np.inf)),
     )

@@ -5,7 +5,7 @@ import pytest
 import slab_stiffness
 
 import gfmd_numba
-from gfmd_numba.contact.law_resolution import COARSEST, doubt, resolution
+from gfmd_numba.contact.law_resolution import COARSEST, resolution, warning
 from gfmd_numba.contact.problem import CounterBody, Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -65,11 +65,11 @@ def test_the_shortest_wave_is_as_stiff_as_the_bodies_make_it():
 
 @pytest.mark.parametrize("body", [None, ElasticBody(0.5, 1e-3), ElasticBody(0.3, 1e-2)])
 def test_the_grid_it_asks_for_resolves_the_law(body):
-    told = doubt(problem(512, ATTRACTION, body), None)
+    told = warning(problem(512, ATTRACTION, body), None)
     nodes = int(told.rpartition("at least ")[2].split()[0])
     assert nodes > 512
     assert resolution(problem(nodes, ATTRACTION, body)) <= COARSEST
-    assert doubt(problem(nodes, ATTRACTION, body), None) == ""
+    assert warning(problem(nodes, ATTRACTION, body), None) == ""
 
 
 @pytest.mark.parametrize(("dimension", "reach"), [(1, "16777216 points"), (2, "16384 points both ways")])
@@ -89,5 +89,5 @@ def test_a_map_is_told_by_the_shortest_wave_along_an_axis():
     surface = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 1, dimension=2)
     of_map = Problem(surface, ElasticBody(None, None), ATTRACTION, 0.1, None, Options("truncated_newton"))
     assert resolution(of_map) == resolution(problem(128, ATTRACTION))
-    assert "over 8 % too large at 0.9. Take at least 4776 points both ways" in doubt(of_map, None)
-    assert "over 25 % too large at 0.9. Take at least 4776 points, " in doubt(problem(128, ATTRACTION), None)
+    assert "over 8 % too large at 0.9. Take at least 4776 points both ways" in warning(of_map, None)
+    assert "over 25 % too large at 0.9. Take at least 4776 points, " in warning(problem(128, ATTRACTION), None)

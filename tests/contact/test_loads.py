@@ -62,12 +62,6 @@ def test_two_bodies_share_a_load_by_their_contact_modulus():
     assert float(contact["mean_pressure"]) == pytest.approx(3e6, rel=1e-7)
 
 
-def test_a_stiffness_scale_changes_the_contact_and_not_the_load():
-    contact = solved({"pressure": PRESSURE}, body=BODY | {"stiffness_scale": 2.0})
-    assert float(contact["mean_pressure"]) == pytest.approx(PRESSURE, rel=1e-7)
-    assert float(contact["reduced_pressure"]) == 0.05
-
-
 @pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 def test_a_path_changes_the_load_that_the_loading_prescribes():
     path = solved({"pressure": 1e6}, [{"pressure": "3 MPa"}, {"pressure": 2e6}])

@@ -6,9 +6,9 @@ import pytest
 import gfmd_numba
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.doubts import _coarse_steps
 from gfmd_numba.contact.energy_balance import Balance
 from gfmd_numba.contact.load_path import PathRecord, solve_path
+from gfmd_numba.contact.validity import _coarse_steps
 from gfmd_numba.fourier import grid
 from gfmd_numba.scene import load_scene
 from support.friction_losses import slipping_losses

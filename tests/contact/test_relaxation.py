@@ -12,12 +12,12 @@ from scipy.optimize import brentq
 import gfmd_numba
 from gfmd_numba.contact import time_steps
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.doubts import FEWEST
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
+from gfmd_numba.contact.validity import FEWEST
 from gfmd_numba.contact.viscoelasticity import Relaxation
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries

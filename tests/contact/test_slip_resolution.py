@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from gfmd_numba.contact.law_resolution import COARSEST, REFUSED, doubt, resolution
+from gfmd_numba.contact.law_resolution import COARSEST, REFUSED, resolution, warning
 from gfmd_numba.contact.problem import CounterBody, Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
@@ -56,12 +56,12 @@ def test_the_larger_of_gap_and_slip_counts_over_the_stiffness_of_its_own_displac
 
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 1e-3)])
 def test_the_grid_it_asks_for_resolves_slip(body):
-    told = doubt(problem(128, LAW, body), None)
+    told = warning(problem(128, LAW, body), None)
     nodes = int(told.rpartition("at least ")[2].split()[0])
     assert "under slip it softens" in told
     assert "or a longer tangential_length" in told
     assert nodes > 128
-    assert doubt(problem(nodes, LAW, body), None) == ""
+    assert warning(problem(nodes, LAW, body), None) == ""
 
 
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 3e-3), ElasticBody(0.0, 3e-3)])
@@ -87,8 +87,8 @@ def test_between_two_bodies_the_compliances_to_slip_add_up(dimension):
 
 def test_the_length_that_is_too_short_is_named_as_in_the_scene():
     gap, slip = (problem(128, XuNeedlemanLaw(6e-3, *lengths)) for lengths in ((3e-3, 1.0), (1.0, 5e-3)))
-    assert "or a longer normal_length" in doubt(gap, None)
-    assert "or a longer tangential_length" in doubt(slip, None)
+    assert "or a longer normal_length" in warning(gap, None)
+    assert "or a longer tangential_length" in warning(slip, None)
 
 
 def largest_drag(nodes):

@@ -43,7 +43,7 @@ def test_a_ridge_has_the_fields_of_its_profile_along_x_and_along_y(body, n):
     turned = {"1": "2", "2": "1", "5": "4"}
     for tractions, across, swapped in ((along_x, "y", {}), (along_y, "x", turned)):
         surface = fields.surface_under_tractions(tractions, body)
-        found = dict(zip(ALL, fields.Periodic(surface, body).section(Z, ALL, across, 0.37), strict=True))
+        found = dict(zip(ALL, fields.Inside((surface,), body).section(Z, ALL, across, 0.37), strict=True))
         for name, values in expected.items():
             same = found.pop(name[:-1] + swapped.get(name[-1], name[-1]))
             np.testing.assert_allclose(same, values, atol=1e-13 * abs(values).max(), err_msg=name)
@@ -126,7 +126,7 @@ def test_a_wave_of_any_direction_is_that_of_elasticity_in_three_axes(body, layer
     y, x = np.meshgrid(np.arange(n) / n, np.arange(n) / n, indexing="ij")
     wave = np.exp(2j * np.pi * (kx * x + ky * y))
     surface = fields.surface_under_tractions((traction[:, np.newaxis, np.newaxis] * wave).real, body)
-    found = fields.Periodic(surface, body).section(-np.array(depths), ALL, "y", 0.3)
+    found = fields.Inside((surface,), body).section(-np.array(depths), ALL, "y", 0.3)
     with mpmath.workdps(40):
         qx, qy = 2 * mpmath.pi * kx, 2 * mpmath.pi * ky
         expected = np.array(list(exact(list(traction), qx, qy, layers, depths)))
@@ -142,7 +142,7 @@ def test_fields_are_in_equilibrium_and_obey_hookes_law(body):
     n, depth, step = 31, 0.05, 2e-4  # without a Nyquist wave, whose derivative the nodes do not see
     surface = fields.surface_under_tractions(random_tractions((n, n), body), body)
     levels = -depth + step * np.arange(-3, 4)
-    planes = np.stack([fields.Periodic(surface, body).plane(z, ALL) for z in levels])
+    planes = np.stack([fields.Inside((surface,), body).plane(z, ALL) for z in levels])
     weights = np.array([-1, 9, -45, 0, 45, -9, 1]) / (60 * step)
     here = dict(zip(ALL, planes[3], strict=True))
     in_z = dict(zip(ALL, np.einsum("z,zfyx->fyx", weights, planes), strict=True))
@@ -180,7 +180,7 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     pressure = np.sqrt(np.maximum(1.0 - (x**2 + x[:, np.newaxis] ** 2) / radius**2, 0.0))
     body, z = ElasticBody(0.3, None), -radius * np.linspace(0.02, 1.5, 75)
     surface = fields.surface_under_tractions(np.stack([0 * pressure, 0 * pressure, -pressure]), body)
-    s1, s2, s3, *_ = fields.Periodic(surface, body).section(z, STRESSES, "y", 0.5)[:, :, n // 2]
+    s1, s2, s3, *_ = fields.Inside((surface,), body).section(z, STRESSES, "y", 0.5)[:, :, n // 2]
     shear = 0.5 * abs(s3 - s1)
     assert shear.max() == pytest.approx(0.310, abs=0.002)
     assert -z[shear.argmax()] / radius == pytest.approx(0.48, abs=0.02)
@@ -190,7 +190,7 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     exact1 = -1.3 * (1.0 - deep * np.arctan(1.0 / deep)) + 0.5 / (1.0 + deep**2)
     np.testing.assert_allclose(s3, exact3, atol=0.02)
     np.testing.assert_allclose(s1, exact1, atol=0.02)
-    most = fields.Periodic(surface, body).largest_von_mises(z)
+    most = fields.Inside((surface,), body).largest_von_mises(z)
     assert most.von_mises.max() == pytest.approx(0.620, abs=0.004)
     deepest = most.von_mises.argmax()
     assert (most.x[deepest], most.y[deepest]) == pytest.approx((0.5, 0.5), abs=1 / n)
@@ -200,15 +200,15 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
 def test_sections_cut_the_planes_and_the_largest_stress_is_theirs(shape):
     body = BODIES["layers"]
     surface = fields.surface_under_tractions(random_tractions(shape, body), body)
-    planes = np.stack([fields.Periodic(surface, body).plane(z, ALL) for z in Z], axis=1)
+    planes = np.stack([fields.Inside((surface,), body).plane(z, ALL) for z in Z], axis=1)
     size = abs(planes).max(axis=(2, 3), keepdims=True)[..., 0]
-    along_x = fields.Periodic(surface, body).section(Z, ALL, "y", 5 / shape[0])
-    along_y = fields.Periodic(surface, body).section(Z, ALL, "x", 7 / shape[1])
+    along_x = fields.Inside((surface,), body).section(Z, ALL, "y", 5 / shape[0])
+    along_y = fields.Inside((surface,), body).section(Z, ALL, "x", 7 / shape[1])
     assert (abs(along_x - planes[:, :, 5]) <= 1e-12 * size).all()
     assert (abs(along_y - planes[:, :, :, 7]) <= 1e-12 * size).all()
-    tractions = fields.Periodic(surface, body).plane(0.0, ("stress5", "stress4", "stress3"))
+    tractions = fields.Inside((surface,), body).plane(0.0, ("stress5", "stress4", "stress3"))
     np.testing.assert_allclose(tractions, random_tractions(shape, body), atol=1e-13)
-    largest = fields.Periodic(surface, body).largest_von_mises(Z)
+    largest = fields.Inside((surface,), body).largest_von_mises(Z)
     mises = fields.von_mises(*planes[-6:])
     np.testing.assert_allclose(largest.von_mises[:4], mises.max(axis=(1, 2))[:4], rtol=1e-12)
     row, column = np.unravel_index(mises[1].argmax(), shape)
@@ -218,10 +218,10 @@ def test_sections_cut_the_planes_and_the_largest_stress_is_theirs(shape):
 def test_waves_that_are_left_out_at_a_depth_are_not_missed(monkeypatch):
     body, z = BODIES["layers on a half-space"], np.array([-0.08, -0.15, -0.4])
     surface = fields.surface_under_tractions(random_tractions((256, 256), body), body)
-    found = fields.Periodic(surface, body).section(z, ALL, "x", 0.2)
+    found = fields.Inside((surface,), body).section(z, ALL, "x", 0.2)
     assert max(fields.waves_kept((256, 256), 0.08)) < 128
     monkeypatch.setattr(fields, "_FADED", np.inf)
-    whole = fields.Periodic(surface, body).section(z, ALL, "x", 0.2)
+    whole = fields.Inside((surface,), body).section(z, ALL, "x", 0.2)
     np.testing.assert_allclose(found, whole, atol=1e-14 * abs(whole).max())
 
 
@@ -231,10 +231,10 @@ def test_a_section_never_holds_the_volume_in_memory():
     body = ElasticBody(0.3, 0.5)
     surface = fields.surface_under_tractions(random_tractions((n, n), body), body)
     tracemalloc.start()
-    section = fields.Periodic(surface, body).section(-np.linspace(0.0, 0.02, levels), ALL)
+    section = fields.Inside((surface,), body).section(-np.linspace(0.0, 0.02, levels), ALL)
     taken = tracemalloc.get_traced_memory()[1] - 3 * section.nbytes
     tracemalloc.reset_peak()
-    fields.Periodic(surface, body).largest_von_mises(np.zeros(2))
+    fields.Inside((surface,), body).largest_von_mises(np.zeros(2))
     scan = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert taken < 40 * 8 * n**2  # the volume would be 600

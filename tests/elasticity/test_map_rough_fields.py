@@ -46,10 +46,10 @@ def test_fields_below_a_rough_ridge_are_those_of_its_profile(body, order):
         (topography.rough_surface(np.array([0 * t.T, t.T, -p.T]), h.T.copy(), body, order), "x", OVER_Y),
     )
     for surface, across, names in ridges:
-        for name, found in zip(NAMES, fields.Periodic(surface, body).section(Z, NAMES, across, 0.3), strict=True):
+        for name, found in zip(NAMES, fields.Inside((surface,), body).section(Z, NAMES, across, 0.3), strict=True):
             of_profile_ = getattr(expected, names[name]) if name in names else np.zeros_like(found)
             np.testing.assert_allclose(found, of_profile_, atol=1e-13, err_msg=name)
-    on_plane = fields.Periodic(ridges[0][0], body).plane(Z[1], ("u1", "stress5"))
+    on_plane = fields.Inside((ridges[0][0],), body).plane(Z[1], ("u1", "stress5"))
     np.testing.assert_allclose(on_plane[0, 4], expected.u1[1], atol=1e-13)
     np.testing.assert_allclose(on_plane[1, 4], expected.stress5[1], atol=1e-13)
 
@@ -76,7 +76,7 @@ def test_fields_below_a_turned_ridge_are_those_of_its_profile(order):
         "strain6",
     )
     for i, z in enumerate(Z):
-        u1, u2, s3, s4, s5, s1, s2, s6, e1, e2, e6 = fields.Periodic(surface, body).plane(root * z, names)
+        u1, u2, s3, s4, s5, s1, s2, s6, e1, e2, e6 = fields.Inside((surface,), body).plane(root * z, names)
         along = {
             "u1": u1 + u2,
             "stress3": s3,
@@ -141,7 +141,7 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(bo
         for order in (1, 2, 3):
             surface = topography.rough_surface(wanted, size * waves, lower, order)
             found = [
-                fields.Periodic(surface, lower).plane(z, NAMES[:1] + NAMES[3:])[:, round(12 * y), round(12 * x)]
+                fields.Inside((surface,), lower).plane(z, NAMES[:1] + NAMES[3:])[:, round(12 * y), round(12 * x)]
                 for x, y, z in labels
             ]
             misses = np.transpose(found) - exact

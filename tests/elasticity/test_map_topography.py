@@ -36,7 +36,7 @@ def on_surface(tractions, heights, body, names):
     surface = fields.surface_under_tractions(tractions, body)
     found = np.empty((len(names), N, N))
     for i, j in np.ndindex(N, N):
-        found[:, i, j] = fields.Periodic(surface, body).section(heights[i, j : j + 1], names, "y", i / N)[:, 0, j]
+        found[:, i, j] = fields.Inside((surface,), body).section(heights[i, j : j + 1], names, "y", i / N)[:, 0, j]
     return found
 
 

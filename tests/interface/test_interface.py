@@ -35,9 +35,9 @@ LAWS = {
     "repulsion": ExponentialLaw(-0.3, 0.2),
     "squared": SquaredExponentialLaw(0.3, 0.2),
     "maugis": MaugisDugdaleLaw(0.3, 0.2, 0.2),
-    "lennard-jones": LennardJonesLaw.scaled(LennardJones(**ASKED), 1.0, 1.0),
-    "van der waals": ShiftedPowerLaw.scaled(PowerLaw(**ASKED), 1.0, 1.0),
-    "power repulsion": ShiftedPowerLaw.scaled(PowerLaw(work_of_adhesion=-0.3, range=0.2, exponent=3.5), 1.0, 1.0),
+    "lennard-jones": LennardJonesLaw.of(LennardJones(**ASKED)),
+    "van der waals": ShiftedPowerLaw.of(PowerLaw(**ASKED)),
+    "power repulsion": ShiftedPowerLaw.of(PowerLaw(work_of_adhesion=-0.3, range=0.2, exponent=3.5)),
 }
 of_each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
@@ -94,7 +94,7 @@ def test_the_record_of_a_law_knows_what_it_pulls_at_no_gap(name):
 @pytest.mark.filterwarnings("error")
 def test_the_pole_of_a_law_is_cut_off_where_its_record_says():
     for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLaw)):
-        found, kink = law.scaled(record(work_of_adhesion=0.3, range=0.2), 1.0, 1.0), 0.2 * record.known_from
+        found, kink = law.of(record(work_of_adhesion=0.3, range=0.2)), 0.2 * record.known_from
         inside, outside = found.stiffness(np.array([kink - 1e-3, kink + 1e-3]))
         assert inside == found.stiffness(np.array(kink - 0.05)) != outside
         assert found.stiffness(np.array(kink + 1e-12)) == pytest.approx(inside)
@@ -102,7 +102,7 @@ def test_the_pole_of_a_law_is_cut_off_where_its_record_says():
 
 def test_a_pressure_bounds_how_stiff_a_law_gets():
     law, gap = (
-        LennardJonesLaw.scaled(LennardJones(work_of_adhesion=0.3, range=0.2), 1.0, 1.0),
+        LennardJonesLaw.of(LennardJones(work_of_adhesion=0.3, range=0.2)),
         np.linspace(0.1, 0.4, 300001),
     )
     bears = -law.traction(gap) <= 5.0
@@ -111,8 +111,8 @@ def test_a_pressure_bounds_how_stiff_a_law_gets():
 
 def test_a_law_reaches_over_its_range_if_it_attracts():
     asked = {"work_of_adhesion": 0.3, "range": 0.2}
-    assert ShiftedPowerLaw.scaled(PowerLaw(**asked | {"work_of_adhesion": -0.3}), 1.0, 1.0).reach == 0.0
-    assert MaugisDugdaleLaw(0.3, 0.2, 0.2).reach == LennardJonesLaw.scaled(LennardJones(**asked), 1.0, 1.0).reach == 0.2
+    assert ShiftedPowerLaw.of(PowerLaw(**asked | {"work_of_adhesion": -0.3})).reach == 0.0
+    assert MaugisDugdaleLaw(0.3, 0.2, 0.2).reach == LennardJonesLaw.of(LennardJones(**asked)).reach == 0.2
 
 
 @of_each_law

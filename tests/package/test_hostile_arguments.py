@@ -57,8 +57,13 @@ FUNCTIONS = {
     },
     "gfmd_numba.contact_statistics": lambda things: {"dataset": things.contact()},
     "gfmd_numba.gap_percolation": lambda things: {"dataset": things.map()},
-    "gfmd_numba.leakage": lambda things: {"dataset": things.map()},
-    "gfmd_numba.contact_conductance": lambda things: {"contact": things.contact()},
+    "gfmd_numba.leakage": lambda things: {
+        "dataset": things.map(),
+        "viscosity": "1 mPa s",
+        "pressure": 2e5,
+        "seal": ["1 mm", 0.3],
+    },
+    "gfmd_numba.contact_conductance": lambda things: {"contact": things.map(), "conductivity": "60 MS/m"},
     "gfmd_numba.analysis.contact_stiffness": lambda things: {"dataset": things.results()},
     "gfmd_numba.analysis.ensemble_mean": lambda things: {"cases": things.results(), "variable": "kappa"},
     "gfmd_numba.analysis.plot_accuracy": lambda things: {"dataset": things.accuracy(), "width": "single"},
@@ -92,7 +97,7 @@ FUNCTIONS = {
 FUNCTIONS |= {  # the same functions, seen from another room
     f"gfmd_numba.analysis.{name}": FUNCTIONS[f"gfmd_numba.{name}"]
     for name in sorted(set(analysis.__all__) & set(gfmd_numba.__all__))
-}
+} | {"gfmd_numba.analysis.leakage": lambda things: {"dataset": things.map()}}  # without a fluid
 
 
 @pytest.fixture(scope="module")

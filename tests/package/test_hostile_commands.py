@@ -29,6 +29,7 @@ COMMANDS = {
         "file": things.file("map.nc", things.map()),
         "output": things.new("c.nc"),
         "as_json": False,
+        "conductivity": ["60 MS/m"],
     },
     "curve": lambda things: {
         "file": things.file("scene.yaml", SCENE),
@@ -61,6 +62,9 @@ COMMANDS = {
         "file": things.file("map.nc", things.map()),
         "output": things.new("k.nc"),
         "as_json": False,
+        "viscosity": "1 mPa s",
+        "pressure": "2 bar",
+        "seal": None,
     },
     "plan": lambda things: {
         "file": things.file("tiny.yaml", TINY),

@@ -23,8 +23,8 @@ class QuadraticLaw:
     length: float
 
     @classmethod
-    def scaled(cls, asked, length, energy):
-        return cls(asked.work_of_adhesion / energy, asked.range / length)
+    def of(cls, asked):
+        return cls(asked.work_of_adhesion, asked.range)
 
     @property
     def strength(self):
@@ -121,7 +121,6 @@ def largest_pressure(contact):
         (
             """\
     "largest_pressure": Observable(
-        "contact",
         "pressure",
         "largest contact pressure",
         "gfmd_numba.contact.largest_pressure:largest_pressure",

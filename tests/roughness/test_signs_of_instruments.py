@@ -116,6 +116,23 @@ def test_saturated_and_stuck_heights_and_marks_of_missing_ones_are_told():
     assert len(sentences.splitlines()) == 1
 
 
+@pytest.mark.parametrize(
+    ("mark", "places", "said"),
+    [
+        (-9999.0, [700, 1200], "2 of 2048 heights are exactly -9999 um"),
+        (65535.0, [3], "1 of 2048 heights is exactly 65535 um"),
+        (1e10, [1, 2, 90], "3 of 2048 heights are exactly 1e+10 um"),
+        (-99.0, [1, 2, 90], "3 of 2048 heights are exactly -99 um"),
+    ],
+)
+def test_a_few_marks_of_missing_heights_are_no_spikes(mark, places, said):
+    marked = rough((N,))
+    marked[places] = 1e-6 * mark
+    sentences = told(marked)
+    assert f"{said}: if that marks missing heights, write nan for them, and fill: interpolate" in sentences
+    assert "spike" not in sentences
+
+
 def test_heights_in_a_wrong_unit_are_told():
     z = rough((N,))
     assert "check the units" in told(1e3 * z)

@@ -55,6 +55,10 @@ FACTORS = {
     ("time", "min"): "60",
     ("time", "h"): "3600",
     ("memory", "GB"): "1000000000",
+    ("dynamic viscosity", "cP"): "1/1000",
+    ("thermal conductivity", "W/(m K)"): "1",
+    ("thermal conductivity", "W/(cm*K)"): "100",
+    ("electrical conductivity", "MS/m"): "1000000",
     ("memory", "MiB"): "1048576",
 }
 

@@ -26,6 +26,38 @@ def test_a_hertzian_spot_conducts_as_holm_says(half_width):
     assert a * n == pytest.approx(half_width, rel=0.02)
 
 
+def in_millimetres(dataset):
+    """Dataset of a map of 1 mm, with its positions and gaps in m."""
+    found = dataset.assign(gap=(1e-3 * dataset["gap"]).assign_attrs(units="m"))
+    return found.assign_coords({dim: (1e-3 * dataset[dim]).assign_attrs(units="m") for dim in ("x", "y")})
+
+
+def test_the_resistance_is_that_of_the_nominal_area():
+    """A round spot of radius a resists with 1 / (2 a s) (Holm), less with spots around it."""
+    spot = in_millimetres(pressed(paraboloid(128), 4.0 / 3.0 * (10.0 / 128) ** 3 / 100.0))
+    a = 1e-3 * np.sqrt(float(spot["contact_area_fraction"]) / np.pi)
+    holm = (1.0 - 2.0e3 * a * IMAGES / np.pi) / (2.0 * a)
+    for given, mean, unit in (
+        ("60 MS/m", 60e6, "ohm"),
+        (["0.4 kW/(m K)", "16 W/m/K"], 800.0 / 26.0, "K W-1"),
+    ):
+        found = gfmd_numba.contact_conductance(spot, given)["resistance"]
+        assert float(found) == pytest.approx(holm / mean, rel=0.01)
+        assert found.units == unit
+    with pytest.warns(UserWarning, match="ridges without end"):
+        found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")["resistance"]
+    assert found.units == "ohm m"
+
+
+@pytest.mark.parametrize("given", ["60", 60.0, [], ["60 S/m", "16 W/m/K"], ["1 S/m"] * 3, "0 S/m", "1 S", None, [[]]])
+def test_conductivities_of_other_kinds_are_refused(given):
+    ridge = in_millimetres(made(np.eye(8, dtype=bool)))
+    if given is None:
+        ridge, given = made(np.eye(8, dtype=bool)), "60 MS/m"
+    with pytest.raises(gfmd_numba.InputError, match=r"^conductivity: you gave "):
+        gfmd_numba.contact_conductance(ridge, given)
+
+
 @pytest.mark.parametrize("ridges", [1, 4])
 @pytest.mark.parametrize("nodes", [5, 20, 50])
 def test_parallel_ridges_conduct_as_a_row_of_strips(ridges, nodes):

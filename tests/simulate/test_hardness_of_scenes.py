@@ -14,7 +14,7 @@ from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.observables import OBSERVABLES
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -48,7 +48,7 @@ def solve(*args, numerics=None, eps=None, **others):
 
 def problem(**wall):
     asked = Scene.model_validate(scene() | {"interface": {"hard_wall": wall}})
-    return reduce(asked, PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.1), Numerics())[0]
+    return reduce(asked, FacingSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.1), Numerics())[0]
 
 
 def test_no_hardness_is_no_part_of_a_problem():

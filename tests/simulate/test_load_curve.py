@@ -229,8 +229,12 @@ def test_a_displacement_without_room_names_its_load():
         load_curve(scene_file(body=body, loading={"displacement": 1e-5}), [1e-5, 0.5])
 
 
-def test_a_load_that_fails_is_marked_and_has_no_numbers():
-    found = load_curve(scene_file() | {"numerics": {"max_iterations": 1}}, [0.05, 0.1])
+def test_a_load_that_fails_is_marked_and_told_and_has_no_numbers():
+    with pytest.warns(
+        UserWarning, match="^at prescribed_load 0.05, 0.1: steps_used_up: The solver took all the iterations"
+    ) as told:
+        found = load_curve(scene_file() | {"numerics": {"max_iterations": 1}}, [0.05, 0.1])
+    assert told[0].filename == __file__
     assert (found["status"] == 1).all()
     assert found["n_realisations"].values.tolist() == [0, 0]
     assert np.isnan(found["contact_area_fraction"]).all()
@@ -247,7 +251,8 @@ def test_surfaces_that_fail_are_left_out_of_the_mean(monkeypatch):
 
     whole = load_curve(scene_file(), [0.05, 0.1])
     monkeypatch.setattr(curve, "solve_curve", failing)
-    found = load_curve(scene_file(), [0.05, 0.1], 3)
+    with pytest.warns(UserWarning, match="^at prescribed_load 0.05, 0.1: steps_used_up: "):
+        found = load_curve(scene_file(), [0.05, 0.1], 3)
     assert found["n_realisations"].values.tolist() == [1, 0]
     assert found["status"].values.tolist() == [1, 1]
     assert float(found["mean_gap"][0]) == float(whole["mean_gap"][0])

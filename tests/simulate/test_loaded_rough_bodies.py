@@ -109,7 +109,7 @@ def on_true_surface(size):
     found = np.empty((len(names), N, N))
     for i, j in np.ndindex(N, N):
         depth = heights[i, j : j + 1] - highest
-        found[:, i, j] = fields.Periodic(top, flat).section(depth, names, "y", i / N)[:, 0, j]
+        found[:, i, j] = fields.Inside((top,), flat).section(depth, names, "y", i / N)[:, 0, j]
     s1, s6, s2, s5, s4, s3, *moved = found
     in_x = -2 * np.pi * size * np.sin(2 * np.pi * (X2 - Y2))
     in_y = -in_x + np.pi * size * np.cos(2 * np.pi * Y2)

@@ -6,7 +6,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.contact.problem import Tractions
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.generators import RandomSurface
@@ -111,7 +111,7 @@ def test_tractions_are_part_of_the_identity_and_of_the_effects():
         "interface": {"hard_wall": {}},
         "loading": {"reduced_pressure": 0.01},
     }
-    drawn = PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
+    drawn = FacingSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
 
     def reduced(*prescribed):
         return reduce(Scene.model_validate(scene), drawn, Numerics(), (), *prescribed)

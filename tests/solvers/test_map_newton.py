@@ -138,10 +138,11 @@ def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.01)])
 def test_the_bound_of_tractions_is_their_largest_sum(slab):
     """Long waves are hard to press into a thin incompressible layer, whose nodes feel each other far away."""
-    stiff = body((512, 512), slab)
+    shape = (512, 512) if slab is None else (256, 256)
+    stiff = body(shape, slab)
     stiff[0, 0] = 0.0
-    felt = abs(np.fft.irfft2(stiff, (512, 512))).sum()
-    bound = newton.Level((512, 512), stiff, (512, 512)).largest_traction
+    felt = abs(np.fft.irfft2(stiff, shape)).sum()
+    bound = newton.Level(shape, stiff, shape).largest_traction
     assert felt <= bound <= 1.11 * felt
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import PressedSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
@@ -27,7 +27,7 @@ SCENE = {
 
 
 def identity(**numerics):
-    surfaces = PressedSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
+    surfaces = FacingSurfaces(RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 0), 0.01)
     return reduce(Scene.model_validate(SCENE), surfaces, Numerics(**numerics))[0].identity
 
 

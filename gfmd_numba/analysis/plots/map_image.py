@@ -24,6 +24,7 @@ _ENLARGED = 0.16  # of the shorter side, that is enlarged
 _FEW = 0.2  # of all nodes
 _SHARE = 0.98  # of the values above 0 that colours tell apart
 _LEFT, _ABOVE_AND_BELOW = 0.75, 1.4  # inches beside and above a map: labels, and the bar of its colours
+_OF_PROFILES = 9.0, 3.6  # inches
 OF_MAPS: dict[str, Any] = {"least": 1.65, "around": (_LEFT, _ABOVE_AND_BELOW)}  # of a sheet of maps
 
 
@@ -105,10 +106,15 @@ def most(values: Reals) -> float | None:
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction, of a path that of the last step."""
     title, last = last_step(dataset)
-    with sheet(2, 2, panel_of(last, 4.4), width, title=title, **OF_MAPS) as (figure, axes):
+    panel, around = (panel_of(last, 4.4), OF_MAPS) if "y" in last.dims else (_OF_PROFILES, {})
+    with sheet(2, 2, panel, width, title=title, **around) as (figure, axes):
         for axis, along in zip(axes, ("x", "y"), strict=True):
             flow = last["local_flow"].sel(direction=along).values
-            label = f"Flow along ${along}$ over its mean, none in grey" if flow.any() else f"No flow along ${along}$"
+            label = f"Flow along ${along}$ over its mean" if flow.any() else f"No flow along ${along}$"
+            if not around:
+                _draw_profile(axis, last, flow, label)
+                continue
+            label += ", none in grey" if flow.any() else ""
             colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
             draw_image(axis, last, np.where(flow > 0.0, flow, np.nan), label, "both", cmap=colours, norm=decades(flow))
     return figure
@@ -120,13 +126,17 @@ def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width |
     title, last = last_step(dataset)
     label, current = "Current over its mean", last["current_density"].values
     is_map = "y" in last.dims
-    with sheet(1, 1, panel_of(last, 5.6) if is_map else (9.0, 3.6), width, title=title) as (figure, (axis,)):
+    with sheet(1, 1, panel_of(last, 5.6) if is_map else _OF_PROFILES, width, title=title) as (figure, (axis,)):
         if is_map:
             colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
             shown = np.where(current > 0.0, current, np.nan)
             draw_image(axis, last, shown, label, "max", cmap=colours, vmin=0.0, vmax=most(current))
             enlarge_peak(axis, shown)
         else:
-            x, x_label = scaled(last["x"], "Position $x$", "L_x")
-            fill(axis, x, current, xlabel=x_label, ylabel=label)
+            _draw_profile(axis, last, current, label)
     return figure
+
+
+def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    fill(axis, x, values, xlabel=x_label, ylabel=label)

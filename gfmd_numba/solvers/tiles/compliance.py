@@ -212,11 +212,11 @@ class TileField:
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
-        self._stencil = np.pad(stencil, (3 - len(stencil)) // 2)
-        self.stiffest = float(stencil.max())  # of a node between its neighbours
+        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
+        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
         self._across = tiles_across
         self._nodes = self._tiles = np.empty(0, dtype=np.int64)
+        self._image = np.zeros((1, TILE, TILE))
         self._isolated = np.empty(0)  # pressure that a uniform displacement takes
 
     @property
@@ -231,12 +231,15 @@ class TileField:
 
     def factor(self, nodes: Indices, tiles: Indices, around: Indices) -> None:
         """Prepare `solve` for the nodes in contact of some tiles, and the places of the tiles around each."""
-        if np.array_equal(nodes, self._nodes) and np.array_equal(tiles, self._tiles):
-            return
+        if np.array_equal(tiles, self._tiles):
+            if np.array_equal(nodes, self._nodes):
+                return
+            self._image.reshape(-1)[self._nodes] = 0.0
+        else:
+            self._image = np.zeros((tiles.size + 1, TILE, TILE))
         self._nodes, self._tiles, (down, across) = nodes, tiles, self._blocks.shape
         self._ends = np.searchsorted(tiles, 2 * self._across * np.arange(down + 1))  # tiles of rows of blocks
         self._of_tiles = around, tiles // self._across // 2 * across + tiles % self._across // 2
-        self._image = np.zeros((tiles.size + 1, TILE, TILE))
         self._isolated = np.empty(nodes.size)
         self._stiff = self._near(np.ones(nodes.size), self._isolated)  # what is summed up is filled just before
 

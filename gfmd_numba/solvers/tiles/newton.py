@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -77,15 +77,15 @@ class Level:
     def largest_traction(self) -> float:
         """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node.
 
-        A half-space has the same on any grid, so that some of its waves do.
+        A half-space has the same on any grid, so that some of its waves do. On large maps other bodies have no bound:
+        it would take as much time as transforms of the displacement, and more memory.
         """
-        few, stiffness = self.shape, self.stiffness
-        sides = stiffness[0, 1:], stiffness[1 : self.shape[0] // 2, 0]
+        few = tuple(min(n, _SAMPLES) for n in self.shape)
+        sides = self.stiffness[0, 1:], self.stiffness[1 : self.shape[0] // 2, 0]
         slopes = [side / np.arange(1, side.size + 1) for side in sides]
-        if all(np.ptp(slope) <= _SAME * slope[0] for slope in slopes):
-            few = tuple(min(n, _SAMPLES) for n in self.shape)
-            stiffness = stiffness[grid.some_waves(self.shape, few)]
-        return _MORE * float(abs(grid.influence(stiffness, *few)).sum())
+        if few != self.shape and any(np.ptp(slope) > _SAME * slope[0] for slope in slopes):
+            return np.inf
+        return _MORE * _sum_of_influences(self.stiffness[grid.some_waves(self.shape, few)].tobytes(), few)
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
@@ -132,10 +132,7 @@ class MapContact:
         self._begin_on_tiles()
 
     def follow(self, coarse: "MapContact", gap: Reals) -> None:
-        """Begin with the contact of a coarser grid, and the tiles that it may reach under the displacement there.
-
-        The `gap` `[y, x]` is room.
-        """
+        """Begin with the contact of a coarser grid, and fill the `gap` `[y, x]` with the displacement there."""
         shape, coarse_shape, across = self.wall.shape, coarse.transform.shape, self._level.tiles_each_way[1]
         places = between(coarse_shape, self.transform.shape)
         (above, down), (left, right) = ((at[:n], part[:n]) for (at, part), n in zip(places, shape, strict=True))
@@ -159,9 +156,12 @@ class MapContact:
             kernels.refine_map(samples, above[rows], down[rows], left, right, gap[rows])
 
         team().by_rows(some, gap.shape)
+
+    def sharpen(self, gap: Reals) -> None:
+        """Go on where the `gap` `[y, x]` is yet the displacement of a coarser grid, which is not needed any more."""
         self._open(gap, gap)
         self._take(gap, self._gap)
-        self._sharpen()
+        self._close_on_tiles()
         self._begin_on_tiles()
 
     def loaded_tiles(self) -> Flags:
@@ -220,7 +220,7 @@ class MapContact:
         self.error = self._error()
         self.coarse_transforms += self._level.transforms() - before
 
-    def _sharpen(self) -> None:
+    def _close_on_tiles(self) -> None:
         """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
 
         Nodes under tension leave.
@@ -323,13 +323,23 @@ class MapContact:
 
     def _retile(self) -> None:
         """Take pressure and contact to the tiles now marked."""
-        before, pressure, contact = self._places, self.pressure, self.contact
-        self.tiles, self._places = listed(self._marks)
-        self._around = np.empty((self.tiles.size, 9), dtype=np.int64)
-        kernels.surround(self.tiles, self._places, *self._level.tiles_each_way, self._level.ends, self._around)
+        tiles, places = listed(self._marks)
+        if np.array_equal(tiles, self.tiles):
+            return
+        before = self._places[tiles]
+        pressure, contact = self.pressure[before], self.contact[before]
+        self.pressure = self._gap = self._direction = self._moved = pressure  # which frees what they were
+        self.tiles, self._places = tiles, places
+        self._around = np.empty((tiles.size, 9), dtype=np.int64)
+        kernels.surround(tiles, places, *self._level.tiles_each_way, self._level.ends, self._around)
         self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
-        self.pressure[:-1], self.contact[:-1] = pressure[before[self.tiles]], contact[before[self.tiles]]
+        self.pressure[:-1], self.contact[:-1] = pressure, contact
+
+
+@lru_cache(maxsize=16)  # bodies and grids
+def _sum_of_influences(stiffness: bytes, shape: tuple[int, ...]) -> float:
+    return float(abs(grid.influence(np.frombuffer(stiffness).reshape(shape[0], -1), *shape)).sum())
 
 
 def listed(marks: Flags) -> tuple[Indices, Indices]:
@@ -401,6 +411,8 @@ def guess(
     contact.follow(before, gap)
     spent = int(own.n_transforms[0]) + before.coarse_transforms
     contact.coarse_transforms += spent * grid.relative_cost(own.n, transform.n)
+    del before, own, smooth  # as this is where memory peaks
+    contact.sharpen(gap)
     return contact
 
 

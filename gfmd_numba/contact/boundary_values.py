@@ -1,4 +1,4 @@
-"""A body that is loaded and displaced without a punch.
+"""A body whose surface has prescribed tractions and displacements, without a punch.
 
 A rough body is the flat one, and what its topography adds.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.contact_input import LoadedBodyInput
+from gfmd_numba.contact.contact_input import BoundaryInput
 from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.elasticity import topography
@@ -21,7 +21,7 @@ _MOST_ROUNDS = 30
 
 
 @dataclass(frozen=True)
-class Loaded:
+class BoundarySolution:
     """Displacements and tractions of the surface, and what the next order would add to any displacement (L_x).
 
     Tractions count per area of the mean plane. The error of a flat body is 0.
@@ -32,7 +32,7 @@ class Loaded:
     next_order: float = 0.0
 
 
-def solve_loaded_body(given: LoadedBodyInput) -> Loaded:
+def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
     """Displacements and tractions of the surface of a body to which all is prescribed, in L_x and E*.
 
     A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
@@ -43,7 +43,7 @@ def solve_loaded_body(given: LoadedBodyInput) -> Loaded:
     traction, asked = _prescribed(given)
     response = body.response(traction.shape[1:])
     if rough is None:
-        return Loaded(deform(response, traction, asked, options), options.solver)
+        return BoundarySolution(deform(response, traction, asked, options), options.solver)
     held, added = ~np.isnan(asked), np.zeros_like(asked)
     spent: list[tuple[int, int, float]] = []
     for _ in range(_MOST_ROUNDS):
@@ -67,10 +67,10 @@ def solve_loaded_body(given: LoadedBodyInput) -> Loaded:
         wall_time=float(seconds),
     )
     _, next_order = _response(rough, flat.traction, order + 1)
-    return Loaded(deformed, options.solver, next_order)
+    return BoundarySolution(deformed, options.solver, next_order)
 
 
-def _prescribed(given: LoadedBodyInput) -> tuple[Reals, Reals]:
+def _prescribed(given: BoundaryInput) -> tuple[Reals, Reals]:
     """Tractions (E*) and displacements (L_x) `[component, (y,) x]`, the normal ones last, not-a-number where free."""
     arrays, scales = given.prescribed, given.scales
     free, components = np.full(next(iter(arrays.values())).shape, np.nan), COMPONENTS[given.file.scene.dimension]

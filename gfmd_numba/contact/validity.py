@@ -1,6 +1,7 @@
-"""Reasons to doubt what was solved, in sentences: what linear elasticity, the grid or the orders leave out."""
+"""Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from math import ceil, dist, inf, nan, pi, sqrt
 from typing import Any
@@ -14,7 +15,6 @@ from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
-from gfmd_numba.contact.scales import longest_time, relaxation
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.plausibility import is_design
@@ -26,6 +26,7 @@ from gfmd_numba.text.numbers import with_prefix
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
+MOST_RANGES = 3  # of steps that a sentence names one by one
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
@@ -42,35 +43,66 @@ FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
-THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is doubted
+THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
 Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are those of the nodes
 
 
-def doubts(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the reasons to doubt the steps of a path, one sentence a line."""
-    bodies = given.surfaces.bodies
-    rough = "" if bodies is None else doubt_of_bodies(bodies, given.surfaces.order, dataset)
-    each = (
+def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
+    """Return the warnings about the steps of a path, one sentence a line; those of some steps begin with these."""
+    bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
+    own = (
         _coarse_times,
-        _coarse_steps,
         _coarse_flow,
         _beyond_small_strains,
         _outside_branches,
-        _few_nodes,
-        _narrow,
+        _few_nodes if few else _narrow,
         _few_contacts,
-        _at_the_edge,
-        _past_asperities,
         _weak_interface,
         _overlap,
         _closer_than_known,
     )
-    found = {str(name): variable.values for name, variable in dataset.variables.items()}
-    own = (reason(given, found) for reason in each)
-    short = _short_stretches(problem, found)
-    return "\n".join([*of_input(given), *filter(None, (rough, *own, short))])
+    each: list[Callable[[xr.Dataset], str]] = [
+        lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
+        *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
+        lambda steps: at_the_edge(_arrays(steps)),
+        lambda steps: past_asperities(_arrays(steps)),
+        lambda steps: _short_stretches(problem, _arrays(steps)),
+    ]
+    told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
+    return "\n".join([*input_warnings(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
+
+
+def _arrays(dataset: xr.Dataset) -> Found:
+    return {str(name): variable.values for name, variable in dataset.variables.items()}
+
+
+def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int) -> Iterator[str]:
+    """Yield the sentences of a reason, which are those of the worst step, behind the steps that have it."""
+    said = reason(dataset).splitlines()
+    steps = range(dataset.sizes.get("step", 0) if said else 0)
+    by_step = [{wording(line) for line in reason(dataset.isel(step=i)).splitlines()} for i in steps]
+    for line in said:
+        where = steps_told([wording(line) in lines for lines in by_step], last)
+        yield f"in {where}: {line}" if where else line
+
+
+def wording(line: str) -> str:
+    """Sentence without its numbers and their units."""
+    return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
+
+
+def steps_told(affected: Sequence[bool], last: int) -> str:
+    """Name the steps of a path that have something, of those up to the last one; nothing where all or none are."""
+    steps = [i for i, has_it in enumerate(affected) if has_it]
+    if len(steps) in (0, len(affected)):
+        return ""
+    ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
+    if len(ends[0]) > MOST_RANGES:
+        return f"{len(steps)} of the steps {steps[0]} to {steps[-1]} of {last}"
+    ranges = [f"{first}" if first == end else f"{first} to {end}" for first, end in zip(*ends, strict=True)]
+    return f"step{'s' * (len(steps) > 1)} {', '.join(ranges)} of {last}"
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -88,12 +120,12 @@ def _smallest(values: NDArray[Any]) -> float:
     return -_largest(-values)
 
 
-def of_input(given: Input) -> list[str]:
-    """Reasons to doubt a scene that are known before it is solved: of its surfaces, its load and its grid."""
+def input_warnings(given: Input) -> list[str]:
+    """Warnings about a scene that are known before it is solved: of its surfaces, its load and its grid."""
     found = [sentence for surface in given.measured for sentence in surface.doubts]
     if not isinstance(given, ContactInput):
         return found
-    coarse = law_resolution.doubt(given.reduced[0], given.file.discretisation)
+    coarse = law_resolution.warning(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
@@ -160,13 +192,16 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
         return ""
     lost = np.nan_to_num(found["energy_lost"])
-    whole, apart = lost.sum(), lost[np.isnan(found[jump])].sum()
+    without = np.where(np.isnan(found[jump]), lost, 0.0)
+    whole, apart = lost.sum(), without.sum()
     work = _largest(abs(found["mean_pressure"])) * np.nansum(abs(np.diff(found["mean_gap"])))
     if not apart > max(LARGEST_UNLOCATED * whole, LARGEST_OF_THE_WORK * work):
         return ""
+    where = steps_told(list(without > LARGEST_UNLOCATED * apart), len(given.file.path))
     return (
-        f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump, where forces "
-        "between the ends are unknown and little or nothing is lost: take shorter steps there"
+        f"{apart / whole:.0%} of the energy that the path seems to lose lies in steps without a jump (most in "
+        f"{where or 'all of them'}), where forces between the ends are unknown and little or nothing is lost: take "
+        "shorter steps there"
     )
 
 
@@ -175,26 +210,26 @@ def _coarse_flow(given: ContactInput, found: Found) -> str:
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
-    deep, told = int(flows.sum(0).max()), []
-    if flows[-1].any():
-        told.append(
-            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
-        )
+    deep, told = int(flows.sum(0).max()), coarse_flow(found)
     if 0 < deep < FEWEST_SUBLAYERS:
         told.append(
             f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
         )
-    return "\n".join([*told, *coarse_increments(found)])
+    return "\n".join(told)
 
 
-def coarse_increments(found: Found) -> list[str]:
-    """Return warnings about plastic flow that the increments do not resolve, or that is large."""
+def coarse_flow(found: Found) -> list[str]:
+    """Return warnings about plastic flow that leaves its layer, that increments do not resolve, or that is large."""
     told, strain, error = [], _largest(found["largest_plastic_strain"]), _largest(found["increment_error"])
     if strain > 0.0 and not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
         told.append(
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
             "body.plasticity.increments"
+        )
+    if _largest(found["plastic_strain_at_base"]) > 0.0:
+        told.append(
+            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
         )
     if strain > LARGEST_STRAIN:
         told.append(
@@ -233,7 +268,7 @@ def _narrow(given: ContactInput, found: Found) -> str:
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
-    if scene.interface.hard_wall is None or not scene.surfaces or _few_nodes(given, found):
+    if scene.interface.hard_wall is None or not scene.surfaces:
         return ""
     width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
     areas = found["contact_area_fraction"]
@@ -287,10 +322,10 @@ def _outside_branches(given: ContactInput, found: Found) -> str:
 
     Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
     """
-    scene, series = given.file.scene, relaxation(given.file.scene)
+    scene, series = given.file.scene, given.scales.relaxation
     if series is None:
         return ""
-    shortest, longest = (longest_time(scene) * end for end in (min(series.times), series.longest_retardation))
+    shortest, longest = (given.scales.time * end for end in (min(series.times), series.longest_retardation))
     times, dwells, speeds = _times_and_speeds(given)
     told = []
     if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
@@ -382,13 +417,9 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
     return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
 
 
-def _at_the_edge(given: ContactInput, found: Found) -> str:
+def at_the_edge(found: Found) -> str:
     """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
-    touching = found["gap"] <= 0.0
-    outermost = (
-        touching.take((0, -1), axis) for axis, end in zip(_nodes(given), given.file.scene.ends, strict=True) if end
-    )
-    if not any(each.any() for each in outermost):
+    if "edge_contact" not in found or not _largest(found["edge_contact"]) > 0.0:
         return ""
     return (
         "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface goes "
@@ -422,27 +453,14 @@ def _distance_of_peaks(given: ContactInput, found: Found) -> float:
     return 2.0 * pi * wide / profile_gradient
 
 
-def _past_asperities(given: ContactInput, found: Found) -> str:
+def past_asperities(found: Found) -> str:
     """Return a warning about sliding so far that asperities would meet others, nothing for less."""
-    if not {"sliding", "tangential_displacement", "nayak"} <= found.keys():
+    if "slid_over_peaks" not in found or not (slid := _largest(found["slid_over_peaks"])) > FARTHEST:
         return ""
-    nodes = _nodes(given)
-    ways = [
-        np.expand_dims(found[f"sliding{end}"], nodes) - found[f"tangential_displacement{end}"]
-        for end in ("", "_y")[: len(nodes)]
-    ]
-    touching = found["gap"] <= 0.0
-    counts = touching | ~touching.any(nodes, keepdims=True)
-    slid = _largest(np.where(counts, np.linalg.norm(ways, axis=0), nan))
-    distance = _distance_of_peaks(given, found)
-    if not slid > FARTHEST * distance:
-        return ""
-    unit = "m" if given.file.scene.length else "L_x"
-    way, peaks = (with_prefix(value, unit, 3) for value in (slid, distance))
     return (
-        f"the punch has slid {way} past the body, {slid / distance:.2g} times the mean distance of the peaks ({peaks})."
-        f" Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, asperities of "
-        "real surfaces meet at other places"
+        f"the punch has slid past the body, {slid:.2g} times the mean distance of the peaks. Each node still faces the "
+        f"same node of the punch: beyond {FARTHEST:g} times that distance, asperities of real surfaces meet at other "
+        "places"
     )
 
 
@@ -484,7 +502,7 @@ def _overlap(given: ContactInput, found: Found) -> str:
     )
 
 
-def doubt_of_bodies(
+def rough_body_warnings(
     bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
 ) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
@@ -492,7 +510,7 @@ def doubt_of_bodies(
     `displacement` names the normal one in the dataset that was found.
     """
     return "\n".join(
-        filter(None, (_of_steep_bodies(bodies, found, displacement), too_thin(bodies) if order == 0 else ""))
+        filter(None, (_of_steep_bodies(bodies, found, displacement), thin_film_warning(bodies) if order == 0 else ""))
     )
 
 
@@ -516,7 +534,7 @@ def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacem
     )
 
 
-def too_thin(bodies: Sequence[RoughBody]) -> str:
+def thin_film_warning(bodies: Sequence[RoughBody]) -> str:
     """Return a warning about films whose thickness the roughness changes, which order 0 leaves out; else nothing."""
     body = max(bodies, key=change_of_thickness, default=None)
     change = 0.0 if body is None else change_of_thickness(body)

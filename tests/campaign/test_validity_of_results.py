@@ -6,8 +6,8 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign.doubts import of_results
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.validity import result_warnings
 
 SCENE = {
     "length": 1e-3,
@@ -50,5 +50,47 @@ def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
     planned, dataset = plan(given), gfmd_numba.run(given)
     assert dataset.attrs["validity"] == ""
     coarse = dataset.assign(time_error=xr.full_like(dataset["time_error"], 0.1))
-    (said,) = of_results(planned.cases, planned.campaign.numerics, coarse)
-    assert said.startswith("the divisions of steps leave an error of 0.1")
+    (said,) = result_warnings(planned.cases, planned.campaign.numerics, coarse)
+    assert said.startswith("in 1 of 1 cases: the divisions of steps leave an error of 0.1")
+
+
+@pytest.mark.parametrize(
+    ("changed", "path", "said"),
+    [
+        ({"periodic": False, "loading": {"pressure": 5e7}}, None, "in 1 of 1 cases: the contact reaches the edge"),
+        (
+            {
+                "body": SCENE["body"] | {"aspect_ratio": 0.5},
+                "interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}},
+            },
+            [{"sliding": 1e-8}, {"sliding": 1e-4}],
+            "in 1 of 1 cases, in step 2 of 2: the punch has slid past the body, ",
+        ),
+        (
+            {"body": FLOWS | {"plasticity": {**FLOWS["plasticity"], "depth": 1e-5}}, "loading": {"pressure": 3e6}},
+            None,
+            "in 1 of 1 cases: the body flows down to the lowest sublayer",
+        ),
+    ],
+    ids=["edge", "far", "deep"],
+)
+def test_it_says_what_leaves_the_window_the_asperities_or_the_layer(tmp_path, monkeypatch, changed, path, said):
+    monkeypatch.chdir(tmp_path)
+    given = {"name": "leaves", "seed": 1, "scene": SCENE | changed} | GRID | ({"path": path} if path else {})
+    with warnings.catch_warnings(action="ignore"):
+        validity = gfmd_numba.run(given).attrs["validity"]
+    assert said in validity
+
+
+def test_it_says_how_many_simulations_failed(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    failing = {"numerics": {"solver": "conjugate_gradients", "max_iterations": 1}}
+    with pytest.warns(UserWarning, match="^in 4 of 4 simulations: steps_used_up: The solver took"):
+        gfmd_numba.run({"name": "fails", "seed": 1, "scene": SCENE} | GRID | failing)
+
+
+def test_it_names_the_steps_of_a_path_that_are_doubtful(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = [{"pressure": 5e8}, {"pressure": 1e6}]
+    with pytest.warns(UserWarning, match="no longer small in 1 of 1 cases, in step 1 of 2, where"):
+        gfmd_numba.run({"name": "pressed", "seed": 1, "scene": SCENE, "path": path} | GRID)

@@ -1,6 +1,6 @@
-"""Reasons to doubt a campaign, in sentences: its bodies and grids before it runs, and then what it has recorded."""
+"""Warnings about a campaign, one sentence each: its bodies and grids before it runs, and then what it has recorded."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import pi
 
 import numpy as np
@@ -8,7 +8,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.contact import doubts, law_resolution
+from gfmd_numba.contact import law_resolution, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.surfaces import SummedSurface
@@ -17,10 +17,10 @@ from gfmd_numba.solvers.status import Status
 
 # Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
 # above `STEEPEST_SLOPE` where slopes have a normal one; those of a single wave are still below it
-_MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = doubts.LARGEST_PRESSURE / 2.42, doubts.STEEPEST_SLOPE / 1.5
+_MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = validity.LARGEST_PRESSURE / 2.42, validity.STEEPEST_SLOPE / 1.5
 
 
-def doubt_of_bodies(cases: Sequence[Case]) -> str:
+def rough_body_warnings(cases: Sequence[Case]) -> str:
     """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line."""
     if cases[0].problem.rough is None:
         return ""
@@ -39,18 +39,18 @@ def doubt_of_bodies(cases: Sequence[Case]) -> str:
         if rough.order == 0 and any(each is not None and 2.0 * pi * each <= 1.0 for each in thicknesses):
             drawn = surface.drawn(0)
             films += [rough_body(body, drawn, rough.order) for body in rough.bodies]
-    return "\n".join(filter(None, (steep if steepest > STEEPEST else "", doubts.too_thin(films))))
+    return "\n".join(filter(None, (steep if steepest > STEEPEST else "", validity.thin_film_warning(films))))
 
 
-def unresolved(cases: Sequence[Case]) -> str:
+def unresolved_law_warning(cases: Sequence[Case]) -> str:
     """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
     if not cases[0].scene.interface.reaches_across:
         return ""
-    doubtful = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
-    if not doubtful:
+    affected = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
+    if not affected:
         return ""
-    worst = least_resolved(doubtful)
-    return f"in {len(doubtful)} of {len(cases)} cases {law_resolution.doubt(worst.problem, worst.discretisation)}"
+    worst = least_resolved(affected)
+    return f"in {len(affected)} of {len(cases)} cases {law_resolution.warning(worst.problem, worst.discretisation)}"
 
 
 def least_resolved(cases: Sequence[Case]) -> Case:
@@ -58,14 +58,15 @@ def least_resolved(cases: Sequence[Case]) -> Case:
     return max(cases, key=lambda case: law_resolution.resolution(case.problem))
 
 
-def of_results(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -> Iterator[str]:
-    """Reasons to doubt the contacts that are reported, those of the references where there are limits."""
+def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -> Iterator[str]:
+    """Warnings about the contacts that are reported, those of the references where there are limits."""
     references = np.flatnonzero(dataset["is_reference"].values).tolist()
     found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
     if "time_error" in found:
-        yield from filter(None, [doubts.coarse_times(numerics, _arrays(found, "time_error"))])
+        yield from _by_case(found, lambda each: [validity.coarse_times(numerics, each)])
     if "increment_error" in found:
-        yield from doubts.coarse_increments(_arrays(found, "increment_error", "largest_plastic_strain"))
+        yield from _by_case(found, validity.coarse_flow)
+    yield from _by_case(found, lambda each: [validity.at_the_edge(each), validity.past_asperities(each)])
     scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
         # whose mean pressure or slope is beyond the theory of small strains
@@ -87,8 +88,21 @@ def of_results(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -
         yield from _narrow(found)
 
 
-def _arrays(cases: xr.Dataset, *names: str) -> dict[str, Reals]:
-    return {name: cases[name].values for name in names}
+def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
+    """Yield the sentences about all cases, with how many have each and at which steps."""
+    said = list(filter(None, reasons(_arrays(cases))))
+    dims = [dim for dim in ("case", "step") if dim in cases.dims]
+    each = np.ndindex(*(cases.sizes[dim] for dim in dims)) if said else ()
+    found = {place: reasons(_arrays(cases.isel(dict(zip(dims, place, strict=True))))) for place in each}
+    for sentence in said:
+        affected = xr.DataArray(np.zeros([cases.sizes[dim] for dim in dims], dtype=np.bool_), dims=dims)
+        for place, lines in found.items():
+            affected[place] = validity.wording(sentence) in map(validity.wording, lines)
+        yield f"in {_of_cases(affected)}: {sentence}"
+
+
+def _arrays(cases: xr.Dataset) -> dict[str, Reals]:
+    return {str(name): values.values for name, values in cases.data_vars.items()}
 
 
 def _narrow(cases: xr.Dataset) -> Iterator[str]:
@@ -99,19 +113,21 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
     segments = cases["n_segments"].sum("realisation")
     width = (counted / segments.where(segments > 0)) ** (1.0 / dimension)
     known = (cases["contact_area_fraction_error"] ** 2).sum("realisation") ** 0.5 / area.where(area > 0.0)
-    off = known.fillna(0.0).where(~(width < doubts.NARROW), np.maximum(known.fillna(0.0), doubts.LARGEST_OFF))
-    narrow = off > doubts.LEAST_OFF
+    off = known.fillna(0.0).where(~(width < validity.NARROW), np.maximum(known.fillna(0.0), validity.LARGEST_OFF))
+    narrow = off > validity.LEAST_OFF
     if narrow.any():
         narrowest = float(width.min())
-        wrong = doubts.off_by(narrowest, float(off.max()))
+        wrong = validity.off_by(narrowest, float(off.max()))
         finer = "a finer eps_c" if "eps_c" in cases.coords else "more points"
         yield (
-            f"{doubts.NARROW_CONTACTS} in {_of_cases(narrow)}, {narrowest:.1f} nodes wide on average where they are "
+            f"{validity.NARROW_CONTACTS} in {_of_cases(narrow)}, {narrowest:.1f} nodes wide on average where they are "
             f"narrowest: the contact area, and kappa with it, {wrong}, whatever the printed errors say; take {finer}"
         )
 
 
-def _of_cases(doubtful: xr.DataArray) -> str:
-    """How many cases are doubtful at any step."""
-    cases = doubtful.any([dim for dim in doubtful.dims if dim != "case"])
-    return f"{int(cases.sum())} of {cases.size} cases"
+def _of_cases(affected: xr.DataArray) -> str:
+    """How many cases are affected at any step, and at which."""
+    cases = affected.any([dim for dim in affected.dims if dim != "case"])
+    steps = affected.any("case").values
+    where = validity.steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
+    return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

@@ -133,8 +133,8 @@ def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
 
-    An edge whose normal is (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing, and the gradient of the smoothed
-    contact tells its normal. Where nothing goes `around` the map, nothing touches beyond its ends.
+    An edge with the normal (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing, and the gradient of the smoothed
+    contact tells the normal. Where nothing goes `around` the map, nothing touches beyond its ends.
     """
     nx = touching.shape[1]
     touching = np.pad(touching, [(0, 0) if joined else (1, 1) for joined in around])

@@ -189,7 +189,8 @@ def test_a_path_ends_at_the_first_step_that_is_not_ok(tmp_path):
     for name in ("energy_lost", "stick_fraction", "mean_tangential_traction"):
         np.testing.assert_array_equal(found[name].isnull(), ended)
     assert np.isnan(found["hysteresis"])
-    alone = gfmd_numba.solve(one(file, 0, coefficient=0.05) | {"numerics": file["numerics"]})
+    with pytest.warns(UserWarning, match="^at step .: steps_used_up: "):
+        alone = gfmd_numba.solve(one(file, 0, coefficient=0.05) | {"numerics": file["numerics"]})
     assert alone["status"].values.tolist() == [0] * int((~ended).sum()) + [1]
     np.testing.assert_array_equal(alone["contact_area_fraction"][:-1], found["contact_area_fraction"][~ended])
     assert np.isnan(alone["hysteresis"])

@@ -133,7 +133,7 @@ def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
 
-    An edge with the normal (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing, and the gradient of the smoothed
+    An edge with the normal (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing; the gradient of the smoothed
     contact tells the normal. Where nothing goes `around` the map, nothing touches beyond its ends.
     """
     nx = touching.shape[1]
@@ -147,7 +147,7 @@ def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
         c, s = (abs(slope + np.roll(slope, step, (0, 1)))[crossed] for slope in slopes)
         crossings = c + s + np.sqrt(2.0) * np.maximum(c, s)
         shares = np.divide(np.hypot(c, s), crossings, out=np.full(c.shape, np.pi / 8.0), where=crossings > 0.0)
-        length += float(shares.sum()) / np.hypot(*step)
+        length += float(shares.sum() / np.hypot(*step))
     return length / nx
 
 

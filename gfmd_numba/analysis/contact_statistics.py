@@ -148,7 +148,7 @@ def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
         crossings = c + s + np.sqrt(2.0) * np.maximum(c, s)
         shares = np.divide(np.hypot(c, s), crossings, out=np.full(c.shape, np.pi / 8.0), where=crossings > 0.0)
         length += float(shares.sum() / np.hypot(*step))
-    return length / nx
+    return float(length / nx)
 
 
 # of profiles and of maps: how contacts are counted, and over what

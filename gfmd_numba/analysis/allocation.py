@@ -39,16 +39,6 @@ class _Ensemble:
     freedom: float  # degrees of freedom of the variance of kappa
 
 
-def _level_of_each(pilot: xr.Dataset) -> list[Level]:
-    """Return the level of each case, whatever the grid varies: an eps of the grid tells no levels apart."""
-    references = pilot.isel(case=pilot["limit"].values == _REFERENCE[0])
-    alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
-    told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
-    eps = {name: pilot[name].values.astype(float).tolist() for name in LIMITS}
-    names = pilot["limit"].values.astype(str).tolist()
-    return [(name, tuple(eps[axis][i] for axis in told_by[name])) for i, name in enumerate(names)]
-
-
 def _ensembles(pilot: xr.Dataset, number: NDArray[np.intp], variable: str, given: Given) -> list[_Ensemble]:
     """Return what results say of each group, along a path at every step; UnusableDataError where they do not tell."""
     steps = steps_of(pilot, variable)
@@ -194,7 +184,14 @@ class Pilot:
     @classmethod
     def of(cls, results: xr.Dataset, variable: str, fixed: Mapping[str, float | Sequence[float]]) -> Self:
         """What results say with some exponents known; UnusableDataError for results that do not tell."""
-        order, of_cases = [_REFERENCE[0], *LIMITS, CROSS], _level_of_each(results)
+        # an eps of the grid tells no levels apart, whatever the grid varies
+        references = results.isel(case=results["limit"].values == _REFERENCE[0])
+        alike = tuple(name for name in LIMITS if np.unique(references[name]).size == 1)
+        told_by = {limit: (limit,) for limit in LIMITS} | {CROSS: alike, _REFERENCE[0]: ()}
+        eps = {name: results[name].values.astype(float).tolist() for name in LIMITS}
+        names = results["limit"].values.astype(str).tolist()
+        of_cases: list[Level] = [(name, tuple(eps[each][i] for each in told_by[name])) for i, name in enumerate(names)]
+        order = [_REFERENCE[0], *LIMITS, CROSS]
         levels = sorted(dict.fromkeys([_REFERENCE, *of_cases]), key=lambda level: order.index(level[0]))
         number = np.array([levels.index(level) for level in of_cases], dtype=np.intp)
         given = {limit: exponent_range(value) for limit, value in fixed.items()}

@@ -73,22 +73,18 @@ def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Re
     touching = gap <= 0.0
     of_gap, of_contact = (sizes(regions(flags, *around)) for flags in (~touching, touching))
     connected = [[connects(flags, axis, around) for axis in _DIRECTIONS.values()] for flags in (~touching, touching)]
-    critical = np.array([_narrowest(gap, axis, around) for axis in _DIRECTIONS.values()])
+    levels, critical = np.unique(gap[gap > 0.0]), []
+    for axis in _DIRECTIONS.values():  # the largest level at which nodes of at least that gap connect, by bisection
+        fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
+        while fewest < most:
+            middle = (fewest + most) // 2
+            if connects(gap >= levels[middle], axis, around):
+                fewest = middle + 1
+            else:
+                most = middle
+        critical.append(float(levels[fewest - 1]) if fewest else 0.0)
     largest = (float(each.max(initial=0) / gap.size) for each in (of_gap, of_contact))
-    return *np.array(connected, dtype=np.int8), critical, *largest, len(of_gap)
-
-
-def _narrowest(gap: Reals, axis: int, around: tuple[bool, ...]) -> float:
-    """Largest level at which the nodes of at least that gap still connect the two sides, by bisection."""
-    levels = np.unique(gap[gap > 0.0])
-    fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
-    while fewest < most:
-        middle = (fewest + most) // 2
-        if connects(gap >= levels[middle], axis, around):
-            fewest = middle + 1
-        else:
-            most = middle
-    return float(levels[fewest - 1]) if fewest else 0.0
+    return *np.array(connected, dtype=np.int8), np.array(critical), *largest, len(of_gap)
 
 
 _REFINEMENTS, _ROUNDING = 30, 1e-14

@@ -252,10 +252,11 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
     points = _COARSE
     for _ in range(_ROUNDS):
         nodes, log_volume, shape = _nodes(parameters, low, high, points)
-        chi2 = sum(
-            (misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True)),
-            start=-2.0 * _log_density(parameters, nodes),
-        )
+        # before there are data
+        of_each = zip(parameters, nodes.T, strict=True)
+        log_density = sum((each.log_density(each.positions(values)) for each, values in of_each), np.zeros(len(nodes)))
+        of_groups = (misfit(each, laws, nodes, known) for each, known in zip(means, before, strict=True))
+        chi2 = sum(of_groups, start=-2.0 * log_density)
         new_low, new_high = _narrowed(chi2.reshape(shape), low, high, ends)
         settled = (new_high - new_low >= 0.7 * (high - low)) & (new_low >= low - 1e-15) & (new_high <= high + 1e-15)
         if settled.all() and points == fine:
@@ -270,14 +271,6 @@ def shares(choices: Sequence[Choice]) -> list[Reals]:
     """Return the weights of the nodes of all choices, which add up to 1."""
     whole = scipy.special.logsumexp(np.concatenate([choice.log_weight for choice in choices]))
     return [np.exp(choice.log_weight - whole) for choice in choices]
-
-
-def _log_density(parameters: Sequence[Parameter], nodes: Reals) -> Reals:
-    """Return the logarithm of how likely nodes (node, parameter) are before there are data."""
-    found = np.zeros(len(nodes))
-    for parameter, values in zip(parameters, nodes.T, strict=True):
-        found += parameter.log_density(parameter.positions(values))
-    return found
 
 
 def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:

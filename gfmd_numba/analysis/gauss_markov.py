@@ -71,10 +71,8 @@ def covariance_of_one(values: Reals) -> Reals:
     if (centred**2).mean() <= (1e-12 * np.nanmax(abs(values))) ** 2:
         # one realisation or perfect data: nothing to weight by, and no error but rounding
         return (1e-9 * np.nanmax(abs(values))) ** 2 * np.eye(values.shape[1])
-    return _shrunk(centred) if present.all() else _tree(centred, present)
-
-
-def _shrunk(centred: Reals) -> Reals:
+    if not present.all():
+        return _tree(centred, present)
     n, n_cases = centred.shape
     sample = centred.T @ centred / max(n - 1, 1)
     own = centred - centred.mean(axis=1, keepdims=True)

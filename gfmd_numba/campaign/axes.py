@@ -15,20 +15,12 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, get_args, get_type_hi
 from pydantic import AfterValidator, BaseModel, Field, ValidationError, create_model
 
 from gfmd_numba.scene import Discretisation, Document, Random, Scene
+from gfmd_numba.scene import quantities as long_names
 from gfmd_numba.scene.document import Location, allowed_at, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import FileName
 from gfmd_numba.scene.plausible_numbers import implausible
-from gfmd_numba.scene.quantities import (
-    FORCE_ON_A_MAP,
-    LINE_LOAD,
-    MEAN_PRESSURE,
-    PUNCH_DISPLACEMENT,
-    RECORD,
-    REDUCED_PRESSURE,
-    RMS_GRADIENT_TARGET,
-    broken_rule,
-)
+from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import quantities
 
 Place = tuple[str, ...]  # names of the fields that lead from a scene to a value
@@ -153,11 +145,11 @@ AXES = (
     Axis("hurst", "roughness", "H", "$H$", "Hurst exponent"),
     Axis("poissons_ratio", "body", "nu", r"$\nu$", "Poisson's ratio of the body"),
     Axis("aspect_ratio", "body", "a", "$a$", "thickness of the body over the period"),
-    Axis("reduced_pressure", "loading", "p*", r"$\bar{p}^*$", REDUCED_PRESSURE),
-    Axis("pressure", "loading", "p", r"$\bar{p}$", MEAN_PRESSURE),
-    Axis("line_load", "loading", "F/l", r"$F/\ell$", LINE_LOAD),
-    Axis("force", "loading", "F", "$F$", FORCE_ON_A_MAP),
-    Axis("rms_gradient", "roughness", "g", r"$\bar{g}$", RMS_GRADIENT_TARGET),
+    Axis("reduced_pressure", "loading", "p*", r"$\bar{p}^*$", long_names.REDUCED_PRESSURE),
+    Axis("pressure", "loading", "p", r"$\bar{p}$", long_names.MEAN_PRESSURE),
+    Axis("line_load", "loading", "F/l", r"$F/\ell$", long_names.LINE_LOAD),
+    Axis("force", "loading", "F", "$F$", long_names.FORCE_ON_A_MAP),
+    Axis("rms_gradient", "roughness", "g", r"$\bar{g}$", long_names.RMS_GRADIENT_TARGET),
     Axis("anisotropy", "roughness", "gamma", r"$\gamma$", "correlation length of a map, y over x"),
     Axis("hurst_x", "roughness", "H_x", "$H_x$", "Hurst exponent along x"),
     Axis("hurst_y", "roughness", "H_y", "$H_y$", "Hurst exponent along y"),
@@ -176,7 +168,7 @@ AXES = (
     Axis("width", "form", "W", "$W$", "width of the form, a flat punch, between its edges"),
     Axis("edge_radius", "form", "R_e", "$R_e$", "radius of the edges of the form"),
     Axis("speed", "loading", "v", "$v$", "sliding speed of the punch along x"),
-    Axis("displacement", "loading", "d", "$d$", PUNCH_DISPLACEMENT),
+    Axis("displacement", "loading", "d", "$d$", long_names.PUNCH_DISPLACEMENT),
     *_of(
         "friction",
         "interface.friction",

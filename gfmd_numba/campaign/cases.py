@@ -216,13 +216,13 @@ def expand(
     known: dict[str, Tractions] = {}  # equal tractions are one object
     cases = []
     for values in product(*(values for _, values in varied)):
-        roughness = with_values(campaign.scene, dict(zip(places, values, strict=True))).roughness
-        found = measured.get(roughness) or measured.get(None)
+        scene = with_values(campaign.scene, dict(zip(places, values, strict=True)))
+        found = measured.get(scene.roughness) or measured.get(None)
         point = GridPoint(campaign.scene, places, values, found)
-        scene = point.scene
+        scene = scene if found is None else found.under(scene)
         for level in levels:
             if scene.follows_topography:
-                pressed = bodies_of(point, level.discretisation)
+                pressed = bodies_of(scene, level.discretisation, found)
             else:
                 own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
                 if own is None and scene.roughness is not None:
@@ -268,13 +268,17 @@ def _surface(
 
 
 def _rough_bodies(
-    campaign: Campaign, document: Document, checked: set[Any], point: GridPoint, discretisation: Discretisation | None
+    campaign: Campaign,
+    document: Document,
+    checked: set[Any],
+    scene: Scene,
+    discretisation: Discretisation | None,
+    given: MeasuredScene | None,
 ) -> FacingSurfaces:
-    """Return all surfaces of a scene and its bodies; raises InputError.
+    """Return all surfaces of a scene, the measured ones `given`, and its bodies; raises InputError.
 
     The first realisation of each sum of surfaces is checked once, and then is among the `checked`.
     """
-    scene, given = point.scene, point.measured
     measured, document = ({}, document) if given is None else (given.surfaces, given.document)
     order, seed = campaign.numerics.slope_order(scene), campaign.seed or 0
     summed, rough = rough_surfaces.ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)

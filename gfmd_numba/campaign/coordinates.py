@@ -155,7 +155,11 @@ def meeting(cases: list[Case], conditions: Mapping[str, str]) -> list[Case]:
         if not found and isinstance(value, float):
             found = {i for i, held in enumerate(column) if isclose(held, value, rel_tol=_ROUNDING)}
         if not found:
-            there = ", ".join(_readable(list(dict.fromkeys(column))[:_MOST_VALUES], unit))
+            known, (factor, symbol) = list(dict.fromkeys(column))[:_MOST_VALUES], (1.0, "")
+            if unit != "1":
+                factor, symbol = si_prefix(max(map(abs, known)), unit)
+            numbers = (f"{factor * each:.6g}" if isinstance(each, float) else str(each) for each in known)
+            there = ", ".join(f"{number} {symbol}".strip() for number in numbers)
             raise InputError.of("--only", f"{name}={given}", f"a value of the campaign, like {there}")
         chosen = [i for i in chosen if i in found]
     if not chosen:
@@ -181,11 +185,3 @@ def _number(name: str, given: str, key: str, unit: str) -> Any:
         return value if isinstance(value, bool) or value is None else float(value)
     except ValueError:
         return value
-
-
-def _readable(values: list[Any], unit: str) -> list[str]:
-    """Return values as a condition may give them."""
-    if unit == "1":
-        return [f"{value:.6g}" if isinstance(value, float) else str(value) for value in values]
-    factor, named = si_prefix(max(map(abs, values)), unit)
-    return [f"{factor * value:.6g} {named}" for value in values]

@@ -27,16 +27,8 @@ from gfmd_numba.campaign.limits import (
 from gfmd_numba.campaign.output_directory import LABEL, home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene import checks
-from gfmd_numba.scene.document import (
-    Document,
-    Location,
-    Source,
-    document_of,
-    existing_file,
-    located,
-    plain_scalar,
-    validate,
-)
+from gfmd_numba.scene import document as documents
+from gfmd_numba.scene.document import Document, Location, Source, document_of
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
@@ -247,7 +239,7 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     changed: Any = document.data
     if target is not None and isinstance(changed, Mapping):
         changed = {**changed, "target": dict(target)}
-    asked = validate(replace(document, data=changed), Campaign)
+    asked = documents.validate(replace(document, data=changed), Campaign)
     campaign = _begun(asked)
     if not _measured(campaign.scene):  # only its file tells the dimension
         check_scene(document, campaign, campaign.scene)
@@ -262,7 +254,12 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
     if campaign.n_cases > MOST_CASES:
         raise document.refused(("grid",), f"at most {MOST_CASES} cases, not {campaign.n_cases}")
     check_surfaces_of_grid(document, campaign.scene, campaign.grid)
-    anisotropies = list(_anisotropies(campaign))
+    own = getattr(campaign.scene.roughness, "anisotropy", None)
+    anisotropies: list[tuple[float, Location]] = (
+        [(own, ("scene", "roughness", "anisotropy"))] if own is not None else []
+    )
+    if given := values_of(campaign.grid, "anisotropy"):
+        anisotropies = [(value, ("grid", "anisotropy", i)) for i, value in enumerate(given)]
     arrays = checks.arrays_of(campaign.scene, campaign.numerics.slope_order(campaign.scene))
     checks.check_surfaces(document, campaign.scene, arrays)
     points = values_of(campaign.grid, "points") or ()
@@ -305,7 +302,7 @@ def fitted_variable(source: Source) -> str:
 def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
     """Return the target of a campaign whose run chooses the realisations; None for another. Raises InputError."""
     data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
-    campaign = validate(_with_a_file(document_of(data, "campaign")), Campaign)
+    campaign = documents.validate(_with_a_file(document_of(data, "campaign")), Campaign)
     return None if "realisations" in campaign.model_fields_set else campaign.target
 
 
@@ -341,7 +338,7 @@ def _begun(campaign: Campaign) -> Campaign:
 
 def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
     """Raise InputError unless a scene of a campaign, its grid and its numerics go together."""
-    with located(document):
+    with documents.located(document):
         check_waves(scene.surfaces, scene.length)
         check_scales(campaign.grid, scene.length, scene.has_moduli, ("grid",))
         check_scales(campaign.path, scene.length, scene.has_moduli, ("path",))
@@ -374,9 +371,9 @@ def _check_files(document: Document, campaign: Campaign) -> None:
             allowed = "a file in a campaign: save the array as .npy, and name it"
             raise document.error(("scene", *place, "heights"), surface.shown, allowed)
         if varied is None or place != ("roughness",):
-            existing_file(document, ("scene", *place, "file"), surface.file, ())
+            documents.existing_file(document, ("scene", *place, "file"), surface.file, ())
     for i, name in enumerate(varied or ()):
-        existing_file(document, ("grid", "file", i), name, ())
+        documents.existing_file(document, ("grid", "file", i), name, ())
     if campaign.scene.boundary is not None:
         located_files(document, campaign.scene.boundary, ("scene", "boundary"))
     located_files(document, campaign.scene.interface, ("scene", "interface"))
@@ -384,15 +381,6 @@ def _check_files(document: Document, campaign: Campaign) -> None:
 
 def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
     return {place: surface for place, surface in scene.surfaces.items() if isinstance(surface, Measured)}
-
-
-def _anisotropies(campaign: Campaign) -> Iterator[tuple[float, Location]]:
-    """Yield each anisotropy of a campaign, and where it stands in the file."""
-    own = getattr(campaign.scene.roughness, "anisotropy", None)
-    if given := values_of(campaign.grid, "anisotropy"):
-        yield from ((value, ("grid", "anisotropy", i)) for i, value in enumerate(given))
-    elif own is not None:
-        yield own, ("scene", "roughness", "anisotropy")
 
 
 def written(record: BaseModel) -> str:
@@ -409,7 +397,7 @@ class _PlainDumper(yaml.SafeDumper):
 
 def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
     """Text, quoted if it would be read as a number or the like."""
-    style = None if plain_scalar(text) == text else '"'
+    style = None if documents.plain_scalar(text) == text else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
 
 

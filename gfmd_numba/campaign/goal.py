@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.campaign.limits import FixedExponents
 from gfmd_numba.contact import observables
 from gfmd_numba.scene import Document, Scene
-from gfmd_numba.scene.document import Location, nearest
+from gfmd_numba.scene.document import Location, nearest, plain_scalar
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
@@ -76,19 +76,16 @@ def goal_of(until: object, budget: object = None) -> Goal:
         targets = _target(until)
     except (PydanticCustomError, ValueError):
         raise InputError.of("until", brief(until), _SHARES) from None
-    seconds = None if budget is None else seconds_of(budget)
-    if budget is not None and seconds is None:
-        raise InputError.of("budget", brief(budget), A_TIME)
-    return Goal(targets=targets, budget=seconds)
-
-
-def seconds_of(given: object) -> float | None:
-    """Return the seconds in a number or in a text like `20min` or `90 s`; None if that is no time above 0."""
+    if budget is None:
+        return Goal(targets=targets)
     try:
-        seconds = nan if isinstance(given, bool) else float(TIME.read(given))
+        given = plain_scalar(budget) if isinstance(budget, str) else budget
+        seconds = nan if isinstance(given, bool) else float(cast(Any, TIME.read(given)))
     except (TypeError, ValueError, PydanticCustomError):
         seconds = nan
-    return seconds if 0.0 < seconds < inf else None
+    if not 0.0 < seconds < inf:
+        raise InputError.of("budget", brief(budget), A_TIME)
+    return Goal(targets=targets, budget=seconds)
 
 
 class Fit(BaseModel):

@@ -237,22 +237,21 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
             "level for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
+        cases, fit = known.results.isel(case=group.where), known.fit
+        hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
+        usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
+        free = [name for name in LIMITS if name in cases["limit"].values and name not in fit.fixed]
+        ranges = "narrower ranges under `fit: {fixed: ...}`"
+        if free:
+            unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in free)
+            ranges = (
+                f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
+            )
         return UnknownExponentsError(
             f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
-            f"{_narrower(known.results.isel(case=group.where), known.fit)}"
+            f"{ranges}"
         )
     return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
-
-
-def _narrower(cases: xr.Dataset, fit: Fit) -> str:
-    """Return which ranges of exponents to give, in full if some have none."""
-    limits = [name for name in LIMITS if name in cases["limit"].values]
-    hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
-    usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
-    if fit.fixed.keys() >= set(limits):
-        return "narrower ranges under `fit: {fixed: ...}`"
-    unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in limits if name not in fit.fixed)
-    return f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
 
 
 REACHED = "reached"
@@ -360,13 +359,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     another = _with_another(state, furthest, aim, min(of_laws, target))
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
     finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
-    if finer is None:
-        return another
-    if another.ended or another.now.target_price is None:  # surfaces do not do alone
-        return finer
-    # surfaces reach the target for the expected price, but finer levels, which tell more, may not do so in one round
-    dear = (finer.now.price or 0.0) - price > _SHARE_OF_PRICE * (another.now.target_price - price)
-    return another if finer.ended or dear else finer
+    return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
 def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
@@ -385,6 +378,17 @@ def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequenc
         f"no law of the limits describes the means{missed}, although the levels became finer {_FUTILE} times; gfmd "
         "allows levels and ranges of exponents of your own"
     )
+
+
+def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
+    """Return whether more surfaces are a better next round than finer levels, which tell more about the laws.
+
+    Surfaces reach the target for the expected price, but finer levels may not reach it in one round.
+    """
+    if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
+        return False
+    dear = (levels.now.price or 0.0) - spent > _SHARE_OF_PRICE * (surfaces.now.target_price - spent)
+    return bool(levels.ended) or dear
 
 
 @dataclass(frozen=True)

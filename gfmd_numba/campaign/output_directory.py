@@ -36,7 +36,16 @@ def claimed(directory: Path, name: str, text: str, folder: Path = Path()) -> Ite
     from gfmd_numba.campaign import shards  # which need numpy, and a look at a directory does not
 
     _check_content(directory, text.encode())
-    _make(directory)
+    try:
+        directory.mkdir(parents=True, exist_ok=True)
+        atomic_file.sync(directory.parent)
+        reason = "" if os.access(directory, os.W_OK) else "it may not be written"
+    except OSError as error:
+        if error.errno in (ENOSPC, EDQUOT):
+            raise
+        reason = str(error.strerror)
+    if reason:
+        raise InputError.of("--output", f"{directory} ({reason})", "a directory that may be made and written")
     with atomic_file.open_own(directory / _LOCK) as lock:
         for attempt in range(5):  # a look at the status holds the lock for a moment
             try:
@@ -140,20 +149,6 @@ def _is_leftover(entry: Path) -> bool:
 
 def _is_text(content: bytes | None, text: bytes) -> bool:
     return content is not None and content.removeprefix(codecs.BOM_UTF8) == text
-
-
-def _make(directory: Path) -> None:
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-        atomic_file.sync(directory.parent)
-    except OSError as error:
-        if error.errno in (ENOSPC, EDQUOT):
-            raise
-        reason = error.strerror
-    else:
-        reason = "" if os.access(directory, os.W_OK) else "it may not be written"
-    if reason:
-        raise InputError.of("--output", f"{directory} ({reason})", "a directory that may be made and written")
 
 
 def _label(directory: Path, name: str, text: str, folder: Path) -> None:

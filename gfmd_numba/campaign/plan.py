@@ -28,7 +28,7 @@ from gfmd_numba.campaign.cases import (
     split,
 )
 from gfmd_numba.campaign.cluster import Cluster
-from gfmd_numba.campaign.coordinates import coordinates, described_coordinates, meeting
+from gfmd_numba.campaign.coordinates import coordinates, described_coordinates
 from gfmd_numba.campaign.cost import Cost, predict
 from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
@@ -155,10 +155,6 @@ class Plan:
                 differing = [name for name, column in columns.items() if len({column[i] for i in group}) > 1]
                 reasons[tuple(differing)] += len(group) - 1
         return dict(reasons)
-
-    def only(self, conditions: Mapping[str, str]) -> list[Case]:
-        """Return the cases that meet all conditions, name of a parameter or coordinate -> value; raises InputError."""
-        return meeting(self.cases, conditions)
 
     def predicted_cost(self, budget: float) -> Cost:
         """Return the cost of the contacts on this machine, from a pilot of at most `budget` seconds."""

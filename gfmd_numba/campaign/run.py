@@ -16,6 +16,7 @@ from gfmd_numba.analysis.selection import steps_of
 from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import NOTES, collect, described, note, results_path
+from gfmd_numba.campaign.coordinates import meeting
 from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, started, unfinished
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Fit as FitRecord
@@ -72,7 +73,7 @@ def run(
     for a directory that holds something else or another run, and StoppedError if the disk or the cluster gives up.
     """
     planned = plan(source)
-    cases = planned.only(choice.only) if choice.only else planned.cases
+    cases = meeting(planned.cases, choice.only) if choice.only else planned.cases
     directory = Path(planned.campaign.name if output is None else output)
     check(workers, directory)
     with _at_work(planned, directory):

@@ -4,7 +4,7 @@ import time
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 from math import isnan, nan
 from typing import Any
 
@@ -192,17 +192,16 @@ class Study:
         exact = self.run(self.problem, residual=_TIGHT)
         needs = (f"dimension {len(self.problem.surface.shape)}", *self.problem.interface.abilities)
         solvers = [name for name in able(needs) if self._allowed(solver=name)]
-        for solver in solvers:
-            for residual in _RESIDUALS:
-                values = self.run(self.problem, solver=solver, residual=residual, max_iterations=_PATIENCE)
-                yield self.point("solver residual", solver.replace("_", " "), residual, values, exact)
-        if "verlet" not in solvers:
-            return
-        for damping in _DAMPINGS:
-            for step in _TIME_STEPS:
-                settings: dict[str, Any] = {"time_step": step, "damping": damping, "max_iterations": _PATIENCE}
-                values = self.run(self.problem, solver="verlet", **settings)
-                yield self.point("damping of Verlet", f"time step {step:g} of the limit", damping, values, exact)
+        trials: list[tuple[str, str, float, dict[str, Any]]] = [
+            ("solver residual", solver.replace("_", " "), residual, {"solver": solver, "residual": residual})
+            for solver, residual in product(solvers, _RESIDUALS)
+        ]
+        for damping, step in product(_DAMPINGS, _TIME_STEPS) if "verlet" in solvers else ():
+            settings: dict[str, Any] = {"solver": "verlet", "time_step": step, "damping": damping}
+            trials.append(("damping of Verlet", f"time step {step:g} of the limit", damping, settings))
+        for study, curve, setting, settings in trials:
+            values = self.run(self.problem, max_iterations=_PATIENCE, **settings)
+            yield self.point(study, curve, setting, values, exact)
 
     def _allowed(self, **changed: Any) -> bool:
         """Whether the campaign could have these numerics."""
@@ -243,21 +242,11 @@ class Study:
         """Number of surfaces against the standard error of their mean."""
         most = min(_SAMPLED * self.realisations, max(self.realisations, _SAMPLED_NODES // _nodes(self.problem)))
         values = self.run(self.problem, most)
-        variable = _variable(values)
-        n = 4
+        found, n = self.point("surfaces", "reference discretisation", 4, values, values), 4
         while n <= most:
-            yield Point(
-                study="surfaces",
-                curve="reference discretisation",
-                setting=n,
-                error=sampling_error(values[variable], n),
-                seconds=n * float(values["seconds"]),
-                transforms=nan,
-                failed=0,
-                variable=variable,
-                next_order=self._next_order(values),
-                **{f"{name}_error": sampling_error(values[name], n) for name in self.of_path},
-            )
+            errors: dict[str, Any] = {f"{name}_error": sampling_error(values[name], n) for name in self.of_path}
+            error, seconds = sampling_error(values[found.variable], n), n * found.seconds
+            yield replace(found, setting=n, error=error, seconds=seconds, transforms=nan, failed=0, **errors)
             n *= 4
 
     def load_steps(self) -> Iterator[Point]:

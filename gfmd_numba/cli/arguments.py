@@ -134,19 +134,9 @@ def _targets_given(ctx: click.Context, param: click.Parameter, options: tuple[st
     return targets
 
 
-target_option = click.option(
-    "--target",
-    multiple=True,
-    callback=_targets_given,
-    metavar="kappa=X%",
-    help="Run the pilot of `gfmd run --until`, and say what the next round would take",
-)
-until_option = click.option(
-    "--until",
-    multiple=True,
-    callback=_targets_given,
-    metavar="kappa=X%",
-    help="Run until the limit has this error; may be given for several variables. gfmd chooses the numbers of "
-    "realisations; those in FILE are not used",
-)
+def targets_option(name: str, what: str) -> Callable[[Any], Any]:
+    """Return the option that gives errors by variable, and says what they are for."""
+    return click.option(name, multiple=True, callback=_targets_given, metavar="kappa=X%", help=what)
+
+
 budget_option = click.option("--budget", metavar="TIME", help="Processor time that the rounds may take, like 20min")

@@ -49,7 +49,11 @@ _OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Pyth
 @click.option("--limit", type=click.IntRange(1), metavar="N", help="Stop after N blocks of realisations")
 @click.option("--retry-failed", is_flag=True, help="Run blocks again that crashed or timed out before")
 @click.option("--fail-fast", is_flag=True, help="Stop at the first block that fails")
-@arguments.until_option
+@arguments.targets_option(
+    "--until",
+    "Run until the limit has this error; may be given for several variables. gfmd chooses the numbers of "
+    "realisations; those in FILE are not used",
+)
 @arguments.budget_option
 def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | None, **options: Any) -> None:
     """Run or resume the campaign in FILE and fit its results.
@@ -233,7 +237,7 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     for name, target in targets.items():
         found = before.told_of(name)["error"]
         error = "unknown" if found is None else f"{found:.2%}"
-        aims.append((f"{name} " if len(targets) > 1 else "", error, f"{target:.2%}"))
+        aims.append(f"{f'{name} ' if len(targets) > 1 else ''}error {error}, target {target:.2%}")
     of_which = f" of {now.variable}" if len(targets) > 1 else ""
     expected = "" if now.predicted_error is None else f", {now.predicted_error:.2%}{of_which} expected"
     cost = [
@@ -246,9 +250,8 @@ def _tell(rounds: Rounds, planned: Plan, left: int) -> str:
     ]
     takes = f"; about {', '.join(cost)}" if cost else ""
     if left:
-        aim = ", ".join(f"{name}error {error}, target {target}" for name, error, target in aims)
-        say("round", f"{number}: {aim}; {left} simulations more{expected}{takes}", err=True)
-    return f"round {number}, {', '.join(f'{name}{error} of {target}' for name, error, target in aims)}"
+        say("round", f"{number}: {', '.join(aims)}; {left} simulations more{expected}{takes}", err=True)
+    return f"round {number}, {', '.join(aims)}"
 
 
 _directory = click.argument("directory", type=click.Path(exists=True, file_okay=False, path_type=Path))

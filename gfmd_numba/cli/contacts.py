@@ -18,7 +18,7 @@ from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
-from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, prescribed, unit, unit_of
+from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
 from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
@@ -71,7 +71,13 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     if int(last["status"]):
         number, n_steps = steps.sizes["step"] - 1, len(described.path)
         where = f" in step {number} of {n_steps}, which ends the path" if n_steps else ""
-        warn(f"the run ended as {_ending(last)}{where}: do not use its numbers")
+        meaning = last["status"].attrs["flag_meanings"].split()[int(last["status"])]
+        ending = f"{meaning} after {int(last['n_iterations'])} iterations"
+        if meaning in ("steps_used_up", "stagnated"):
+            ending += f" at a residual of {float(last['residual']):.1e}"
+        elif meaning == "unstable":
+            ending += f" with wave {int(last['growing_wave'])} growing"
+        warn(f"the run ended as {ending}{where}: do not use its numbers")
         _explain(steps)
         sys.exit(SOME_FAILED)
 
@@ -101,15 +107,6 @@ def _with_threads(described: SceneFile, document: Document, threads: int | None)
     numerics = {**(document.data.get("numerics") or {}), "threads": threads}
     asked = described.model_copy(update={"numerics": described.numerics.model_copy(update={"threads": threads})})
     return asked, replace(document, data=document.data | {"numerics": numerics})
-
-
-def _ending(step: xr.Dataset) -> str:
-    """Return how a run that is not ok ended, when, and by which wave."""
-    meaning = step["status"].attrs["flag_meanings"].split()[int(step["status"])]
-    ending = f"{meaning} after {int(step['n_iterations'])} iterations"
-    if meaning in ("steps_used_up", "stagnated"):
-        return f"{ending} at a residual of {float(step['residual']):.1e}"
-    return ending if meaning != "unstable" else f"{ending} with wave {int(step['growing_wave'])} growing"
 
 
 @main.command()
@@ -163,6 +160,10 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     return [f"{value!r} {si}" if si else value for value in values]
 
 
+def _values_option(name: str, what: str) -> Callable[[Any], Any]:
+    return click.option(name, callback=_values_given, metavar="A:B:N", help=what)
+
+
 def _with_si_unit(text: str) -> tuple[float | None, str]:
     """Return a number and its SI unit, empty without one; None for a text that is no number."""
     from pydantic_core import PydanticCustomError
@@ -181,23 +182,13 @@ def _with_si_unit(text: str) -> tuple[float | None, str]:
 
 @main.command()
 @arguments.file_argument
-@click.option(
-    "--loads",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c",
-)
-@click.option(
+@_values_option("--loads", "N loads from A to B, evenly spaced in their logarithm, like 1MPa:1GPa:20; or a list a,b,c")
+@_values_option(
     "--times",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
+    "In place of loads, N times from A to B under the load of the scene, like 1s:1h:20, for a viscoelastic body",
 )
-@click.option(
-    "--speeds",
-    callback=_values_given,
-    metavar="A:B:N",
-    help="In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body",
+@_values_option(
+    "--speeds", "In place of loads, N sliding speeds from A to B, like 1um/s:1m/s:30, of a punch on a viscoelastic body"
 )
 @click.option("--realisations", default=1, show_default=True, help="Number of random surfaces to average over")
 @arguments.threads_option
@@ -277,13 +268,9 @@ def _end(dataset: xr.Dataset, realisations: int) -> None:
 
 def columns(dataset: xr.Dataset) -> dict[str, list[object]]:
     """Return the columns of the table as in the netCDF file, by name and unit."""
-    view = named(dataset)
-    load = over(dataset)
+    (prescribed, view), load = named(dataset), over(dataset)
     names = [str(name) for name in (load, *dataset.data_vars)]
-    units = {
-        name: unit(view, prescribed(dataset) if name == load else name.removesuffix("_standard_error"))
-        for name in names
-    }
+    units = {name: unit(view, name.removesuffix("_standard_error")) for name in names} | {load: unit(view, prescribed)}
     return {f"{name} ({units[name] or '1'})": dataset[name].values.tolist() for name in names}
 
 

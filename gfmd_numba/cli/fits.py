@@ -44,6 +44,7 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     """
     from gfmd_numba.analysis.arguments import targets_of
     from gfmd_numba.campaign.results import read_results, results_file
+    from gfmd_numba.storage.atomic_file import write_table
 
     file = results_file(results)
     for path in filter(None, (output, function)):
@@ -57,24 +58,17 @@ def fit(results: Path, output: Path | None, function: Path | None, **asked: Any)
     if is_own and variable in {own.get("variable"), *targets_of(dataset)}:
         tell(of_goal(dataset, fitted))
     if output is not None and output.suffix == ".csv":
-        _write_limits(fitted, output)
+        limit, of_group = f"{variable}_tfc", (name for name in fitted.coords if name != "group")
+        names = [str(name) for name in of_group if fitted[name].dims == ("group",)]  # the parameters
+        names += [limit, f"{limit}_error", f"{limit}_low", f"{limit}_high", "fit_status"]
+        units = {name: fitted[name].attrs.get("units", "1") for name in names}
+        write_table(output, {f"{name} ({units[name]})": fitted[name].values.tolist() for name in names})
+        outputs.say_written("fit", output)
     elif output is not None:
         outputs.write(output, fitted, "fit")
     if function is not None:
         with naming(file):
             _write_function(fitted, function)
-
-
-def _write_limits(fitted: xr.Dataset, path: Path) -> None:
-    """Write the limit of each group with its error, its interval of 90 % and its parameters as text."""
-    from gfmd_numba.storage.atomic_file import write_table
-
-    limit = f"{fitted.attrs['variable']}_tfc"
-    names = [str(name) for name in fitted.coords if fitted[name].dims == ("group",) and name != "group"]
-    names += [limit, f"{limit}_error", f"{limit}_low", f"{limit}_high", "fit_status"]
-    units = {name: fitted[name].attrs.get("units", "1") for name in names}
-    write_table(path, {f"{name} ({units[name]})": fitted[name].values.tolist() for name in names})
-    outputs.say_written("fit", path)
 
 
 def _write_function(fitted: xr.Dataset, path: Path) -> None:

@@ -6,7 +6,6 @@ import importlib.util
 import json
 import sys
 import time
-from collections.abc import Set
 from importlib.resources import files
 from pathlib import Path
 from textwrap import wrap
@@ -35,21 +34,29 @@ def check(file: Path) -> None:
     The command prints what the file describes, with the size, modulus and load that it gives. If something is wrong,
     the message names the line, the column, what was given and what is allowed. No contact is computed.
     """
+    from gfmd_numba.campaign.cluster import NO_JOBQUEUE, Cluster, load_cluster
+    from gfmd_numba.scene import Measured, Scene, SceneFile
     from gfmd_numba.scene.document import read_document
+    from gfmd_numba.scene.plausible_numbers import implausible
+    from gfmd_numba.scene.surface_file import load_surface
 
     document = read_document(file)
     keys = document.data.keys() if isinstance(document.data, dict) else set()
+    of_scenes = SceneFile.model_fields.keys() | Scene.model_fields.keys()
+    of_jobs = keys & (Cluster.model_fields.keys() - of_scenes) and not keys & (of_scenes - {"interface"})  # in both
     if {"name", "realisations", "reference", "limits", "grid"} & keys:
         kind, doubt = _check_campaign(document)
-    elif _describes_jobs(keys):
-        from gfmd_numba.campaign.cluster import NO_JOBQUEUE, load_cluster
-
+    elif of_jobs:
         cluster = load_cluster(document)
         kind = f"a cluster of up to {cluster.jobs.max} jobs, {cluster.most_workers} workers"
         usable = importlib.util.find_spec("dask_jobqueue") is not None
         doubt = "" if usable else f"this cluster cannot be used here: {NO_JOBQUEUE}"
     elif "surface" in keys:
-        kind, doubt = _check_surface(document)
+        from gfmd_numba.simulate.surface import made_surface
+
+        described = load_surface(document)[0]
+        doubts = made_surface(described, document).doubts if isinstance(described.surface, Measured) else ()
+        kind, doubt = "a surface", "\n".join((*implausible(described), *doubts))
     else:
         kind, doubt = _check_scene(document)
     click.echo(f"{printable(file)}: {kind}")
@@ -94,15 +101,6 @@ def relaxation(file: Path, unit: str | None, poissons_ratio: float | None) -> No
         warn(found.warning)
 
 
-def _describes_jobs(keys: Set[object]) -> bool:
-    """Return whether the keys of a file are those of a cluster. A key `interface` may also be that of a scene."""
-    from gfmd_numba.campaign.cluster import Cluster
-    from gfmd_numba.scene import Scene, SceneFile
-
-    of_scenes = SceneFile.model_fields.keys() | Scene.model_fields.keys()
-    return bool(keys & (Cluster.model_fields.keys() - of_scenes)) and not keys & (of_scenes - {"interface"})
-
-
 def _check_campaign(document: Document) -> tuple[str, str]:
     from gfmd_numba.campaign.axes import doubt_of_numbers, values_of
     from gfmd_numba.campaign.file import is_without_levels, load_campaign
@@ -139,17 +137,6 @@ def _has_few_levels(campaign: Campaign) -> bool:
         if getattr(campaign.limits, axis) is None or len(levels) < (2 if axis in known else 3):
             return True
     return False
-
-
-def _check_surface(document: Document) -> tuple[str, str]:
-    from gfmd_numba.scene import Measured
-    from gfmd_numba.scene.plausible_numbers import implausible
-    from gfmd_numba.scene.surface_file import load_surface
-    from gfmd_numba.simulate.surface import made_surface
-
-    file = load_surface(document)[0]
-    doubts = made_surface(file, document).doubts if isinstance(file.surface, Measured) else ()
-    return "a surface", "\n".join((*implausible(file), *doubts))
 
 
 def _check_scene(document: Document) -> tuple[str, str]:

@@ -44,7 +44,7 @@ _ERRORS = {"relative error": "error"} | _OF_SOME
     type=click.FloatRange(0),
     help="Seconds to spend on measuring the cost; 0 measures nothing",
 )
-@arguments.target_option
+@arguments.targets_option("--target", "Run the pilot of `gfmd run --until`, and say what the next round would take")
 @arguments.budget_option
 def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget: str | None) -> None:
     """Predict size and cost of the campaign in FILE.

@@ -449,7 +449,7 @@ def _with_errors(values: Any, errors: Any) -> list[str]:
 
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
-    """Yield what came out: of a campaign with its fit if it has limits, and of anything else without."""
+    """Yield what came out: of a campaign with its fit if it has limits; of what is no contact all single numbers."""
     if "case" in dataset.dims:
         yield from of_campaign(dataset, fitted)
     elif "prescribed" in dataset.attrs:
@@ -463,7 +463,11 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     elif any(name in dataset for name in _MEASURES):
         yield from of_measures(dataset)
     else:
-        yield from of_numbers(dataset)
+        for name, variable in dataset.data_vars.items():
+            if not variable.dims and variable.dtype.kind in "fiu":
+                free = {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(str(name), "")
+                told = with_prefix(float(variable), unit_of(dataset, str(name), free), _DIGITS)
+                yield Line(str(name), told, _WIDE)
 
 
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
@@ -533,7 +537,16 @@ def of_contact(dataset: xr.Dataset) -> Told:
 
 def of_steps(dataset: xr.Dataset) -> Told:
     """Yield the steps of a path: what was prescribed, and what came of it."""
-    view, nothing = _with_meaning(_with_stiffness(dataset))
+    import numpy as np
+
+    from gfmd_numba.analysis import contact_stiffness
+
+    view, nothing = _with_meaning(dataset)
+    laws = json.loads(dataset.attrs["scene"])["scene"]["interface"]
+    only_wall = [name for name, law in laws.items() if law is not None] == ["hard_wall"]
+    if only_wall and dataset.sizes["step"] > 1:  # stiffness since the step before, where the load changed
+        between = contact_stiffness(dataset)["stiffness"].values
+        view = view.assign({_SECANT: ("step", np.append(nan, np.where(np.isfinite(between), between, nan)))})
     prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}
     found = dict(column(view, name) for name in _SHOWN if name in view.data_vars and name not in nothing)
@@ -544,27 +557,12 @@ def of_steps(dataset: xr.Dataset) -> Told:
         yield line(view, name)
 
 
-def _with_stiffness(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the dataset with the stiffness since the step before, if the hard wall alone acts and the load changed."""
-    import numpy as np
-
-    from gfmd_numba.analysis import contact_stiffness
-
-    interface = json.loads(dataset.attrs["scene"])["scene"]["interface"]
-    only_wall = [name for name, law in interface.items() if law is not None] == ["hard_wall"]
-    if not only_wall or dataset.sizes["step"] < 2:
-        return dataset
-    between = contact_stiffness(dataset)["stiffness"].values
-    since = np.append(np.nan, np.where(np.isfinite(between), between, np.nan))
-    return dataset.assign({_SECANT: ("step", since)})
-
-
 def of_curve(dataset: xr.Dataset) -> Told:
     """Yield the curve, one line a load, time or speed."""
     from gfmd_numba.simulate.curve import SHOWN
 
-    load = prescribed(dataset)
-    view, nothing = _with_meaning(named(dataset))
+    load, view = named(dataset)
+    view, nothing = _with_meaning(view)
     same = nothing | ({load, "mean_pressure"} if load == "prescribed_pressure" else {load})
     shown = [name for name in ("force", "line_load", *SHOWN) if name in view and name not in same]
     values = dict(column(view, name) for name in shown)
@@ -577,17 +575,13 @@ def of_curve(dataset: xr.Dataset) -> Told:
     yield Table(dataset.attrs["title"], {heading: loads}, values)
 
 
-def prescribed(dataset: xr.Dataset) -> str:
-    """Return the name of the variable that the loading of a curve prescribes."""
+def named(dataset: xr.Dataset) -> tuple[str, xr.Dataset]:
+    """Return the name of what the loading of a curve prescribes, and the dataset in which the load has it."""
     from gfmd_numba.contact.observables import PRESCRIBED
 
     given = str(dataset.attrs["prescribed"])
-    return PRESCRIBED.get(given, given)
-
-
-def named(dataset: xr.Dataset) -> xr.Dataset:
-    """Return the dataset of a curve whose load has the name of what is prescribed."""
-    return dataset.assign({prescribed(dataset): dataset[over(dataset)]})
+    name = PRESCRIBED.get(given, given)
+    return name, dataset.assign({name: dataset[over(dataset)]})
 
 
 def over(dataset: xr.Dataset) -> str:
@@ -641,15 +635,6 @@ def _measured(dataset: xr.Dataset, name: str) -> Iterator[tuple[str, list[str]]]
         if name == "flow":
             cells = [f"{value:.3g} m^3/s = {3.6e6 * value:.3g} L/h" for value in values]
         yield f"{words} along {way}" if way else words, cells
-
-
-def of_numbers(dataset: xr.Dataset) -> Told:
-    """Yield all single numbers of a dataset, a line each."""
-    for name, variable in dataset.data_vars.items():
-        if not variable.dims and variable.dtype.kind in "fiu":
-            unit = variable.attrs.get("units", "1")
-            free = {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(str(name), "") if unit == "1" else unit
-            yield Line(str(name), with_prefix(float(variable), free, _DIGITS), _WIDE)
 
 
 def fit_options(

@@ -1,10 +1,9 @@
 """Every compiled function, and the records that they take: whoever needs one writes `kernels.name`."""
 
 from gfmd_numba.kernels.contact_conditions import *
-from gfmd_numba.kernels.decays import *
-from gfmd_numba.kernels.distributed import *
 from gfmd_numba.kernels.eigenstrain import *
 from gfmd_numba.kernels.energy_descent import *
+from gfmd_numba.kernels.exponential_sums import *
 from gfmd_numba.kernels.laws import *
 from gfmd_numba.kernels.pressure_solvers import *
 from gfmd_numba.kernels.return_mapping import *

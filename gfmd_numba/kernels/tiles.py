@@ -446,25 +446,19 @@ def refine_map(coarse: Reals, above: Indices, down: Reals, left: Indices, right:
 
 
 @jit
-def near_field_pressure(u: Reals, nodes: Indices, count: int, stencil: Reals, scratch: Reals, p: Reals) -> None:
-    """Pressure p on the nodes from the displacement u there by the `[2 m + 1, 2 m + 1]` stencil of a stiffness.
+def near_tractions(stencil: Reals, displacement: Reals, nodes: Indices, tractions: Reals) -> None:
+    """Tractions on the nodes of some rows of a map that a stencil `[2 m + 1, 2 m + 1]` of near neighbours causes.
 
-    `scratch` is a map of zeros, and is left so.
+    The displacement `[row, x]` has m more rows before and after those, and goes on along x as a period.
     """
-    ny, nx = scratch.shape
     reach = stencil.shape[0] // 2
-    for k in range(count):
-        scratch[nodes[k] // nx, nodes[k] % nx] = u[k]
-    for k in range(count):
+    nx = displacement.shape[1]
+    for k in range(nodes.size):
         y, x = nodes[k] // nx, nodes[k] % nx
         total = 0.0
-        for j in range(-reach, reach + 1):
-            row = y + j  # wrapped by hand: divisions would take most of the time
-            row += ny if row < 0 else (-ny if row >= ny else 0)
-            for i in range(-reach, reach + 1):
-                column = x + i
+        for dy in range(2 * reach + 1):
+            for dx in range(2 * reach + 1):
+                column = x + dx - reach  # wrapped by hand: divisions would take most of the time
                 column += nx if column < 0 else (-nx if column >= nx else 0)
-                total += stencil[reach + j, reach + i] * scratch[row, column]
-        p[k] = total
-    for k in range(count):
-        scratch[nodes[k] // nx, nodes[k] % nx] = 0.0
+                total += stencil[dy, dx] * displacement[y + dy, column]
+        tractions[k] = total

@@ -70,7 +70,18 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
     if record.spacing is not None:
-        content = _spaced(content, record.spacing)
+        if content.positions or (content.sizes and not content.rounded):
+            raise ValueError("positions or sizes in the file, so that spacing has to be left out")
+        points = dict(zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True))
+        for axis, n in points.items():
+            unit = content.units.get(axis, "m")
+            stated, given = content.sizes.get(axis, 0.0) / n, record.spacing / METRES[unit]
+            if stated and abs(stated - given) > _OF_A_HEADER * stated:
+                told = f"points {stated:.6g} {unit} apart along {axis} in the header of the file"
+                raise ValueError(f"{told}, not {given:.6g} {unit}: leave spacing out, or correct it")
+        in_metres = {**content.units, **dict.fromkeys(points, "m")}
+        sizes = {axis: n * float(record.spacing) for axis, n in points.items()}
+        content = replace(content, sizes=sizes, units=in_metres, rounded=False)
     found = measurement(content, units, resample=record.points is not None)
     if record.crop == "square":
         found = largest_square(found)
@@ -117,21 +128,6 @@ def periodic_surface(
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
-
-
-def _spaced(content: Content, spacing: float) -> Content:
-    """Content with the sizes of a field whose points are a `spacing` in m apart."""
-    if content.positions or (content.sizes and not content.rounded):
-        raise ValueError("positions or sizes in the file, so that spacing has to be left out")
-    for axis, n in zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True):
-        unit = content.units.get(axis, "m")
-        stated, given = content.sizes.get(axis, 0.0) / n, spacing / METRES[unit]
-        if stated and abs(stated - given) > _OF_A_HEADER * stated:
-            told = f"points {stated:.6g} {unit} apart along {axis} in the header of the file"
-            raise ValueError(f"{told}, not {given:.6g} {unit}: leave spacing out, or correct it")
-    axes = AXES[-np.ndim(content.heights) :]
-    sizes = {axis: n * float(spacing) for axis, n in zip(axes, np.shape(content.heights), strict=True)}
-    return replace(content, sizes=sizes, units={**content.units, **dict.fromkeys(axes, "m")}, rounded=False)
 
 
 def _sizes(

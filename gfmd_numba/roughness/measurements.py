@@ -186,10 +186,17 @@ def laid_out(
         return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
     of_map = heights.ndim == 2
     if interpolate and not of_map:
-        found = _interpolated(heights, x, name)
+        order = np.argsort(x, kind="stable")
+        ascending = x[order]
+        steps = np.diff(ascending)
+        if not (steps > 0.0).all():
+            raise ValueError(f"the position {name} = {ascending[int((steps <= 0.0).argmax())]:g} twice")
         if are_even(heights):
             raise ValueError(f"uneven positions {name}")
-        return found
+        mean = (ascending[-1] - ascending[0]) / (len(x) - 1)
+        apart = f"at most {steps.max() / mean:.4g} mean spacings apart"
+        heights = np.interp(np.linspace(ascending[0], ascending[-1], len(x)), ascending, heights[order])
+        return heights, float(mean * len(x)), (f"interpolated linearly from uneven positions {name}, {apart}",)
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
         wrong = f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
@@ -265,17 +272,6 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     if 1 in (len(along_x), len(along_y)):
         return heights, {"x": along_x if len(along_y) == 1 else along_y}
     return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}
-
-
-def _interpolated(heights: Reals, x: Reals, name: str) -> tuple[Reals, float, tuple[str, ...]]:
-    order = np.argsort(x, kind="stable")
-    x, heights = x[order], heights[order]
-    steps = np.diff(x)
-    if not (steps > 0.0).all():
-        raise ValueError(f"the position {name} = {x[int((steps <= 0.0).argmax())]:g} twice")
-    mean = (x[-1] - x[0]) / (len(x) - 1)
-    said = f"interpolated linearly from uneven positions {name}, at most {steps.max() / mean:.4g} mean spacings apart"
-    return np.interp(np.linspace(x[0], x[-1], len(x)), x, heights), float(mean * len(x)), (said,)
 
 
 def _is_axis(rows: Reals) -> bool:

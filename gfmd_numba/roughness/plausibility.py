@@ -10,7 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.form import FEWEST, WAVY, form, polynomial, radii
 from gfmd_numba.roughness.processing import MOST, fill_gaps
@@ -305,7 +305,10 @@ def _of_line(line: Reals, rms: float) -> list[tuple[int, float]]:
         ends = np.arange(width, n - width + 1)
         steps = (sums[ends + width] - 2.0 * sums[ends] + sums[ends - width]) / width
         least = max(_STEP_STANDARDS * 1.4826 * float(np.median(abs(steps))), _STEP_SHARE * rms)
-        at = _peaks(steps, width)
+        left, at = abs(steps), []  # the largest, none nearer to another than two widths
+        for _ in range(_MOST_STEPS + 1):
+            at.append(int(left.argmax()))
+            left[max(at[-1] - 2 * width, 0) : at[-1] + 2 * width + 1] = 0.0
         sizes = abs(steps[at])
         for count in range(min(_MOST_STEPS, len(at) - 1), 0, -1):
             if sizes[count - 1] > max(least, _STEP_OVER_NEXT * sizes[count]):
@@ -314,16 +317,6 @@ def _of_line(line: Reals, rms: float) -> list[tuple[int, float]]:
                 if len(kept) == count:
                     return kept
     return []
-
-
-def _peaks(steps: Reals, width: int) -> Indices:
-    """Indices of the largest differences, the largest first, none nearer to another than two widths."""
-    left, chosen = abs(steps), []
-    for _ in range(_MOST_STEPS + 1):
-        i = int(left.argmax())
-        chosen.append(i)
-        left[max(i - 2 * width, 0) : i + 2 * width + 1] = 0.0
-    return np.array(chosen)
 
 
 def _lasting(line: Reals, i: int) -> float:

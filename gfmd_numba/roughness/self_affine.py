@@ -49,9 +49,15 @@ class SelfAffineWaves:
         y. Random numbers belong to (seed, realisation, wave): a finer grid samples the same surface, a larger
         `cut_off_index` adds waves to it.
         """
-        return (self._profiles if len(shape) == 1 else self._maps)(shape[0], seed, realisations)
-
-    def _profiles(self, nx: int, seed: int, realisations: range) -> Reals:
+        nx = shape[0]
+        if len(shape) == 2:
+            heights = np.empty((len(realisations), nx, nx))
+            for row, realisation in zip(heights, realisations, strict=True):
+                drawn = waves(seed, realisation, (2 * self.cut_off_index + 1,) * 2, self.cut_off_index)
+                spectrum, squares = self._columns_of(drawn, nx, slice(0, nx // 2 + 1))
+                spectrum /= np.sqrt(squares.sum())
+                row[...] = grid.signal(spectrum, nx, nx)
+            return heights
         index = np.arange(1, self.cut_off_index + 1)
         envelope = np.maximum(index, self.cut_on_index) ** -(0.5 + self.hurst)
         if not self.plateau:
@@ -65,15 +71,6 @@ class SelfAffineWaves:
         if 2 * self.cut_off_index == nx:  # at Nyquist both signs of q share one real coefficient
             spectrum[:, -1] = 2.0 * spectrum[:, -1].real
         return grid.signal(spectrum, nx)
-
-    def _maps(self, nx: int, seed: int, realisations: range) -> Reals:
-        heights = np.empty((len(realisations), nx, nx))
-        for row, realisation in zip(heights, realisations, strict=True):
-            drawn = waves(seed, realisation, (2 * self.cut_off_index + 1,) * 2, self.cut_off_index)
-            spectrum, squares = self._columns_of(drawn, nx, slice(0, nx // 2 + 1))
-            spectrum /= np.sqrt(squares.sum())
-            row[...] = grid.signal(spectrum, nx, nx)
-        return heights
 
     def columns(self, nx: int, seed: int, realisation: int, columns: slice) -> tuple[Complexes, Reals]:
         """Coefficients `[k_y, k_x]` of some columns of a map, on no scale, and its mean-square gradient by columns.

@@ -219,21 +219,17 @@ def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
     return float(scale**d * np.exp(scipy.special.gammaln(h + d / 2.0) - scipy.special.gammaln(h)) / np.pi ** (d / 2.0))
 
 
-def _k_correlation_ring(model: KCorrelationSpectrum, q: Reals, mound: float) -> Reals:
-    """Sum of the hypergeometric series (3.20, 3.21), transformed to one that converges for every q."""
-    h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
-    centre = 1.0 + a * (q**2 + mound**2)
-    # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
-    ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
-    b_squared = (2.0 * a * q * mound / centre) ** 2
-    series = scipy.special.hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
-    return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
-
-
 def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
     """Mean of a model over the ring of all places so far from the origin."""
     if isinstance(model, KCorrelationSpectrum):
-        return _k_correlation_ring(model, q, mound)
+        # the hypergeometric series (3.20, 3.21), transformed to one that converges for every q
+        h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
+        centre = 1.0 + a * (q**2 + mound**2)
+        # (1 - b^2) without cancellation: the density at the nearest and furthest point of the ring
+        ends = (1.0 + a * (q - mound) ** 2) * (1.0 + a * (q + mound) ** 2)
+        b_squared = (2.0 * a * q * mound / centre) ** 2
+        series = scipy.special.hyp2f1((1.0 - h) / 2.0, -h / 2.0, 1.0, b_squared)
+        return np.asarray(_k_correlation_peak(model) * centre**h * ends ** (-h - 0.5) * series)
     # tanh-sinh points gather where the circle comes nearest to the peak, which is sharp for small H
     t = np.arange(-60, 61) / 16.0
     part = 1.0 / (1.0 + np.exp(-np.pi * np.sinh(t)))
@@ -265,23 +261,17 @@ def stretched_exponential(q: Reals, hurst: float, dimension: int) -> Reals:
     near_q = q[~far]
     found = np.empty_like(q)
     found[far] = _far(q[far], 2.0 * hurst, dimension)
-    found[~far] = _tabulated(near_q, 2.0 * hurst, dimension)
-    return found
-
-
-def _tabulated(q: Reals, alpha: float, dimension: int) -> Reals:
-    positive = q[q > 0.0]
-    if positive.size:
-        low, high = positive.min(), positive.max()
-        count = 4 + int(_TABLE * np.log10(high / low))
-    if positive.size == 0 or positive.size <= count:
-        return _near(q, alpha, dimension)
+    positive = near_q[near_q > 0.0]
+    low, high = positive.min(initial=np.inf), positive.max(initial=0.0)
+    if positive.size <= (count := 4 + int(_TABLE * np.log10(high / low)) if positive.size else 0):
+        found[~far] = _near(near_q, 2.0 * hurst, dimension)
+        return found
     from scipy.interpolate import CubicSpline  # it takes longer to import than most contacts to solve
 
     table = np.geomspace(low, high, count)
-    spline = CubicSpline(np.log(table), np.log(_near(table, alpha, dimension)))
-    found = np.full_like(q, _near(np.zeros(1), alpha, dimension)[0])
-    found[q > 0.0] = np.exp(spline(np.log(positive)))
+    spline = CubicSpline(np.log(table), np.log(_near(table, 2.0 * hurst, dimension)))
+    found[q == 0.0] = _near(np.zeros(1), 2.0 * hurst, dimension)[0]
+    found[~far & (q > 0.0)] = np.exp(spline(np.log(positive)))
     return found
 
 

@@ -64,7 +64,12 @@ def _spikes(level: Reals, finest: float) -> tuple[Indices, Reals]:
     steps = [np.diff(level, axis=axis) for axis in range(level.ndim)]
     standard = 1.4826 * float(np.median(np.concatenate([abs(each).ravel() for each in steps])))
     least = max(STEPS * standard, _ROUNDING * float(abs(level).max()), finest)
-    at = np.argwhere(_next_to_a_large_step(steps, level.shape, least / 2.0))
+    suspects = np.zeros(level.shape, dtype=bool)  # next to a large step
+    for axis, each in enumerate(steps):
+        along, large = np.moveaxis(suspects, axis, 0), np.moveaxis(abs(each) > least / 2.0, axis, 0)
+        along[:-1] |= large
+        along[1:] |= large
+    at = np.argwhere(suspects)
     if not len(at):
         return at, np.empty(0)
     median_half, step_half = _HALF[level.ndim]
@@ -89,15 +94,6 @@ def quantum(heights: Reals) -> float:
     values, counts = np.unique(heights, return_counts=True)
     again = values[counts > max(2.0, _AGAIN * heights.size)]
     return float(np.diff(again).min()) if len(again) > 1 else 0.0
-
-
-def _next_to_a_large_step(steps: list[Reals], shape: tuple[int, ...], limit: float) -> Flags:
-    found = np.zeros(shape, dtype=bool)
-    for axis, each in enumerate(steps):
-        along, large = np.moveaxis(found, axis, 0), np.moveaxis(abs(each) > limit, axis, 0)
-        along[:-1] |= large
-        along[1:] |= large
-    return found
 
 
 def _windows(field: Reals, at: Indices, half: int) -> Reals:

@@ -315,22 +315,18 @@ def _check_thousands(rows: list[str], header: str) -> None:
     grouped = [token for token in chain(*tokens) if "," in token]
     surely = [token for token in grouped if "." in token or token.count(",") > 1]
     found = [token for row in rows for token in _QUOTED.findall(row)]
-    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)) and not _are_columns(tokens, header):
-        found = surely
+    if not found and surely and all(map(_THOUSANDS.fullmatch, grouped)):
+        # they may separate columns: as many in each row, and if it is one, behind positions or a header
+        commas = {row[0].count(",") for row in tokens if len(row) == 1}
+        if any(len(row) > 1 for row in tokens) or len(commas) > 1:
+            found = surely
+        elif max(commas) == 1 and len(re.split("[,;\t]", header)) != 2:
+            steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
+            in_order = (steps > 0).all() or (steps < 0).all()
+            found = surely if not in_order or _NAME.fullmatch(header) else found
     if found:
         written = found[0].strip('"')
         raise ValueError(f"numbers like {written} with commas between thousands: write {written.replace(',', '')}")
-
-
-def _are_columns(tokens: list[list[str]], header: str) -> bool:
-    """Whether commas may separate columns: as many in each row, and if it is one, behind positions or a header."""
-    commas = {row[0].count(",") for row in tokens if len(row) == 1}
-    if any(len(row) > 1 for row in tokens) or len(commas) > 1:
-        return False
-    steps = np.diff([float(row[0].partition(",")[0]) for row in tokens])
-    in_order = bool((steps > 0).all() or (steps < 0).all())
-    two_names = len(re.split("[,;\t]", header)) == 2
-    return max(commas) > 1 or two_names or (in_order and not _NAME.fullmatch(header))
 
 
 def _one_comma(rows: list[str], header: str) -> Layout:

@@ -8,7 +8,7 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
 from gfmd_numba.solvers.table import Options

@@ -53,7 +53,7 @@ _PRESSURE = frozenset({"dimension 1", "dimension 2", "hard wall", "hardness", "r
 _DISPLACEMENT = frozenset({"dimension 1", "dimension 2", "hard wall", "normal law"})
 _ACTIVE_SETS = (
     "gfmd_numba.solvers.tiles.newton:tile_newton",
-    "gfmd_numba.solvers.decays.newton:decay_newton",
+    "gfmd_numba.solvers.exponential_sums.newton:decay_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
 )
 OF_CORNERS = frozenset({"gfmd_numba.solvers.tiles.newton:tile_newton"})  # take a punch without the grid around it

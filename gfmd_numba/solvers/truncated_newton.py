@@ -18,7 +18,7 @@ from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
+from gfmd_numba.solvers.exponential_sums.parallel_law import ParallelLaw
 from gfmd_numba.solvers.iteration import Batch, Start, tangential_shape
 from gfmd_numba.solvers.pressures import refine
 from gfmd_numba.solvers.products import Products

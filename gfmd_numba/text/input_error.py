@@ -31,8 +31,9 @@ class InputError(ValueError):
 
     def __str__(self) -> str:
         lines: list[str] = []
-        for fault in self.args[:MOST_LINES]:
-            lines.append(_shortened(printable(fault)))
+        for line in map(printable, self.args[:MOST_LINES]):
+            half = LONGEST_LINE // 2  # the ends of a line tell where, and what is allowed
+            lines.append(line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}")
             if sum(map(len, lines)) > MOST_CHARACTERS - LONGEST_LINE:
                 break
         left = len(self.args) - len(lines) + self.more
@@ -48,9 +49,3 @@ def brief(value: object) -> str:
     if isinstance(value, float):
         return repr(float(value))  # of NumPy's too
     return str(value).lower() if isinstance(value, bool) else _short.repr(value)
-
-
-def _shortened(line: str) -> str:
-    """Return a line without its middle if it is very long, because its ends tell where, and what is allowed."""
-    half = LONGEST_LINE // 2
-    return line if len(line) <= LONGEST_LINE else f"{line[:half]} ... {line[-half:]}"

@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 import gfmd_numba
 from gfmd_numba.analysis import plot_campaign
+from gfmd_numba.campaign.coordinates import meeting
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.cli import main
 from gfmd_numba.roughness import surface_files
@@ -129,7 +130,7 @@ def test_cases_of_one_file_are_run_alone(folder):
     found = gfmd_numba.open_campaign(folder / "out")
     assert set(found["file"].values[(found["status"] == 0).values[:, 0]]) == {"data/b.csv"}
     with pytest.raises(InputError, match=r"--only: you gave file=b.csv; gfmd allows .*data/a.csv, data/b.csv"):
-        plan(folder / "steel.yaml").only({"file": "b.csv"})
+        meeting(plan(folder / "steel.yaml").cases, {"file": "b.csv"})
 
 
 @pytest.mark.parametrize("command", ["check", "plan", "run"])

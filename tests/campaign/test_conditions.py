@@ -2,6 +2,7 @@
 
 import pytest
 
+from gfmd_numba.campaign.coordinates import meeting
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.scene import InputError
 
@@ -46,14 +47,15 @@ def planned():
     ],
 )
 def test_a_value_is_given_as_in_the_grid_or_as_printed(planned, name, given):
-    chosen = planned.only({name: given})
+    chosen = meeting(planned.cases, {name: given})
     assert len(chosen) == 4
     cases = {id(case) for case in chosen}
-    assert {id(case) for case in planned.only({name: given, "limit": "reference", "is_reference": "true"})} == cases
+    references = meeting(planned.cases, {name: given, "limit": "reference", "is_reference": "true"})
+    assert {id(case) for case in references} == cases
 
 
 def test_conditions_are_met_together(planned):
-    (case,) = planned.only({"pressure": "100 MPa", "aspect_ratio": ".inf", "rms_height": "3e-6"})
+    (case,) = meeting(planned.cases, {"pressure": "100 MPa", "aspect_ratio": ".inf", "rms_height": "3e-6"})
     assert case.scene.loading.pressure == 1e8
     assert case.scene.roughness.rms_height == 3e-6
     assert case.scene.body.aspect_ratio == float("inf")
@@ -88,7 +90,7 @@ def test_conditions_are_met_together(planned):
 )
 def test_what_is_not_there_is_told_with_what_is(planned, name, given, said):
     with pytest.raises(InputError) as refused:
-        planned.only({name: given})
+        meeting(planned.cases, {name: given})
     assert said in str(refused.value)
 
 
@@ -98,11 +100,11 @@ def test_a_unit_for_a_scene_without_units_is_refused():
     del scene["length"]
     scene["loading"] = {"reduced_pressure": 0.01}
     planned = plan({**CAMPAIGN, "scene": scene, "grid": {"rms_height": [1e-3, 2e-3]}})
-    assert len(planned.only({"rms_height": "0.002"})) == 1
+    assert len(meeting(planned.cases, {"rms_height": "0.002"})) == 1
     with pytest.raises(
         InputError, match="--only: you gave rms_height=2 mm; gfmd allows a number without a unit, as the scene"
     ):
-        planned.only({"rms_height": "2 mm"})
+        meeting(planned.cases, {"rms_height": "2 mm"})
 
 
 def test_conditions_that_no_case_meets_together_are_refused(planned):
@@ -110,4 +112,4 @@ def test_conditions_that_no_case_meets_together_are_refused(planned):
     with pytest.raises(
         InputError, match="you gave --only limit=eps_c --only eps_c=1/2, and no case meets all of these"
     ):
-        limits.only({"limit": "eps_c", "eps_c": "1/2"})
+        meeting(limits.cases, {"limit": "eps_c", "eps_c": "1/2"})

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
-from gfmd_numba.kernels.decays import (
+from gfmd_numba.kernels.exponential_sums import (
     POWERS,
     begin_behind_widest_gap,
     candidates,

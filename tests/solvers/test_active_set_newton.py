@@ -12,8 +12,8 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 

@@ -15,8 +15,8 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers import table
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.decays.newton import DecayNewton, decay_model
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
+from gfmd_numba.solvers.exponential_sums.newton import DecayNewton, decay_model
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
@@ -177,7 +177,7 @@ def test_dense_and_sparse_contacts_of_a_batch_do_not_know_of_each_other(monkeypa
     punch *= np.array([[1.0], [0.02], [0.5], [0.04]])
     solved = []
     monkeypatch.setattr(
-        "gfmd_numba.solvers.decays.newton.ActiveSetNewton.advance",
+        "gfmd_numba.solvers.exponential_sums.newton.ActiveSetNewton.advance",
         lambda self, active, advance=ActiveSetNewton.advance: (solved.append(active.size), advance(self, active)),
     )
     together = equilibrate(punch, SpectralResponse.of_normal(body), load, NEWTON)

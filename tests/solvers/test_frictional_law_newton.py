@@ -9,8 +9,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options

@@ -7,9 +7,9 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
-from gfmd_numba.solvers.decays import parallel_law
-from gfmd_numba.solvers.decays.parallel_law import ParallelLaw
 from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.exponential_sums import parallel_law
+from gfmd_numba.solvers.exponential_sums.parallel_law import ParallelLaw
 from gfmd_numba.solvers.table import Options
 from support.laws import surface
 

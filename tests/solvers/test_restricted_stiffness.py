@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum, RestrictedStiffness
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ExponentialSum, RestrictedStiffness
 
 N = 256
 COATED = ElasticBody.layered((0.02,), (Material(1.0, 0.2),), Material(0.01, 0.4)).condensed_stiffness(

@@ -11,7 +11,7 @@ from matplotlib.ticker import MaxNLocator
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, last_step, prefix, scaled, sheet, told
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, fill, last_step, prefix, scaled, sheet, told
 from gfmd_numba.arrays import Reals
 
 _USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
@@ -56,14 +56,7 @@ def _plot_section(dataset: xr.Dataset, title: str, width: Width | None) -> Figur
     grid: dict[str, Any] = {"around": (2.0, 1.0), "height_ratios": [1.2, 3.3, 2.3]}
     with sheet(3, 1, (9.0, 3.2), width, title=title, **grid) as (figure, axes):
         above, whole, close = axes
-        above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
-        above.plot(x, pressure, color=COLOURS[1], lw=0.9)
-        above.set(
-            ylabel=pressure_label.replace(" (", "\n("),
-            xlabel=x_label,
-            xlim=(x[0], x[-1]),
-            ylim=(min(0.0, pressure.min()), None),
-        )
+        fill(above, x, pressure, ylabel=pressure_label.replace(" (", "\n("), xlabel=x_label)
         if not pressure.any():
             above.set(yticks=[], ylabel="Pressure $p$")
             above.text(0.5, 0.4, "no pressure along this section", ha="center", transform=above.transAxes)
@@ -141,9 +134,7 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
     panels = sheet(3, 1, (9.0, 2.5), width, title=step, sharex=True, height_ratios=[3, 4, 4])
     with panels as (figure, (above, strain, stress)):
         pressure, label = scaled(dataset["pressure"], "Pressure", "E^*")
-        above.fill_between(x, pressure, color=COLOURS[1], alpha=0.35, lw=0)
-        above.plot(x, pressure, color=COLOURS[1], lw=0.9)
-        above.set(ylabel=label, ylim=(0.0, None), xlim=(x[0], x[-1]))
+        fill(above, x, pressure, ylabel=label)
         moved, label = scaled(dataset["residual_displacement"], "Residual $u_z$", "L_x")
         other = above.twinx()
         other.plot(x, moved, color=COLOURS[0], lw=1.1, ls="--")

@@ -13,7 +13,7 @@ from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatte
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.style import COLOURS, Width, last_step, scaled, sheet, usual
+from gfmd_numba.analysis.plots.style import COLOURS, Width, fill, last_step, scaled, sheet, usual
 from gfmd_numba.arrays import Reals
 
 _AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
@@ -139,6 +139,4 @@ def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width |
 
 def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-    axis.fill_between(x, values, color=COLOURS[1], alpha=0.35, lw=0)
-    axis.plot(x, values, color=COLOURS[1], lw=0.9)
-    axis.set(xlabel=x_label, ylabel=label, xlim=(x[0], x[-1]), ylim=(0.0, None))
+    fill(axis, x, values, xlabel=x_label, ylabel=label)

@@ -137,7 +137,10 @@ def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
     if panel.y == "energy_lost":
         mean = mean.cumsum("step", skipna=False)
     mean.attrs = dataset[panel.y].attrs
-    label, natural = _over(dataset, panel.x)
+    load = ("Prescribed load", "E^*") if x.attrs.get("units", "1") != "1" else ("Reduced pressure $p^*$", "")
+    if "punch_displacement" in dataset.variables:
+        load = "Punch displacement", "L_x"
+    label, natural = _OVER.get(panel.x, load)
     across, unit_across = prefix(x, natural, typical) if natural else (1.0, "")
     up, unit_up = prefix(mean, panel.natural, typical) if panel.natural else (1.0, "")
     for parameters, group in groups(
@@ -189,13 +192,3 @@ def _mark_jumps(axis: Axes, x: Reals, y: Reals, lost: Reals | None) -> None:
         axis.annotate(
             "jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points", fontsize=small()
         )
-
-
-def _over(dataset: xr.Dataset, name: str) -> tuple[str, str]:
-    """Label of what is drawn over, and what stands for its unit 1; nothing for a pure number."""
-    if name != "step_load":
-        return _OVER[name]
-    if "punch_displacement" in dataset.variables:
-        return "Punch displacement", "L_x"
-    reduced = dataset[name].attrs.get("units", "1") == "1"
-    return ("Reduced pressure $p^*$", "") if reduced else ("Prescribed load", "E^*")

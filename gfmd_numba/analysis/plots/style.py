@@ -114,8 +114,14 @@ def sheet(
             figure.suptitle(title, x=0.01, ha="left")
             _grow(figure, 1.6 * scale * _POINTS / 72.0)
         yield figure, axes[:count]
-        if width is not None:
-            _settle(figure, fitting)
+        for bins in (4, 4, 3, 3, 2, 2) if width is not None else ():
+            # labels that are longer than their place are broken, and labels of ticks that collide thinned or turned
+            figure.get_layout_engine().execute(figure)  # type: ignore[union-attr]
+            room, drawn = figure.bbox.width / fitting, figure.axes
+            changed = [_break(each, axis, room) for each in drawn for axis in ("x", "y", "")]
+            changed += [_thin(axis, bins) for each in drawn for axis in (each.xaxis, each.yaxis)]
+            if not any(changed):
+                break
 
 
 def small() -> float:
@@ -137,16 +143,6 @@ def add_legend(figure: Figure, handles: Sequence[Artist], columns: int, place: _
             break
         legend.remove()
     _grow(figure, box.height / figure.dpi)
-
-
-def _settle(figure: Figure, columns: int) -> None:
-    """Break labels that are longer than their place, and thin or turn labels of ticks that collide."""
-    for bins in (4, 4, 3, 3, 2, 2):
-        figure.get_layout_engine().execute(figure)  # type: ignore[union-attr]
-        changed = [_break(axes, axis, figure.bbox.width / columns) for axes in figure.axes for axis in ("x", "y", "")]
-        changed += [_thin(axis, bins) for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)]
-        if not any(changed):
-            return
 
 
 def _break(axes: Axes, which: str, across: float) -> bool:
@@ -272,6 +268,13 @@ def usual(values: Reals) -> tuple[float, float]:
     low, high = np.quantile(known, (0.25, 0.75))
     inside = known[abs(known - 0.5 * (low + high)) <= _FENCE * (high - low)]
     return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))
+
+
+def fill(axis: Axes, x: Reals, values: Reals, **named: Any) -> None:
+    """Draw values over x, with the area below them, on axes that begin at 0 or below; `named` are settings of these."""
+    axis.fill_between(x, values, color=COLOURS[1], alpha=0.35, lw=0)
+    axis.plot(x, values, color=COLOURS[1], lw=0.9)
+    axis.set(xlim=(x[0], x[-1]), ylim=(min(0.0, values.min()), None), **named)
 
 
 def edges(centres: Reals) -> Reals:

@@ -21,7 +21,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.decays.exponential_sum import ProfileInverse
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.friction.coulomb_cone import Bound, FrictionGuess, Tangent
 from gfmd_numba.solvers.tiles.near_field import NearField
 

@@ -1,1 +1,4 @@
-"""Contact of maps with a hard wall, on the tiles that the contact may reach; its door is `newton.tile_newton`."""
+"""Contact of maps with a hard wall, on tiles: squares of 8 x 8 nodes, of which only those near the contact are kept.
+
+The door is `newton.tile_newton`.
+"""

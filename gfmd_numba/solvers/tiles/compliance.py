@@ -212,9 +212,8 @@ class TileField:
     """
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...], tiles_across: int) -> None:
-        stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
-        self._stencil = np.pad(stencil, (3 - len(stencil)) // 2)
-        self.stiffest = float(stencil.max())  # of a node between its neighbours
+        self._stencil, self._blocks = near_stencil(stiffness, shape), Blocks(stiffness, shape, _SIDE)
+        self.stiffest = float(self._stencil.max())  # of a node between its neighbours
         self._across = tiles_across
         self._nodes = self._tiles = np.empty(0, dtype=np.int64)
         self._image = np.zeros((1, TILE, TILE))

@@ -10,7 +10,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
-from gfmd_numba.solvers.decays.exponential_sum import Tuning
+from gfmd_numba.solvers.exponential_sums.exponential_sum import Tuning
 
 _REACH = 1  # nodes in each direction: more saves a transform in twenty, and costs more than that
 
@@ -29,17 +29,21 @@ class NearField:
 
     def __init__(self, stiffness: Reals, shape: tuple[int, ...]) -> None:
         self._stencil = near_stencil(stiffness, shape)
-        self._shape = shape
-        self._map = np.zeros(shape)
-        self._nodes, self._count = np.empty(0, dtype=np.int64), 0
+        self._with_edges = np.zeros((shape[0] + 2 * _REACH, shape[1]))
+        self._nodes = np.empty(0, dtype=np.int64)
 
     def factor(self, nodes: Indices, count: int, own: Reals | None = None) -> None:
         """Prepare `solve` for the first `count` of the nodes; compliances of their `own` do not count."""
-        self._nodes, self._count = nodes, count
+        self._nodes = nodes[:count]
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that about causes the displacement there."""
-        kernels.near_field_pressure(displacement, self._nodes, self._count, self._stencil, self._map, pressure)
+        whole, nodes = self._with_edges, self._nodes
+        flat = whole[_REACH:-_REACH].reshape(-1)
+        flat[nodes] = displacement[: nodes.size]
+        whole[:_REACH], whole[-_REACH:] = whole[-2 * _REACH : -_REACH], whole[_REACH : 2 * _REACH]
+        kernels.near_tractions(self._stencil, whole, nodes, pressure)
+        flat[nodes] = 0.0
 
 
 def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
@@ -54,7 +58,7 @@ def near_stencil(stiffness: Reals, shape: tuple[int, ...]) -> Reals:
     others[_REACH, _REACH] = 0.0
     # otherwise it may not be positive definite, nor stiffer than its own sum of rows: the node alone is
     if np.abs(others).sum() >= stencil[_REACH, _REACH] or others.max() > 0.0:
-        stencil = stencil[_REACH:-_REACH, _REACH:-_REACH]
+        stencil -= others
     return np.ascontiguousarray(stencil)
 
 

@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, lru_cache, partial
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -85,7 +85,7 @@ class Level:
         slopes = [side / np.arange(1, side.size + 1) for side in sides]
         if few != self.shape and any(np.ptp(slope) > _SAME * slope[0] for slope in slopes):
             return np.inf
-        return _MORE * float(abs(grid.influence(self.stiffness[grid.some_waves(self.shape, few)], *few)).sum())
+        return _MORE * _sum_of_influences(self.stiffness[grid.some_waves(self.shape, few)].tobytes(), few)
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
@@ -335,6 +335,11 @@ class MapContact:
         self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact = np.zeros(self.pressure.shape, dtype=np.bool_)
         self.pressure[:-1], self.contact[:-1] = pressure, contact
+
+
+@lru_cache(maxsize=16)  # bodies and grids
+def _sum_of_influences(stiffness: bytes, shape: tuple[int, ...]) -> float:
+    return float(abs(grid.influence(np.frombuffer(stiffness).reshape(shape[0], -1), *shape)).sum())
 
 
 def listed(marks: Flags) -> tuple[Indices, Indices]:

@@ -15,9 +15,9 @@ from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.elasticity.spectral_response import Window
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform, aligned_rows
-from gfmd_numba.kernels.decays import POWERS
+from gfmd_numba.kernels.exponential_sums import POWERS
 from gfmd_numba.solvers.active_set_newton import ActiveSetNewton
-from gfmd_numba.solvers.decays.exponential_sum import ExponentialSum
+from gfmd_numba.solvers.exponential_sums.exponential_sum import ExponentialSum
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.table import SOLVERS, Options
 

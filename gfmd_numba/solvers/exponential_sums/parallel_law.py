@@ -4,8 +4,8 @@ import numpy as np
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
-from gfmd_numba.kernels.decays import DECAYS_AT_ONCE
-from gfmd_numba.solvers.decays.exponential_sum import STEEPEST, ExponentialSum
+from gfmd_numba.kernels.exponential_sums import DECAYS_AT_ONCE
+from gfmd_numba.solvers.exponential_sums.exponential_sum import STEEPEST, ExponentialSum
 
 _FREE = 1e-2  # stiffness ascribed to a node that no law holds, over that of the softest wave
 _CHANGE = 0.5  # of the compliance of any node, over itself, from which on the factors are made anew

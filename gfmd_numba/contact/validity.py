@@ -50,7 +50,7 @@ Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are t
 
 
 def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the warnings about the steps of a path, one sentence a line; those of some steps begin with these."""
+    """Return the warnings about the steps of a path, one sentence a line, and behind it the steps that have it."""
     bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
     own = (
         _coarse_flow,
@@ -79,13 +79,13 @@ def _arrays(dataset: xr.Dataset) -> Found:
 
 
 def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int) -> Iterator[str]:
-    """Yield the sentences of a reason, which are those of the worst step, behind the steps that have it."""
+    """Yield the sentences of a reason, which are those of the worst step, and behind each the steps that have it."""
     said = reason(dataset).splitlines()
     steps = range(dataset.sizes.get("step", 0) if said else 0)
     by_step = [{wording(line) for line in reason(dataset.isel(step=i)).splitlines()} for i in steps]
     for line in said:
         where = steps_told([wording(line) in lines for lines in by_step], last)
-        yield f"in {where}: {line}" if where else line
+        yield f"{line} (in {where})" if where else line
 
 
 def wording(line: str) -> str:

@@ -33,7 +33,7 @@ from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity
 
 _PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 _TOLERANCE = "a number from 0 to 0.1, or exact"
-TIME_TOLERANCE = 1e-3
+TIME_TOLERANCE = 1e-2
 
 
 class Component(NamedTuple):

@@ -588,17 +588,17 @@ def _warned(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _failures(dataset: xr.Dataset) -> Iterator[str]:
-    """How runs failed, behind the steps or loads of a path at which they did, or their number in a campaign."""
+    """How runs failed, and at which steps or loads of a path, or how many of a campaign."""
     status = dataset.get("status")
     for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
         ended = dataset["status"] == i
         if i == 0 or not ended.any() or ending.startswith("not_asked"):
             continue
-        if ended.ndim > 1:
-            yield f"in {int(ended.sum())} of {ended.size} simulations: {ending}"
-        else:
-            where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
-            yield f"at {ended.dims[0]} {where}: {ending}" if where else ending
+        where = f" in {int(ended.sum())} of {ended.size} simulations" if ended.ndim > 1 else ""
+        if ended.ndim == 1:
+            where = f" at {ended.dims[0]} " + ", ".join(f"{place:.4g}" for place in ended[ended.dims[0]].values[ended])
+        name, _, sentence = ending.partition(": ")
+        yield f"{name}{where}: {sentence}"
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

@@ -502,8 +502,8 @@ def leakage(
     from gfmd_numba.analysis import leakage as leakage_of
     from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    found, fluid = leakage_of(_dataset("dataset", dataset, "solve")), (viscosity, pressure, seal)
-    return _warned(found if fluid == (None, None, None) else with_flow(found, *fluid))
+    contact, fluid = _dataset("dataset", dataset, "solve"), (viscosity, pressure, seal)
+    return _warned(leakage_of(contact) if fluid == (None, None, None) else with_flow(leakage_of, contact, *fluid))
 
 
 def contact_conductance(
@@ -539,8 +539,10 @@ def contact_conductance(
     from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
     from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
-    found = conductance_of(_dataset("contact", contact, "solve"))
-    return _warned(found if conductivity is None else with_resistance(found, conductivity))
+    solved = _dataset("contact", contact, "solve")
+    return _warned(
+        conductance_of(solved) if conductivity is None else with_resistance(conductance_of, solved, conductivity)
+    )
 
 
 def _goal(

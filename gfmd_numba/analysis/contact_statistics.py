@@ -30,10 +30,11 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     `relaxed_pressure` stands for one that creeps, exactly so while contact only grows. On profiles, `segments` counts
     the stretches of contact whose number of nodes lies between two powers of 2, at their geometric mean. On maps,
     `clusters` counts groups of nodes that share sides in the same way, over their `area`. `perimeter` is the length of
-    the edges of all clusters, by Crofton's formula in four directions: within 5 % for edges of one direction, and exact
-    on average over all. `mean_gap` is in rms heights. Of a punch with a form there are neither `mean_gap` nor Persson's
-    estimates. Dimensions other than `y` and `x`, like `step` or one along which results were concatenated, stay. Raises
-    UnusableDataError for a dataset without these fields, or of a run that is not ok.
+    the edges of all clusters, by Crofton's formula with the directions of edges: within 1 % from three nodes across on,
+    and up to a quarter too small for single nodes. `mean_gap` is in rms heights. Of a punch with a form there are
+    neither `mean_gap` nor Persson's estimates. Dimensions other than `y` and `x`, like `step` or one along which
+    results were concatenated, stay. Raises UnusableDataError for a dataset without these fields, or of a run that is
+    not ok.
     """
     creeps = "relaxed_pressure" in dataset
     nodes = check_fields(dataset, (*_NEEDED, *["relaxed_pressure"] * creeps))

@@ -25,7 +25,11 @@ def share_of(given: object) -> float:
     """Return a share above 0 and below 1 that is given as 0.03 or as `3%`; raises ValueError."""
     number = str(given).strip() if isinstance(given, str) else None
     try:
-        share = float(cast(Any, given)) if number is None else float(number.rstrip("%")) / 100.0 ** number.endswith("%")
+        share = (
+            float(cast(Any, given))
+            if number is None
+            else float(number.removesuffix("%")) / 100.0 ** number.endswith("%")
+        )
     except (TypeError, ValueError):
         share = 0.0
     if isinstance(given, bool) or not 0.0 < share < 1.0:

@@ -366,8 +366,7 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
     }
 
     def compute(contact: xr.Dataset) -> xr.Dataset:
-        found = leakage_of(contact)
-        return with_flow(found, **given) if given else found
+        return with_flow(leakage_of, contact, **given) if given else leakage_of(contact)
 
     _measure(file, output, compute, "computing the flow", as_json)
 
@@ -388,12 +387,11 @@ def conductance(file: Path, output: Path | None, as_json: bool, conductivity: tu
     FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
     over the conductivity of the bodies. The picture shows the current.
     """
-    from gfmd_numba.simulate.contact_conductance import contact_conductance
+    from gfmd_numba.simulate.contact_conductance import contact_conductance as measure
     from gfmd_numba.simulate.materials_and_fluids import with_resistance
 
     def compute(contact: xr.Dataset) -> xr.Dataset:
-        found = contact_conductance(contact)
-        return with_resistance(found, conductivity) if conductivity else found
+        return with_resistance(measure, contact, conductivity) if conductivity else measure(contact)
 
     _measure(file, output, compute, "computing the current", as_json)
 

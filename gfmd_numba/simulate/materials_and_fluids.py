@@ -1,6 +1,6 @@
 """What conductance and leakage are with the materials and the fluid known: a resistance, and a flow in m^3/s."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from math import inf
 from typing import Annotated
@@ -15,6 +15,7 @@ from gfmd_numba.scene.quantities import RECORD, Length, Pressure, Size
 from gfmd_numba.scene.units import ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY, VISCOSITY, WithUnit
 from gfmd_numba.text.input_error import brief
 
+Measure = Callable[[xr.Dataset], xr.Dataset]  # of a contact, once the arguments are known to be usable
 _RESISTANCES = {ELECTRICAL_CONDUCTIVITY: "ohm", THERMAL_CONDUCTIVITY: "K W-1"}
 
 
@@ -25,8 +26,8 @@ class _Fluid(BaseModel):
     seal: tuple[Length, ...] | None = Field(None, min_length=2, max_length=2)
 
 
-def with_resistance(found: xr.Dataset, conductivity: object) -> xr.Dataset:
-    """Conductance of a contact with the `resistance` R = 1 / (G s A) of its nominal area A, that of all its nodes.
+def with_resistance(measure: Measure, contact: xr.Dataset, conductivity: object) -> xr.Dataset:
+    """What measures the conductance of a contact finds, and the `resistance` R = 1 / (G s A) of its nominal area A, that of all its nodes.
 
     s is the harmonic mean of the conductivity of both bodies, or of one for each, as texts like `60 MS/m`. Of a profile
     it is `resistance_times_width`, along y. Raises InputError for other conductivities, or a contact without a length.
@@ -37,13 +38,15 @@ def with_resistance(found: xr.Dataset, conductivity: object) -> xr.Dataset:
         raise InputError.of(
             "conductivity", brief(conductivity), "one conductivity, or two of a kind: one for each body"
         )
-    lengths = _lengths(found, "conductivity", conductivity)
+    lengths = _lengths(contact, "conductivity", conductivity)
+    found = measure(contact)
     mean = len(known) / sum(1.0 / one for one in known)
     area = lengths["x"] * lengths.get("y", 1.0)
     unit, long_name = _RESISTANCES[known[0].quantity], "resistance of the touching spots of the nominal area"
     name = "resistance"
     if "y" not in lengths:
-        name, unit, long_name = f"{name}_times_width", f"{unit} m", f"{long_name}, times its width along y"
+        name, unit = f"{name}_times_width", unit.replace("ohm", "ohm m").replace("K ", "K m ")
+        long_name = f"{long_name}, times its width along y"
     resistance = 1.0 / (found["conductance"] * mean * area)
     return found.assign({name: resistance.assign_attrs(cf_attributes(long_name, unit))})
 
@@ -57,8 +60,10 @@ def _conductivity(given: object) -> WithUnit:
     raise InputError.of("conductivity", brief(given), " or ".join(each.allowed for each in _RESISTANCES))
 
 
-def with_flow(found: xr.Dataset, viscosity: object = None, pressure: object = None, seal: object = None) -> xr.Dataset:
-    """Leakage of a contact with the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
+def with_flow(
+    measure: Measure, contact: xr.Dataset, viscosity: object = None, pressure: object = None, seal: object = None
+) -> xr.Dataset:
+    """What measures the leakage of a contact finds, and the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
 
     The pressure falls by P over the length L of a seal, whose width is W: `seal` gives both, else they are those of the
     map. Numbers are in SI units, texts like `1 mPa s` have units. Raises InputError for others, or a contact without a
@@ -67,11 +72,12 @@ def with_flow(found: xr.Dataset, viscosity: object = None, pressure: object = No
     pair = tuple(seal) if isinstance(seal, list) else seal
     given = {"viscosity": viscosity, "pressure": pressure, "seal": pair}
     fluid = validate(Document(None, "", {name: each for name, each in given.items() if each is not None}), _Fluid)
-    lengths = _lengths(found, "viscosity", viscosity)
+    lengths = _lengths(contact, "viscosity", viscosity)
     if fluid.seal is None and "y" not in lengths:
         raise InputError.of("seal", "nothing", "the length and the width of a seal, as a profile has no width")
     along, width = (lengths["x"], lengths["y"]) if fluid.seal is None else fluid.seal
     shape = xr.DataArray([width / along, along / width if fluid.seal is None else width / along], dims="direction")
+    found = measure(contact)
     flow = found["hydraulic_gap"] ** 3 * fluid.pressure / (12.0 * fluid.viscosity) * shape
     whole = "map" if fluid.seal is None else "seal"
     return found.assign(flow=flow.assign_attrs(cf_attributes(f"flow through the {whole}", "m3 s-1")))
@@ -79,6 +85,6 @@ def with_flow(found: xr.Dataset, viscosity: object = None, pressure: object = No
 
 def _lengths(found: xr.Dataset, argument: str, given: object) -> dict[str, float]:
     """Lengths in m of what was solved, along x and of maps along y; raises InputError for those in L_x."""
-    if found["x"].attrs.get("units", "1") == "1":
+    if "x" not in found.coords or found["x"].attrs.get("units", "1") == "1":
         raise InputError.of(argument, brief(given), "nothing for a contact without a length: give one in the scene")
     return {dim: float(found[dim][1] - found[dim][0]) * found.sizes[dim] for dim in ("x", "y") if dim in found.dims}

@@ -316,7 +316,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
 @arguments.file_argument
 @arguments.output_option
 @click.option(
-    "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
+    "--percolation", is_flag=True, help="Find out whether channels lead across a map, and how narrow they are"
 )
 def statistics(file: Path, output: Path, percolation: bool) -> None:
     """Compute distributions of pressure, gap and contacts.

@@ -189,7 +189,10 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
     pairs = factors.transpose(..., "direction").values.reshape(-1, len(_DIRECTIONS))
     high, low = pairs.max(axis=1), pairs.min(axis=1)
     largest = int(np.argmax(np.nan_to_num(high)))
-    where = (lambda steps: f" in {_steps(steps)}") if "step" in factors.dims else lambda steps: ""
+
+    def where(steps: list[int]) -> str:
+        return f" in {_steps(steps)}" if "step" in factors.dims else ""
+
     if high[largest] > 1.0 + _LARGEST_RESIDUAL:
         along = list(_DIRECTIONS)[int(pairs[largest].argmax())]
         yield (

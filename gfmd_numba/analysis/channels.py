@@ -15,6 +15,7 @@ from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
+from gfmd_numba.text.numbers import steps_told
 
 
 def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
@@ -190,36 +191,27 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
     high, low = pairs.max(axis=1), pairs.min(axis=1)
     largest = int(np.argmax(np.nan_to_num(high)))
 
-    def where(steps: list[int]) -> str:
-        return f" in {_steps(steps)}" if "step" in factors.dims else ""
-
+    step = " in step {}" if "step" in factors.dims else ""
     if high[largest] > 1.0 + _LARGEST_RESIDUAL:
         along = list(_DIRECTIONS)[int(pairs[largest].argmax())]
         yield (
-            f"The flow factor along {along}{where([largest])} is {high[largest]:.3g}. The gap leaks more than "
+            f"The flow factor along {along}{step.format(largest)} is {high[largest]:.3g}. The gap leaks more than "
             "parallel walls at its mean would, because deep channels run through the map. Random surfaces without a "
             "lay have factors below 1 on average"
         )
     for along, shut in zip(_DIRECTIONS, (pairs == 0.0).T, strict=True):
         if shut.any():
-            steps = where(np.flatnonzero(shut).tolist())
-            yield f"No channel is open along {along}{steps}: on this grid nothing leaks there"
+            steps = steps_told(shut.tolist(), len(shut) - 1)
+            yield f"No channel is open along {along}{steps and f' in {steps}'}: on this grid nothing leaks there"
     ratios = np.divide(high, low, out=np.zeros_like(high), where=low > 0.0)
     unlike = int(ratios.argmax())
     if ratios[unlike] > _ALIKE:
         of_x, of_y = pairs[unlike]
         yield (
-            f"The flow factors along x and y{where([unlike])} are {of_x:.3g} and {of_y:.3g}. Either the surface "
+            f"The flow factors along x and y{step.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
             "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
             "other seeds, measure another patch, or take a map with more of the longest waves"
         )
-
-
-def _steps(steps: list[int]) -> str:
-    """Name steps of a path, those that follow each other by the first and the last."""
-    runs = np.split(steps, np.flatnonzero(np.diff(steps) > 1) + 1)
-    named = [str(run[0]) if len(run) == 1 else f"{run[0]} {'and' if len(run) == 2 else 'to'} {run[-1]}" for run in runs]
-    return f"step{'s' * (len(steps) > 1)} {', '.join(named)}"
 
 
 def _along_rows(gap: Reals, around: tuple[bool, ...]) -> tuple[float, float, Reals]:

@@ -21,12 +21,11 @@ from gfmd_numba.roughness.plausibility import is_design
 from gfmd_numba.scene import Measured, Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.text.numbers import with_prefix
+from gfmd_numba.text.numbers import steps_told, with_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
-MOST_RANGES = 3  # of steps that a sentence names one by one
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
@@ -91,18 +90,6 @@ def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int
 def wording(line: str) -> str:
     """Sentence without its numbers and their units."""
     return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
-
-
-def steps_told(affected: Sequence[bool], last: int) -> str:
-    """Name the steps of a path that have something, of those up to the last one; nothing where all or none are."""
-    steps = [i for i, has_it in enumerate(affected) if has_it]
-    if len(steps) in (0, len(affected)):
-        return ""
-    ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
-    if len(ends[0]) > MOST_RANGES:
-        return f"{len(steps)} of the steps {steps[0]} to {steps[-1]} of {last}"
-    ranges = [f"{first}" if first == end else f"{first} to {end}" for first, end in zip(*ends, strict=True)]
-    return f"step{'s' * (len(steps) > 1)} {', '.join(ranges)} of {last}"
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:

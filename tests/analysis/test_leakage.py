@@ -262,7 +262,7 @@ def test_every_step_without_a_channel_is_named():
     touching = np.ones((7, 16, 16), dtype=bool)
     touching[[0, 4], 3] = touching[[0, 4], :, 2] = False
     said = leakage(made(touching)).validity
-    assert "along x in steps 1 to 3, 5 and 6: on this grid" in said
+    assert "along x in steps 1 to 3, 5 to 6 of 6: on this grid" in said
 
 
 def test_a_direction_without_an_open_channel_is_told():

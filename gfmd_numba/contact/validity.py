@@ -56,6 +56,7 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
         _beyond_small_strains,
         _outside_branches,
         _few_nodes if few else _narrow,
+        _sharp_peak,
         _few_contacts,
         _weak_interface,
         _overlap,
@@ -263,6 +264,30 @@ def _narrow(given: ContactInput, found: Found) -> str:
     return (
         f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off)}, and the peak "
         f"pressure too; take {finer}"
+    )
+
+
+def _sharp_peak(given: ContactInput, found: Found) -> str:
+    """Return a warning about a measured surface of which a touching node sticks out, or nothing."""
+    scene, axes = given.file.scene, _nodes(given)
+    rough = [surface for surface in given.measured if not is_design(surface.heights)]
+    if not rough or scene.interface.hard_wall is None or scene.interface.reaches_across:
+        return ""
+    pressure = found["pressure"]
+    near, far = statistics.bends(found["height"], scene.ends)
+    bears = np.where(pressure > 0.0, abs(near), -1.0)
+    every = (*pressure.shape[: -len(axes)], -1)
+    for places in (pressure, bears):  # of the largest pressure, and the sharpest: on a finer grid that may bear more
+        node = np.argmax(places.reshape(every), axis=-1, keepdims=True)
+        one, two, load = (np.take_along_axis(each.reshape(every), node, -1)[..., 0] for each in (near, far, pressure))
+        if ((abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & (found["status"] == Status.ok)).any():
+            break
+    else:
+        return ""
+    return (
+        "nodes that touch stick out of their neighbours, as at edges of grooves: with more nodes the largest pressure "
+        "may be up to twice as large, and the contact area off by 15 %, so measure with a smaller spacing, or take a "
+        "cutoff of at least 4 nodes"
     )
 
 

@@ -271,7 +271,12 @@ def _sharp_peak(given: ContactInput, found: Found) -> str:
     """Return a warning about a measured surface of which a touching node sticks out, or nothing."""
     scene, axes = given.file.scene, _nodes(given)
     rough = [surface for surface in given.measured if not is_design(surface.heights)]
-    if not rough or scene.interface.hard_wall is None or scene.interface.reaches_across:
+    if (
+        not rough
+        or len(given.measured) < len(scene.surfaces)
+        or scene.interface.hard_wall is None
+        or scene.interface.reaches_across
+    ):
         return ""
     pressure = found["pressure"]
     near, far = statistics.bends(found["height"], scene.ends)

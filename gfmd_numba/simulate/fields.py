@@ -31,7 +31,7 @@ from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
-BELOW = 1e-9  # of the depth of an interface is the level below it deeper than that above
+_BELOW = 1e-9  # of the depth of an interface is the level below it deeper than that above
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
 _ARRAYS = 40  # of the size of the map that fields of one plane take
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
@@ -182,7 +182,7 @@ def _levels(body: ElasticBody, length: float) -> Reals:
     levels = lowest * np.linspace(0.0, 1.0, _LEVELS) ** 2
     if body.stack is not None:  # stresses jump: both sides of each interface
         bottoms = np.cumsum(body.stack.heights)[: None if body.stack.base is not None else -1]
-        levels = np.unique(np.concatenate([levels, bottoms, bottoms * (1.0 + BELOW)]))
+        levels = np.unique(np.concatenate([levels, bottoms, bottoms * (1.0 + _BELOW)]))
     return 0.0 - levels * length
 
 

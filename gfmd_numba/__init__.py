@@ -435,7 +435,7 @@ def contact_statistics(dataset: xr.Dataset | str | Path) -> xr.Dataset:
 
 
 def gap_percolation(dataset: xr.Dataset | str | Path) -> xr.Dataset:
-    """Look for channels through the gap of a map, from side to side.
+    """Look for channels through the gap of a map, around its period.
 
     Parameters
     ----------

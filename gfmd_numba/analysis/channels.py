@@ -15,6 +15,7 @@ from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
+from gfmd_numba.text.numbers import steps_told
 
 
 def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
@@ -22,18 +23,51 @@ def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
     return np.bincount(labels.ravel())[1:].astype(np.int64)
 
 
+def connecting(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True)) -> Flags:
+    """Nodes of the regions that lead `around` the period along `axis`, or from end to end of a window along it.
+
+    A path that leads around may take several periods and shift along the other axis, so that no cut of the period
+    matters. Pieces between the ends of the periods are joined by union-find, with the periods between their copies.
+    """
+    if not around[axis]:
+        labels = regions(flags, *around)
+        shared = np.intersect1d(labels.take(0, axis), labels.take(-1, axis))
+        return np.isin(labels, shared[shared > 0])
+    pieces = regions(flags, False, False)
+    seams = [(other, pieces.take(-1, other), pieces.take(0, other)) for other in (0, 1) if around[other]]
+    crossings = np.concatenate([np.stack([one, two, np.full_like(one, k == axis)], axis=1) for k, one, two in seams])
+    above: dict[int, tuple[int, int]] = {}  # the piece that one is joined to, and how many periods it lies beyond
+
+    def root(piece: int) -> tuple[int, int]:
+        end, beyond = piece, 0
+        while end in above:
+            end, step = above[end]
+            beyond += step
+        if end != piece:
+            above[piece] = end, beyond
+        return end, beyond
+
+    leading = set()
+    for one, two, step in np.unique(crossings[crossings.min(axis=1, where=[True, True, False], initial=1) > 0], axis=0):
+        (first, here), (second, there) = root(int(one)), root(int(two))
+        if first != second:
+            above[second] = first, here + int(step) - there
+        elif here + step != there:
+            leading.add(first)
+    ends = {root(piece)[0] for piece in leading}
+    return np.isin(pieces, [piece for piece in {*above, *ends} if root(piece)[0] in ends])
+
+
 def connects(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True)) -> bool:
-    """Whether a region touches both ends of `axis`; it may go `around` the other axis if its ends are one."""
-    labels = np.moveaxis(regions(flags, around[0] and axis != 0, around[1] and axis != 1), axis, 0)
-    shared = np.intersect1d(labels[0], labels[-1])
-    return bool((shared > 0).any())
+    """Whether a region leads `around` the period along `axis`, or from end to end of a window."""
+    return bool(connecting(flags, axis, around).any())
 
 
 _DIRECTIONS = {"x": 1, "y": 0}  # to the axis of [y, x] that a channel follows
 _LONG_NAMES = {
-    "gap_connects": "whether an open channel connects the two sides",
-    "contact_connects": "whether a contact cluster connects the two sides",
-    "critical_gap": "largest gap that some channel between the two sides nowhere falls below",
+    "gap_connects": "whether an open channel leads across, around the period",
+    "contact_connects": "whether a contact cluster leads across, around the period",
+    "critical_gap": "largest gap that some channel across nowhere falls below",
     "largest_gap_fraction": "nodes of the largest connected gap over all nodes",
     "largest_contact_fraction": "nodes of the largest contact cluster over all nodes",
     "n_gaps": "number of separate gaps",
@@ -44,11 +78,11 @@ _LONG_NAMES = {
 def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Percolation of the gap on maps as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
-    `gap_connects` and `contact_connects` are 1 where open nodes, or touching ones, lead from one side of the period to
-    the other; across that direction a periodic map goes around. `critical_gap` has the unit of the gap and is 0 without
-    a channel. Regions, which may go around both periods, connect through the sides of nodes, not through corners: where
-    two contacts meet at a corner, neither they nor the gaps next to it are connected. Raises UnusableDataError for a
-    dataset without these fields or a run that is not ok.
+    `gap_connects` and `contact_connects` are 1 where open nodes, or touching ones, lead around the period, or from side
+    to side of a window. So where a period is cut does not matter, and a channel may take several periods to close.
+    `critical_gap` has the unit of the gap and is 0 without a channel. Regions connect through the sides of nodes, not
+    through corners: where two contacts meet at a corner, neither they nor the gaps next to it are connected. Raises
+    UnusableDataError for a dataset without these fields or a run that is not ok.
     """
     nodes = check_fields(dataset, ("pressure", "gap"), maps_only=True)
     found = xr.apply_ufunc(
@@ -64,7 +98,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     for name, long_name in _LONG_NAMES.items():
         unit = str(dataset["gap"].attrs.get("units", "1")) if name == "critical_gap" else "1"
         result[name].attrs = {"long_name": long_name, "units": unit}
-    result["direction"].attrs = {"long_name": "direction from one side to the other", "units": "1"}
+    result["direction"].attrs = {"long_name": "direction in which a channel leads", "units": "1"}
     return result
 
 
@@ -100,23 +134,26 @@ _ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many ch
 def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Leakage through the gap of contacts as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
-    A fluid of viscosity eta fills the gap u, and its pressure falls from one side of the period to the other, across
-    which a period goes around, and walls close a window: div(u^3 grad p) = 0 (Reynolds 1886), without flow into
-    nodes that touch. `hydraulic_gap` d is the gap of parallel walls that leak as much: a pressure difference P drives
-    d^3 P / (12 eta) times L_y / L_x through the map along x. `flow_factor` is d^3 over the cube of the mean gap (Patir
-    & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0 without a channel. `local_flow` `[..., direction, y, x]` is the
-    flow through a node over the mean flow of all nodes. `flow_residual` is the relative difference of the flow by
-    outlet and by dissipation; beyond 1e-3, where channels are narrower than 1e-5 of the largest gap, the hydraulic gap
-    is not-a-number. The gap of a profile goes on without end along y. The attribute `validity` names the doubts of the
-    contact, that of profiles, factors above 1, and those that differ much by direction. Raises UnusableDataError for a
-    dataset without these fields, a run that is not ok, or more nodes than memory takes.
+    A fluid of viscosity eta fills the gap u: div(u^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch.
+    Its pressure is a mean gradient and a periodic part, so that where the period is cut does not matter. In a window it
+    is constant on the sides where it falls, and walls close the others. `hydraulic_gap` d is the gap of parallel walls
+    that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x through the map along x.
+    `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0
+    without a channel. `local_flow` `[..., direction, y, x]` is the flow through a node over the mean flow of all nodes.
+    `flow_residual` is the relative difference of the flow through cuts and by dissipation; beyond 1e-3, where channels
+    are narrower than 1e-5 of the largest gap, the hydraulic gap is not-a-number. The gap of a profile goes on without
+    end along y. The attribute `validity` names the doubts of the contact, that of profiles, factors above 1, and those
+    that differ much by direction. Raises UnusableDataError for a dataset without these fields, a run that is not ok, or
+    more nodes than memory takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"))
     around = (False, *goes_around(dataset))[-2:]
 
     def both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
         rows = np.atleast_2d(gap)
-        found = [_along_rows(np.moveaxis(rows, axis, 0), around[1 - axis]) for axis in _DIRECTIONS.values()]
+        found = [
+            _along_rows(np.moveaxis(rows, axis, 0), (around[axis], around[1 - axis])) for axis in _DIRECTIONS.values()
+        ]
         gaps, residuals, flows = zip(*found, strict=True)
         turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
         return np.array(gaps), np.array(residuals), np.reshape(turned, (2, *gap.shape))
@@ -136,7 +173,7 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     described = {
         "hydraulic_gap": ("gap of parallel walls that leak as much", str(dataset["gap"].attrs.get("units", "1"))),
         "flow_factor": ("leakage over that of parallel walls at the mean gap", "1"),
-        "flow_residual": ("relative difference of the flow by outlet and by dissipation", "1"),
+        "flow_residual": ("relative difference of the flow through cuts and by dissipation", "1"),
         "local_flow": ("flow through a node over the mean flow of all nodes", "1"),
         "direction": ("direction in which the pressure of the fluid falls", "1"),
     }
@@ -153,88 +190,95 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
     pairs = factors.transpose(..., "direction").values.reshape(-1, len(_DIRECTIONS))
     high, low = pairs.max(axis=1), pairs.min(axis=1)
     largest = int(np.argmax(np.nan_to_num(high)))
-    where = " in step {}" if "step" in factors.dims else ""
+
+    step = " in step {}" if "step" in factors.dims else ""
     if high[largest] > 1.0 + _LARGEST_RESIDUAL:
         along = list(_DIRECTIONS)[int(pairs[largest].argmax())]
         yield (
-            f"The flow factor along {along}{where.format(largest)} is {high[largest]:.3g}. The gap leaks more than "
+            f"The flow factor along {along}{step.format(largest)} is {high[largest]:.3g}. The gap leaks more than "
             "parallel walls at its mean would, because deep channels run through the map. Random surfaces without a "
             "lay have factors below 1 on average"
         )
     for along, shut in zip(_DIRECTIONS, (pairs == 0.0).T, strict=True):
         if shut.any():
-            step = where.format(int(shut.argmax()))
-            yield f"No channel is open along {along}{step}: on this grid nothing leaks there"
+            steps = steps_told(shut.tolist(), len(shut) - 1)
+            yield f"No channel is open along {along}{steps and f' in {steps}'}: on this grid nothing leaks there"
     ratios = np.divide(high, low, out=np.zeros_like(high), where=low > 0.0)
     unlike = int(ratios.argmax())
     if ratios[unlike] > _ALIKE:
         of_x, of_y = pairs[unlike]
         yield (
-            f"The flow factors along x and y{where.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
+            f"The flow factors along x and y{step.format(unlike)} are {of_x:.3g} and {of_y:.3g}. Either the surface "
             "has a lay, and each direction a factor of its own. Or few channels decide, and one map says little: solve "
             "other seeds, measure another patch, or take a map with more of the longest waves"
         )
 
 
-def _along_rows(gap: Reals, around: bool) -> tuple[float, float, Reals]:
-    """Hydraulic gap from the first row to the last, the residual, and the flow through nodes over its mean.
-
-    The fluid may flow `around` the ends of rows that are periodic.
+def _along_rows(gap: Reals, around: tuple[bool, ...]) -> tuple[float, float, Reals]:
+    """Hydraulic gap along the first axis, the residual, and the flow through nodes over its mean.
 
     Nodes are cells, whose faces conduct as their halves in series do. So walls of a gap that varies along the flow
-    alone are solved exactly: d^-3 is the mean of u^-3.
+    alone are solved exactly: d^-3 is the mean of u^-3. Both ends of a window open into one room, as if it had a period.
     """
     largest, flow = gap.max(), np.zeros_like(gap)
-    if largest <= 0.0:
-        return 0.0, 0.0, flow
-    conductivity = (gap / largest) ** 3
-    # open nodes of the regions that connect the first row with the last
-    labels = regions(conductivity > 0.0, around_y=False, around_x=around)
-    shared = np.intersect1d(labels[0], labels[-1])
-    reached = np.isin(labels, shared[shared > 0])
+    conductivity = (gap / (largest or 1.0)) ** 3
+    reached = connecting(conductivity >= np.finfo(np.float64).tiny, 0, around)
     if not reached.any():
         return 0.0, 0.0, flow
     conductivity = np.where(reached, conductivity, 0.0)
     number = np.cumsum(reached).reshape(reached.shape) - 1
-    along = _faces(conductivity[:-1], conductivity[1:], number[:-1], number[1:])
-    columns = slice(None) if around else slice(-1)
-    beside = (np.roll(each, -1, axis=1)[:, columns] for each in (conductivity, number))
-    across = _faces(conductivity[:, columns], next(beside), number[:, columns], next(beside))
-    one, other, conductance = (np.concatenate(parts) for parts in zip(along, across, strict=True))
-    inlet, outlet = (np.zeros(int(reached.sum())) for _ in range(2))
-    for ends, row in ((inlet, 0), (outlet, -1)):
-        ends[number[row][reached[row]]] = 2.0 * conductivity[row][reached[row]]  # half a cell
-    pressure = _pressure(one, other, conductance, inlet, outlet)
-    out = float(outlet @ pressure)
-    dissipated = float(
-        conductance @ (pressure[one] - pressure[other]) ** 2 + inlet @ (1.0 - pressure) ** 2 + outlet @ pressure**2
-    )
-    rows, nx = gap.shape
+    n, (rows, nx) = int(reached.sum()), gap.shape
+    labels, order = regions(reached, *around)[reached], np.argsort(conductivity[reached])
+    held = np.zeros(labels.max() + 1, dtype=np.intp)
+    held[labels[order]] = order  # the widest node of each region, where its pressure is 0
+    across, held = _faces(conductivity.T, number.T, around[1]), held[1:]
+    if not around[0]:
+        conductivity, number = (
+            np.pad(each, ((0, 1), (0, 0)), constant_values=room) for each, room in ((conductivity, np.inf), (number, n))
+        )
+        held = np.array([n])
+    along = _faces(conductivity, number, True)
+    one, other, conductance = (np.concatenate(parts) for parts in zip(along[:3], across[:3], strict=True))
+    n_along = len(along[0])
+    fall = np.zeros(len(one))
+    fall[:n_along] = along[3] == len(conductivity) - 1  # the mean gradient, where the period ends
+    pressure = _pressure((one, other), conductance, fall, held)
+    fallen = pressure[one] - pressure[other] + fall
+    through = conductance * fallen
+    dissipated = float(through @ fallen)
+    # the flow through each straight cut, weighed by its resistance, as wide cuts round more
+    weights = 1.0 / np.bincount(along[3], along[2])
+    out = float(weights @ np.bincount(along[3], through[:n_along]) / weights.sum())
     residual = abs(out - dissipated) / dissipated
-    cube = dissipated * rows / nx if residual <= _LARGEST_RESIDUAL else np.nan
-    ends = inlet * (1.0 - pressure) + outlet * pressure
-    parts = (_through_nodes(*faces, pressure, rim) for faces, rim in ((along, ends), (across, 0.0)))
-    flow[reached] = np.hypot(*parts) * nx / out if residual <= _LARGEST_RESIDUAL else np.nan
-    return float(largest * np.cbrt(cube)), residual, flow
+    if not residual <= _LARGEST_RESIDUAL:
+        flow[reached] = np.nan
+        return np.nan, residual, flow
+    halves = (slice(n_along), slice(n_along, None))
+    flow[reached] = np.hypot(*(_through_nodes(one[half], other[half], through[half], n) for half in halves)) * nx / out
+    return float(largest * np.cbrt(dissipated * rows / nx)), residual, flow
 
 
-def _faces(here: Reals, there: Reals, number: Indices, other: Indices) -> tuple[Indices, Indices, Reals]:
-    """Numbers of the nodes on both sides of each open face, and its conductance."""
-    both = (here > 0.0) & (there > 0.0)
-    return number[both], other[both], 2.0 * here[both] * there[both] / (here[both] + there[both])
+def _faces(conductivity: Reals, number: Indices, around: bool) -> tuple[Indices, Indices, Reals, Indices]:
+    """Numbers of the nodes before and behind each open face along the first axis, its conductance, and its row."""
+    rows = slice(None) if around else slice(-1)
+    behind, numbers = np.roll(conductivity, -1, axis=0)[rows], np.roll(number, -1, axis=0)[rows]
+    both = (conductivity[rows] > 0.0) & (behind > 0.0)
+    conductance = 2.0 / (1.0 / conductivity[rows][both] + 1.0 / behind[both])
+    return number[rows][both], numbers[both], conductance, np.nonzero(both)[0]
 
 
-def _through_nodes(one: Indices, other: Indices, conductance: Reals, pressure: Reals, rim: Reals | float) -> Reals:
-    """Flow through each node in one direction, the mean of that through its two faces; a rim is a face of one node."""
-    flow, n = conductance * (pressure[one] - pressure[other]), len(pressure)
-    return np.asarray(0.5 * (np.bincount(one, flow, n) + np.bincount(other, flow, n) + rim))
+def _through_nodes(one: Indices, other: Indices, flow: Reals, n: int) -> Reals:
+    """Flow through the first n nodes in one direction, the mean of that through its two faces."""
+    return np.asarray(0.5 * (np.bincount(one, flow, n) + np.bincount(other, flow, n))[:n])
 
 
-def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, outlet: Reals) -> Reals:
-    """Pressure of each node, 1 before the inlet and 0 behind the outlet."""
-    n = len(inlet)
-    diagonal = inlet + outlet + np.bincount(one, conductance, n) + np.bincount(other, conductance, n)
-    scale = 1.0 / np.sqrt(diagonal)  # conductances differ by dozens of orders
+def _pressure(ends: tuple[Indices, Indices], conductance: Reals, fall: Reals, held: Indices) -> Reals:
+    """Pressure of each node, 0 at those held, for faces between whose ends it falls by `fall` beside its difference."""
+    one, other = ends
+    n = int(max(one.max(), other.max())) + 1
+    diagonal, leak = np.bincount(one, conductance, n) + np.bincount(other, conductance, n), np.zeros(n)
+    leak[held] = diagonal[held]  # to a pressure of 0; nothing flows there, as what falls adds no fluid to a region
+    scale = 1.0 / np.sqrt(diagonal + leak)  # conductances differ by dozens of orders
     coupling = conductance * scale[one] * scale[other]
     upper = scipy.sparse.coo_array((coupling, (one, other)), shape=(n, n))
     matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(np.ones(n)) - upper - upper.T)
@@ -248,13 +292,13 @@ def _pressure(one: Indices, other: Indices, conductance: Reals, inlet: Reals, ou
             f"you gave channels of {n} nodes, whose flow takes more memory than there is; gfmd allows a map of fewer "
             "nodes"
         ) from None
-    pressure = scale * factors.solve(scale * inlet)
+    pressure = np.zeros(n)
     # a diagonal rounded leaks: behind narrow places pressures are refined by the flows through faces, which do not
     for _ in range(_REFINEMENTS):
-        flow = conductance * (pressure[other] - pressure[one])
-        gained = np.bincount(one, flow, n) - np.bincount(other, flow, n)
-        change = scale * factors.solve(scale * (gained + inlet * (1.0 - pressure) - outlet * pressure))
+        flow = conductance * (pressure[one] - pressure[other] + fall)
+        gained = np.bincount(other, flow, n) - np.bincount(one, flow, n) - leak * pressure
+        change = scale * factors.solve(scale * gained)
         pressure += change
         if abs(change).max() <= _ROUNDING:
             break
-    return np.asarray(pressure)
+    return pressure

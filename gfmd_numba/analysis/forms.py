@@ -9,6 +9,7 @@ from functools import cache
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.text.input_error import InputError, brief
 
 LARGEST = 1e100  # beyond which squares overflow; no quantity of a contact comes near
@@ -297,6 +298,7 @@ ROUNDS = Form(
 )
 
 
+_INTERFACE = 1e-8  # of their depth, up to which two levels are the sides of an interface
 _FIELDS = ("height", "pressure", "gap", "relaxed_pressure")
 _POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"
 
@@ -336,3 +338,10 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
             given = f"{dataset.sizes[dim]} of the {points} nodes along {dim}"
             raise UnusableDataError(f"you gave {given}; gfmd allows all nodes of the period of a map")
     return nodes
+
+
+def by_layer(z: Reals) -> list[Indices]:
+    """Indices of levels z by the layer they are in, from the top; two levels a billionth apart are at an interface."""
+    order = np.argsort(-z)
+    down = -z[order]
+    return np.split(order, np.flatnonzero(np.diff(down) <= _INTERFACE * down[1:]) + 1)

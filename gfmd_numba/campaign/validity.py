@@ -14,6 +14,7 @@ from gfmd_numba.contact.scales import scales_of
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.status import Status
+from gfmd_numba.text.numbers import steps_told
 
 # Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
 # above `STEEPEST_SLOPE` where slopes have a normal one; those of a single wave are still below it
@@ -129,5 +130,5 @@ def _of_cases(affected: xr.DataArray) -> str:
     """How many cases are affected at any step, and at which."""
     cases = affected.any([dim for dim in affected.dims if dim != "case"])
     steps = affected.any("case").values
-    where = validity.steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
+    where = steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
     return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

@@ -304,6 +304,7 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     """
     import gfmd_numba
     from gfmd_numba.analysis import plot_body
+    from gfmd_numba.analysis.forms import by_layer
 
     picture = companion(output, "picture", ".png")
     check_output(output, file)
@@ -315,15 +316,17 @@ def fields(file: Path, output: Path, body: str, x: str | None, y: str | None, pl
     write(output, dataset, "fields")
     with naming(file):
         write_picture(picture, lambda: plot_body(dataset))
-    if "peak_von_mises" in dataset:
-        say("largest", largest_stress(dataset), width=9)
+    layers = by_layer(dataset["z"].values)
+    for number, layer in enumerate(layers, 1):
+        name = "largest" if len(layers) == 1 else f"layer {number}"
+        say(name, largest_stress(dataset.isel(z=layer)), width=9)
 
 
 @main.command()
 @arguments.file_argument
 @arguments.output_option
 @click.option(
-    "--percolation", is_flag=True, help="Find out whether channels connect the sides of a map, and how narrow they are"
+    "--percolation", is_flag=True, help="Find out whether channels lead across a map, and how narrow they are"
 )
 def statistics(file: Path, output: Path, percolation: bool) -> None:
     """Compute distributions of pressure, gap and contacts.
@@ -451,13 +454,19 @@ def place(contact: xr.Dataset, option: str, text: str) -> float:
 
 
 def largest_stress(dataset: xr.Dataset) -> str:
-    """Return the largest von Mises stress below a map and its place, in the last step of a path."""
+    """Return the largest von Mises stress below a contact and its place, in the last step of a path."""
     last, when = (dataset.isel(step=-1), ", in the last step,") if "step" in dataset.dims else (dataset, "")
+    places = {"x": "peak_x", "y": "peak_y", "z": "z"}
+    if "peak_von_mises" not in last:  # of a profile
+        along = last["von_mises"].fillna(0.0).argmax("x")
+        last = last.assign(
+            peak_von_mises=last["von_mises"].max("x", skipna=False, keep_attrs=True), peak_x=last["x"][along]
+        )
+        del places["y"]
     peaks = last["peak_von_mises"].values
     if not all(map(isfinite, peaks.ravel().tolist())):
         return "unknown, as the run is not ok"
     level = last.isel(z=int(peaks.argmax()))
     stress = with_prefix(float(peaks.max()), unit_of(level, "peak_von_mises", "E*"), 6)
-    places = {"x": "peak_x", "y": "peak_y", "z": "z"}
     at = (f"{axis} = {with_prefix(float(level[v]), unit_of(level, v, 'L_x'), 6)}" for axis, v in places.items())
     return f"von Mises stress of these depths{when} {stress} at {', '.join(at)}"

@@ -4,8 +4,8 @@ The solution is a fold over the steps of the path. The contact is recorded at ev
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import repeat
 from math import isinf, isnan, nan
 from typing import Any
@@ -21,7 +21,7 @@ from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorde
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
-from gfmd_numba.contact.state import Contact, State, Tell
+from gfmd_numba.contact.state import Contact, State, Tell, with_costs
 from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import RoughContact
 from gfmd_numba.solvers.status import Status
@@ -38,12 +38,62 @@ def solve_path(problem: Problem, realisation: int, tell: Tell = lambda more: Non
     else:
         state = solution.begin(problem, range(realisation, realisation + 1))
         solve = _follower(problem, tell)
+    attracts = problem.displacement is not None and problem.interface.softening > 0.0 and problem.plasticity is None
+    last: list[_Pulled] = []  # the punch as it is drawn off, from the first step of that to the latest two
     for at_load in problem.at_each_load:
         solved = solve(at_load, state)
         if problem.plasticity is None:
             tell(1.0)
+        if attracts:
+            last = [each for each in last if each.problem.load > at_load.load] + [_Pulled(at_load, solved)]
+            solved = _with_peak(solved, last, solve)
+            last = last[-2:]
         yield solved
         state = solved.after
+
+
+@dataclass(frozen=True)
+class _Pulled:
+    """A contact under an attraction, and the problem it solves."""
+
+    problem: Problem
+    contact: Contact
+
+    @cached_property
+    def tension(self) -> float:
+        """Mean tension (g E*)."""
+        return -float(mean_pressure(self.contact.in_plane)[0])
+
+    def halfway(self, end: "_Pulled", solve: Callable[[Problem, State], Contact]) -> "_Pulled":
+        """The contact in the middle of the step from here to an end."""
+        problem = end.problem.under(self.problem.step.towards(end.problem.step, 0.5))
+        return _Pulled(problem, solve(problem, self.contact.after))
+
+
+def _with_peak(solved: Contact, last: list[_Pulled], solve: Callable[[Problem, State], Contact]) -> Contact:
+    """The last contact with the largest tension of the last two steps, where it lies between them.
+
+    The steps beside the largest tension are halved until it would hardly rise further.
+    """
+    if len(last) < 3 or not 0.0 < last[1].tension > last[2].tension or last[0].tension > last[1].tension:
+        return solved
+    before, at, behind = last
+    tried: list[_Pulled] = []
+    for _ in range(_HALVINGS):
+        if _rise(before, at, behind) <= _RISE * at.tension:
+            break
+        first, second = before.halfway(at, solve), at.halfway(behind, solve)
+        tried += first, second
+        if any(each.contact.equilibrium.status[0] != Status.ok for each in (first, second)):
+            break
+        halves = (replace(each.problem, duration=0.5 * each.problem.duration) for each in (at, behind))
+        at, behind = (replace(each, problem=half) for each, half in zip((at, behind), halves, strict=True))
+        five = [before, first, at, second, behind]
+        largest = int(np.argmax([each.tension for each in five[1:4]]))
+        before, at, behind = five[largest : largest + 3]
+    spent = [solved.equilibrium, *(each.contact.equilibrium for each in tried)]
+    least = min([solved.least_pressure, *(-each.tension for each in tried)])
+    return replace(solved, equilibrium=with_costs(solved.equilibrium, spent), least_pressure=least)
 
 
 def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contact]:
@@ -59,6 +109,16 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
 
 
 Measures = dict[str, npt.NDArray[Any]]
+
+_RISE, _HALVINGS = 3e-3, 8  # of the largest tension, by which it may rise further; halvings of a step at most
+
+
+def _rise(before: _Pulled, at: _Pulled, behind: _Pulled) -> float:
+    """What tension may rise by beyond that in the middle: as it has risen last, up to a jump, or by a parabola."""
+    way, rest = before.problem.load - at.problem.load, at.problem.load - behind.problem.load
+    slope, fall = (at.tension - before.tension) / way, (at.tension - behind.tension) / rest
+    bend = (slope + fall) / (way + rest)
+    return max(slope * rest, 0.25 * (slope - bend * way) ** 2 / bend if bend > 0.0 else 0.0)
 
 
 @dataclass
@@ -81,8 +141,8 @@ class PathRecord:
         pressure = float(mean_pressure(contact)[0])
         self._loads.append(problem.load)
         self._pressures.append(pressure)
-        on_the_way = contact.least_pressure if contact.followed is None else contact.followed.least_pressure
-        self._least.append(min(pressure, on_the_way))
+        in_parts = pressure if contact.followed is None else contact.followed.least_pressure
+        self._least.append(min(pressure, contact.least_pressure, in_parts))
         if not is_ok:
             for values in (*self.steps.values(), self._certain):
                 values.append(nan)

@@ -21,12 +21,11 @@ from gfmd_numba.roughness.plausibility import is_design
 from gfmd_numba.scene import Measured, Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.text.numbers import with_prefix
+from gfmd_numba.text.numbers import steps_told, with_prefix
 
 # of E*, of slopes and of the contact: strains are about as large as either, and few nodes are those of sharp edges
 LARGEST_PRESSURE, STEEPEST_SLOPE, LARGEST_SHARE = 0.2, 0.3, 0.01
 LARGEST_UNLOCATED, LARGEST_OF_THE_WORK = 0.1, 1e-3
-MOST_RANGES = 3  # of steps that a sentence names one by one
 NEGLIGIBLE = 1e-3  # of the largest displacement: what the next order in the slope may change
 FEWEST_SUBLAYERS, LARGEST_INCREMENT_ERROR, LARGEST_STRAIN = 4, 0.03, 0.1
 RESOLVED_LIMIT = 1e4  # of the largest pressure times the residual: such a shear strength is known to 1e-4
@@ -57,6 +56,7 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
         _beyond_small_strains,
         _outside_branches,
         _few_nodes if few else _narrow,
+        _sharp_peak,
         _few_contacts,
         _weak_interface,
         _overlap,
@@ -91,18 +91,6 @@ def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int
 def wording(line: str) -> str:
     """Sentence without its numbers and their units."""
     return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
-
-
-def steps_told(affected: Sequence[bool], last: int) -> str:
-    """Name the steps of a path that have something, of those up to the last one; nothing where all or none are."""
-    steps = [i for i, has_it in enumerate(affected) if has_it]
-    if len(steps) in (0, len(affected)):
-        return ""
-    ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
-    if len(ends[0]) > MOST_RANGES:
-        return f"{len(steps)} of the steps {steps[0]} to {steps[-1]} of {last}"
-    ranges = [f"{first}" if first == end else f"{first} to {end}" for first, end in zip(*ends, strict=True)]
-    return f"step{'s' * (len(steps) > 1)} {', '.join(ranges)} of {last}"
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:
@@ -276,6 +264,35 @@ def _narrow(given: ContactInput, found: Found) -> str:
     return (
         f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off)}, and the peak "
         f"pressure too; take {finer}"
+    )
+
+
+def _sharp_peak(given: ContactInput, found: Found) -> str:
+    """Return a warning about a measured surface of which a touching node sticks out, or nothing."""
+    scene, axes = given.file.scene, _nodes(given)
+    rough = [surface for surface in given.measured if not is_design(surface.heights)]
+    if (
+        not rough
+        or len(given.measured) < len(scene.surfaces)
+        or scene.interface.hard_wall is None
+        or scene.interface.reaches_across
+    ):
+        return ""
+    pressure = found["pressure"]
+    near, far = statistics.bends(found["height"], scene.ends)
+    bears = np.where(pressure > 0.0, abs(near), -1.0)
+    every = (*pressure.shape[: -len(axes)], -1)
+    for places in (pressure, bears):  # of the largest pressure, and the sharpest: on a finer grid that may bear more
+        node = np.argmax(places.reshape(every), axis=-1, keepdims=True)
+        one, two, load = (np.take_along_axis(each.reshape(every), node, -1)[..., 0] for each in (near, far, pressure))
+        if ((abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & (found["status"] == Status.ok)).any():
+            break
+    else:
+        return ""
+    return (
+        "nodes that touch stick out of their neighbours, as at edges of grooves: with more nodes the largest pressure "
+        "may be up to twice as large, and the contact area off by 15 %, so measure with a smaller spacing, or take a "
+        "cutoff of at least 4 nodes"
     )
 
 

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.roughness import plausibility
+from gfmd_numba.roughness import plausibility, statistics
 from gfmd_numba.roughness.measurements import Content, Measurement, measurement
 from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
@@ -25,6 +25,12 @@ Reader = Callable[[Path], Content]
 
 _SIZES = 1e-6  # by which a period in a file and one in the scene may differ,
 _OF_A_HEADER = 0.01  # by which a rounded one in a header may, and
+_SHARPEST = 5  # nodes
+_RINGS = (
+    "points are added by the Fourier series, which rings where measured heights are as sharp as here, as at edges of "
+    "grooves: the highest ones may lie too high, and the contact area be a third too small, so take a cutoff of at "
+    "least 4 spacings, or leave out points"
+)
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -126,8 +132,17 @@ def periodic_surface(
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
+    if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
+        doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
+
+
+def _is_sharp(heights: Reals) -> bool:
+    """Whether a field is bent most where its neighbours are not, as at edges of grooves and between nodes of noise."""
+    near, far = (np.ravel(each) for each in statistics.bends(heights, (True,) * heights.ndim))
+    most = np.argsort(-abs(near))[:_SHARPEST]
+    return bool((near[most] ** 2).sum() > statistics.SHARP**2 * (far[most] ** 2).sum())
 
 
 def _sizes(

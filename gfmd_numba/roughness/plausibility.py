@@ -97,7 +97,9 @@ def of_field(field: Field) -> Signs:
         marked |= each.at & (each.cause == "mark")
     if 0.0 < marked.mean() <= MOST:  # what is marked is filled from its neighbours
         heights = fill_gaps(np.where(marked, np.nan, heights), "interpolate")[0]
+    raised = heights
     heights, spikes = despiked(heights)
+    deep = bool((raised[spikes] < heights[spikes]).all())
     formed, order = _form(field, heights)
     level = heights - polynomial(heights, order)
     steps = offsets(level)
@@ -105,7 +107,7 @@ def of_field(field: Field) -> Signs:
     filled = (
         f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
     )
-    found = (*_repeated(field, again), *formed, _spikes(spikes), _steps(field, steps))
+    found = (*_repeated(field, again), *formed, _spikes(spikes, deep), _steps(field, steps))
     sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
         level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
@@ -249,13 +251,14 @@ def _tilted(share: float) -> str:
     return f"a tilt makes up {_percent(share)} % of the mean square height: detrend: tilt subtracts it"
 
 
-def _spikes(found: Flags) -> str:
+def _spikes(found: Flags, deep: bool) -> str:
     count = int(found.sum())
     if count == 0:
         return ""
     index = ", ".join(map(str, np.argwhere(found)[0]))
     what = f"a spike at index {index}" if count == 1 else f"{count} heights in spikes, the first at index {index}"
-    return f"{what}: despike: true replaces them by the median of the heights around"
+    kept = "; as all lie below these, leave them if the surface has such grooves" if deep and count > 1 else ""
+    return f"{what}: despike: true replaces them by the median of the heights around{kept}"
 
 
 def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:

@@ -13,6 +13,9 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
 
 UNIT = (1.0,)
+# Of the curvature over two nodes, that over one: of waves of 8 nodes 1.1, of 4 up to 1.5, with peaks of pressure right
+# to 6 %; of 2 nodes, or edges of grooves, 1.7 to 8, with peaks down to half of those on finer grids, areas off by 16 %
+SHARP = 1.6
 _ROWS = 64  # that are differentiated at once: a map may fill a good part of the memory
 
 
@@ -105,6 +108,20 @@ def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[boo
         right[-1] = 0.5 * (5.0 * h[-1] - 4.0 * h[-2] - h[-3])
         slopes = np.asarray(solve_banded((1, 1), bands, right)).reshape(along.shape)
         yield np.moveaxis(slopes, 0, axis) * (len(along) / length)
+
+
+def bends(heights: Reals, ends: tuple[bool, ...]) -> tuple[Reals, Reals]:
+    """Curvatures of each node by its neighbours and by those two nodes off `[..., (y,) x]`, times the spacing squared.
+
+    They are 0 at both ends of an axis without a period.
+    """
+    near, far = np.zeros(heights.shape), np.zeros(heights.shape)
+    for axis, end in enumerate(ends, -len(ends)):
+        for k, bend in ((1, near), (2, far)):
+            bend += (np.roll(heights, k, axis) + np.roll(heights, -k, axis) - 2.0 * heights) / k**2
+            if end:
+                np.moveaxis(bend, axis, 0)[[0, 1, -2, -1]] = 0.0
+    return near, far
 
 
 def typical_slope(heights: Reals, length: float = 1.0) -> Reals:

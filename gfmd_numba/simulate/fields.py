@@ -31,6 +31,7 @@ from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.text.input_error import brief
 
 _LEVELS = 101
+_BELOW = 1e-9  # of the depth of an interface is the level below it deeper than that above
 _NAMES = DISPLACEMENTS + STRAINS + STRESSES
 _ARRAYS = 40  # of the size of the map that fields of one plane take
 _ARRAYS_OF_TOPOGRAPHY, _ARRAYS_OF_ORDER = 30, 40  # more of them above order 0 in the slope, and for each order
@@ -125,8 +126,9 @@ def body_fields(
     """Displacement, strain and stress `(z, x)`, of a path `(step, z, x)`, inside a body of a solved contact.
 
     `z` counts from the mean plane of the undeformed surface, negative inside, in m (L_x without a length); by default
-    101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface; at an
-    interface of layers stresses are those above it. Stresses are in Pa (E* without a modulus), numbered as Voigt does.
+    101 levels from the surface down to the rigid base, else to L_x or the last layer, denser near the surface, and two
+    at each interface of layers, as stresses jump there: those of a level at it are above it. Stresses are in Pa (E*
+    without a modulus), numbered as Voigt does.
 
     Below a map the fields are on the vertical section nearest to `y` `(z, x)` or to `x` `(z, y)`, without either on
     the one through the largest von Mises stress of all steps, or on whole horizontal `planes` at these z `(z, y, x)`;
@@ -177,7 +179,11 @@ def _units(contact: xr.Dataset, body: Body, length: float) -> Units:
 def _levels(body: ElasticBody, length: float) -> Reals:
     layers = 0.0 if body.stack is None else body.stack.height
     lowest = max(1.0, layers) if body.aspect_ratio is None else body.aspect_ratio
-    return 0.0 - lowest * length * np.linspace(0.0, 1.0, _LEVELS) ** 2
+    levels = lowest * np.linspace(0.0, 1.0, _LEVELS) ** 2
+    if body.stack is not None:  # stresses jump: both sides of each interface
+        bottoms = np.cumsum(body.stack.heights)[: None if body.stack.base is not None else -1]
+        levels = np.unique(np.concatenate([levels, bottoms, bottoms * (1.0 + _BELOW)]))
+    return 0.0 - levels * length
 
 
 def _checked(body: ElasticBody, length: float, given_z: npt.ArrayLike, name: str, unit: str) -> Reals:

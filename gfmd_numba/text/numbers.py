@@ -1,6 +1,6 @@
 """Numbers as text, chosen here alone for tables, figures and sentences: with an SI prefix, with a standard error."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from math import floor, isfinite, isnan, log10
 from statistics import median
 
@@ -23,6 +23,7 @@ _LEAST = 1e-15  # below which a number of the smallest prefix would be no shorte
 _NEARLY = 1.0 - 1e-9  # what rounding leaves just below a prefix has it: 1 GPa, not 1000 MPa
 _ROUNDING = 1e-12  # of the largest number: what is smaller stands for 0
 _FAR = 100.0
+_MOST_RANGES = 3  # of steps that a sentence names one by one
 _FIXED = (1e-4, 1e5)  # sizes that are written without a power of ten
 _MOST_DIGITS = 7  # of a value, however small its error
 
@@ -87,3 +88,15 @@ def with_error(value: float, error: float, digits: int = 4) -> str:
 def counted(number: int, thing: str) -> str:
     """Return a number of things, of which there may be one."""
     return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def steps_told(affected: Sequence[bool], last: int) -> str:
+    """Name the steps of a path that have something, of those up to the last one; nothing where all or none are."""
+    steps = [i for i, has_it in enumerate(affected) if has_it]
+    if len(steps) in (0, len(affected)):
+        return ""
+    ends = [i for i in steps if i - 1 not in steps], [i for i in steps if i + 1 not in steps]
+    if len(ends[0]) > _MOST_RANGES:
+        return f"{len(steps)} of the steps {steps[0]} to {steps[-1]} of {last}"
+    ranges = [f"{first}" if first == end else f"{first} to {end}" for first, end in zip(*ends, strict=True)]
+    return f"step{'s' * (len(steps) > 1)} {', '.join(ranges)} of {last}"

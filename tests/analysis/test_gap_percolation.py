@@ -1,9 +1,10 @@
-"""Channels through maps made by hand and solved, and the narrowest place of each against a shortest-path search."""
+"""Channels through maps made by hand and solved, and the narrowest place of each against a search on copies of it."""
 
-import heapq
+import bisect
 
 import numpy as np
 import pytest
+import scipy
 import xarray as xr
 
 import gfmd_numba
@@ -34,8 +35,7 @@ def test_a_channel_leads_from_side_to_side_or_not(name):
 def test_a_channel_along_x_may_leave_through_the_period_of_y():
     touching = np.array([[node == "#" for node in row] for row in ["..##", "####", "####", "##.."]])
     assert gfmd_numba.gap_percolation(made(touching))["gap_connects"].values.tolist() == [0, 0]
-    touching[0, 1:3] = False
-    touching[3, 1:3] = False
+    touching[0, 2] = touching[3, 0] = False
     found = gfmd_numba.gap_percolation(made(touching))
     assert found["gap_connects"].values.tolist() == [1, 0]
     assert found["n_gaps"] == 1
@@ -54,23 +54,18 @@ def test_gaps_and_contacts_of_different_sizes_are_told_apart():
 
 
 def widest(gap, axis):
-    """Largest least gap on a way from side to side, periodic across: Dijkstra with the least gap for a distance."""
-    gap = np.moveaxis(gap, axis, 0)
-    rows, columns = gap.shape
-    best = np.zeros_like(gap)
-    front = [(-gap[0, j], 0, j) for j in range(columns)]
-    heapq.heapify(front)
-    while front:
-        least, i, j = heapq.heappop(front)
-        if best[i, j] >= -least:
-            continue
-        best[i, j] = -least
-        if i == rows - 1:
-            return -least
-        for k, m in ((i + 1, j), (i - 1, j), (i, (j + 1) % columns), (i, (j - 1) % columns)):
-            if 0 <= k < rows and min(-least, gap[k, m]) > best[k, m]:
-                heapq.heappush(front, (-min(-least, gap[k, m]), k, m))
-    return 0.0
+    """Largest gap at which, on five by five copies of the map, a node connects with its copy some periods along."""
+    n, copies = len(gap), 5
+    tiled = np.tile(np.moveaxis(gap, axis, 0), (copies, copies))
+
+    def winds(level):
+        labels = scipy.ndimage.label(tiled >= level)[0].reshape(copies, n, copies, n)
+        pairs = ((labels[i], labels[j]) for j in range(copies) for i in range(j))
+        pairs = ((one[:, m], two[:, k]) for one, two in pairs for m in range(copies) for k in range(copies))
+        return any(((one == two) & (one > 0)).any() for one, two in pairs)
+
+    levels = np.append(np.unique(gap[gap > 0.0])[::-1], 0.0)
+    return levels[bisect.bisect_left(levels, True, hi=len(levels) - 1, key=winds)]
 
 
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.45])
@@ -81,6 +76,15 @@ def test_the_critical_gap_is_that_of_the_widest_way(share):
     expected = [[widest(gap, 1), widest(gap, 0)] for gap in gaps]
     np.testing.assert_array_equal(found["critical_gap"], expected)
     np.testing.assert_array_equal(found["gap_connects"], np.array(expected) > 0.0)
+
+
+def test_where_the_period_is_cut_changes_no_channel():
+    rng = np.random.default_rng(3)
+    gaps = np.maximum(rng.random((20, 16, 16)) - 0.4, 0.0)
+    dataset = made(gaps == 0.0, gaps)
+    found = gfmd_numba.gap_percolation(dataset)
+    for rolled in ({"x": 5}, {"y": 8}, {"x": 3, "y": 11}):
+        xr.testing.assert_equal(gfmd_numba.gap_percolation(dataset.roll(rolled)), found)
 
 
 @pytest.mark.parametrize("axis", [0, 1])

@@ -5,6 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, channels, leakage
+from gfmd_numba.contact.contact_dataset import POINTS_OF_WINDOW
 from support.solved_maps import made, pressed, wave
 
 OPEN = np.zeros((32, 32), dtype=bool)
@@ -79,27 +80,25 @@ def test_waves_in_both_directions_leak_as_their_geometric_mean():
 
 
 def dense(gap):
-    """Flow along the first axis from a full matrix, assembled node by node."""
+    """Flow along the first axis of a torus from a full matrix, assembled node by node, with the mean gradient in it."""
     k, (rows, columns) = gap**3, gap.shape
-    matrix, source = np.zeros((gap.size, gap.size)), np.zeros(gap.size)
-
-    def number(i, j):
-        return i * columns + j % columns
-
-    for i in range(rows):
-        for j in range(columns):
-            here = number(i, j)
-            if i in (0, rows - 1):
-                matrix[here, here] += 2.0 * k[i, j]
-                source[here] += 2.0 * k[i, j] * (i == 0)
-            for there, conductivity in [(number(i, j + s), k[i, (j + s) % columns]) for s in (1, -1)] + [
-                (number(i + s, j), k[i + s, j]) for s in (1, -1) if 0 <= i + s < rows
-            ]:
-                face = 2.0 / (1.0 / k[i, j] + 1.0 / conductivity)
-                matrix[here, here] += face
-                matrix[here, there] -= face
-    pressure = np.linalg.solve(matrix, source).reshape(gap.shape)
-    return (2.0 * k[-1] * pressure[-1]).sum() * rows / columns
+    matrix, source, crossing = np.zeros((gap.size, gap.size)), np.zeros(gap.size), np.zeros(gap.size)
+    number = np.arange(gap.size).reshape(gap.shape)
+    mean = 0.0
+    for i, j in np.ndindex(*gap.shape):
+        for below, right, fall in ((1, 0, 1.0 / rows), (0, 1, 0.0)):
+            end = (i + below) % rows, (j + right) % columns
+            here, there, face = number[i, j], number[end], 2.0 / (1.0 / k[i, j] + 1.0 / k[end])
+            for one, other in ((here, there), (there, here)):
+                matrix[one, one] += face
+                matrix[one, other] -= face
+            source[there] += face * fall
+            source[here] -= face * fall
+            crossing[here] += face * below
+            crossing[there] -= face * below
+            mean += face * fall
+    pressure = np.linalg.lstsq(matrix, source)[0]
+    return (crossing @ pressure + mean) / columns
 
 
 def test_a_random_gap_leaks_as_a_dense_solve_says():
@@ -112,6 +111,50 @@ def test_closed_nodes_are_those_of_a_vanishing_gap():
     gap = rng.uniform(0.2, 2.0, (14, 14)) * (rng.random((14, 14)) > 0.25)
     expected = [dense(np.maximum(each, 1e-4)) for each in (gap.T, gap)]
     np.testing.assert_allclose(cubes(gap == 0.0, gap), expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("closed", [0.0, 0.3])
+def test_where_the_period_is_cut_does_not_matter(closed):
+    rng = np.random.default_rng(7)
+    dataset = made(rng.random(OPEN.shape) < closed, rng.lognormal(0.0, 1.0, OPEN.shape))
+    found = leakage(dataset)
+    assert (found["hydraulic_gap"] > 0.0).all()
+    for rolled in ({"x": 11}, {"y": 5}, {"x": 16, "y": 23}):
+        again = leakage(dataset.roll(rolled))
+        np.testing.assert_allclose(again["hydraulic_gap"], found["hydraulic_gap"], rtol=1e-9)
+        np.testing.assert_allclose(again["local_flow"], found["local_flow"].roll(rolled), atol=1e-8)
+
+
+@pytest.mark.parametrize("rise", [1, 2, 3])
+def test_a_channel_that_spirals_leaks_along_both_axes(rise):
+    """One file of nodes goes around x once and around y `rise` times: n (rise + 1) faces in series."""
+    n, touching = 24, np.ones((24, 24), dtype=bool)
+    for column in range(n):
+        touching[np.arange(rise * column, rise * (column + 1) + 1) % n, column] = False
+    found = leakage(made(touching).roll(y=7))
+    np.testing.assert_allclose(found["hydraulic_gap"] ** 3, np.array([1.0, rise**2]) / (n * (rise + 1)), rtol=1e-10)
+
+
+def test_a_checkerboard_leaks_as_the_geometric_mean_of_its_squares():
+    """Keller and Dykhne: d^6 = a^3 b^3 for gaps a and b."""
+    errors = []
+    for n in (8, 16, 32):
+        here = np.add.outer(np.arange(4 * n) // n, np.arange(4 * n) // n) % 2 == 0
+        gap = np.where(here, 1.0, 0.6)
+        errors.append(abs(cubes(gap == 0.0, gap) / 0.6**1.5 - 1.0).max())
+    assert errors[2] < 0.01
+    assert errors[2] < errors[1] < errors[0]
+
+
+def test_the_ends_of_a_window_are_at_one_pressure_each():
+    """A wedge of a window: d^-3 is the mean of u^-3 along it and d^3 that of u^3 across."""
+    gap = np.broadcast_to(np.linspace(0.2, 1.0, 32), (32, 32))
+    dataset = made(OPEN, gap)
+    for dim in ("x", "y"):
+        dataset[dim].attrs = {POINTS_OF_WINDOW: 32}
+    np.testing.assert_allclose(
+        leakage(dataset)["hydraulic_gap"] ** 3, [1.0 / (gap**-3.0).mean(), (gap**3).mean()], rtol=1e-10
+    )
 
 
 def test_what_no_channel_connects_does_not_leak():
@@ -213,6 +256,13 @@ def test_the_step_of_a_path_whose_factors_surprise_is_named():
     said = leakage(made(even == 0.0, even)).validity
     assert "along y in step 1 is" in said
     assert "along x and y in step 1 are" in said
+
+
+def test_every_step_without_a_channel_is_named():
+    touching = np.ones((7, 16, 16), dtype=bool)
+    touching[[0, 4], 3] = touching[[0, 4], :, 2] = False
+    said = leakage(made(touching)).validity
+    assert "along x in steps 1 to 3, 5 to 6 of 6: on this grid" in said
 
 
 def test_a_direction_without_an_open_channel_is_told():

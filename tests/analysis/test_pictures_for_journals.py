@@ -20,7 +20,7 @@ from gfmd_numba.cli.tables import column
 from gfmd_numba.storage.atomic_file import write_picture
 from support import synthetic_campaigns
 from support.legible import faults
-from support.solved_maps import paraboloid, pressed
+from support.solved_maps import made, paraboloid, pressed
 from support.synthetic_campaigns import with_axes
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
@@ -245,6 +245,16 @@ def test_the_hottest_spot_of_a_large_map_is_enlarged():
     assert y[0] < (row + 0.5) / 96 < y[1]
     assert plot_conductance(gfmd_numba.contact_conductance(large)).axes[0].child_axes
     assert not plot_contact(pressed(small, 4.0 / 3.0 * (3 / 24) ** 3 / 100.0)).axes[1].child_axes
+
+
+def test_no_contact_is_hidden_by_what_is_enlarged():
+    """Contacts in three corners leave the fourth; in all four nothing is enlarged."""
+    touching = np.zeros((64, 64), dtype=bool)
+    touching[[5, 5, 58], [5, 58, 5]] = True
+    (inset,) = plot_conductance(gfmd_numba.contact_conductance(made(touching))).axes[0].child_axes
+    assert inset.get_position().x0 > 0.5
+    touching[58, 58] = True
+    assert not plot_conductance(gfmd_numba.contact_conductance(made(touching))).axes[0].child_axes
 
 
 def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):

@@ -216,6 +216,27 @@ def test_more_points_of_a_measured_surface_widen_its_contacts():
     assert said[1] == []
 
 
+@pytest.mark.parametrize(("nodes", "grooves", "warned"), [(2, False, True), (4, False, False), (8, True, True)])
+def test_a_peak_of_pressure_that_a_measured_grid_does_not_resolve_is_told(nodes, grooves, warned):
+    """Random waves down to that of so many nodes; where they are cut off at a height, grooves have sharp edges.
+
+    On eight times as many nodes the peak is 5 to 30 % higher where a warning is given, and 6 % at most elsewhere.
+    """
+    for seed in range(4):
+        q, rng = np.arange(513), np.random.default_rng(seed)
+        amplitudes = np.where((q >= 8) & (q <= 1024 // nodes), np.maximum(q, 1.0) ** -1.3, 0.0)
+        heights = np.fft.irfft(amplitudes * np.exp(2j * np.pi * rng.random(513)), 1024)
+        heights *= 0.05 * 8e-3 / 1024 / np.gradient(heights).std()
+        if grooves:
+            heights = np.minimum(heights, -0.3 * heights.std()) + 1e-2 * heights
+        scene = {"length": "8 mm", "body": {"youngs_modulus": "80 GPa", "poissons_ratio": 0.27}}
+        scene |= {"roughness": {"method": "measured", "heights": heights, "units": {"z": "m"}}}
+        scene |= {"interface": {"hard_wall": {}}, "loading": {"pressure": "200 MPa"}}
+        with catch_warnings(action="ignore"):
+            said = gfmd_numba.solve({"scene": scene}).attrs["validity"]
+        assert ("stick out of their neighbours" in said) == warned
+
+
 def test_a_curve_warns_once_of_its_narrowest_contact():
     scene = {"periodic": False, "body": {"poissons_ratio": 0.0}, "interface": {"hard_wall": {}}}
     scene |= {"form": {"radius": 5.0, "points": 64}, "loading": {"displacement": 1e-3}}

@@ -8,6 +8,7 @@ import pytest
 import slab_stiffness
 from scipy.special import ive
 
+import gfmd_numba
 from gfmd_numba.contact.law_resolution import COARSEST
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
@@ -84,6 +85,32 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
     length = stretch / tabor
     exact = WORK / length * ive(0, AMPLITUDE / length)
     assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)
+
+
+@pytest.mark.filterwarnings("ignore")  # of the grid and of slopes
+@pytest.mark.parametrize(
+    ("laws", "steps", "most"),
+    [(["hard_wall", "exponential"], (0.2, 0.4), 6.105), (["lennard_jones"], (0.1, 0.2), 6.097)],
+)
+def test_pull_off_of_a_stiff_tip_does_not_depend_on_the_step(laws, steps, most):
+    """Without a jump, and of two elastic bodies, whose steps are not divided; in nN, as steps of 0.002 nm find it."""
+    interface = {
+        name: {"work_of_adhesion": "50 mJ/m^2", "range": "0.2 nm"} if name != "hard_wall" else {} for name in laws
+    }
+    scene = {
+        "periodic": False,
+        "dimension": 2,
+        "length": "20 nm",
+        "body": {"youngs_modulus": "72 GPa", "poissons_ratio": 0.17},
+        "counter_body": {"youngs_modulus": "130 GPa", "poissons_ratio": 0.27},
+        "form": {"radius": "20 nm", "points": 64},
+        "interface": interface,
+        "loading": {"displacement": "0.35 nm"},
+    }
+    for step in steps:
+        path = [{"displacement": f"{each:.2f} nm"} for each in np.arange(0.35 - step, -0.7, -step)]
+        found = gfmd_numba.solve({"scene": scene, "path": path})
+        assert float(found["pull_off_pressure"]) * (20e-9) ** 2 == pytest.approx(most * 1e-9, rel=0.005)
 
 
 @pytest.mark.long

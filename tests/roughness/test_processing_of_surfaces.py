@@ -154,3 +154,18 @@ def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
     assert done == ["filled", "found", "subtracted", "mirrored", "left", "resampled"]
     assert found.sizes == {**found.sizes, "x": 4096}
     assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)
+
+
+@pytest.mark.parametrize(("nodes", "groove", "warned"), [(2, False, True), (4, False, False), (8, True, True)])
+def test_points_added_where_a_fourier_series_rings_are_told(nodes, groove, warned):
+    """Edges of a groove ring, and so does what has waves of two nodes; a cutoff ends both."""
+    q, rng = np.arange(129), np.random.default_rng(1)
+    waves = np.where((q > 0) & (q <= 256 // nodes), np.maximum(q, 1.0) ** -1.3, 0.0)
+    heights = 1e-4 * np.fft.irfft(waves * np.exp(2j * np.pi * rng.random(129)), 256)
+    heights[60:90] -= groove * 1e-6
+    record = {"method": "measured", "heights": heights, "units": {"z": "m"}, "spacing": "1 um", "points": 1024}
+    for cutoff, told in ({}, warned), ({"cutoff": "4 um"}, False):
+        if cutoff and not warned:
+            continue
+        surface = measured_surface(Measured.model_validate(record | cutoff), None)
+        assert any("Fourier series, which rings" in doubt for doubt in surface.doubts) == told

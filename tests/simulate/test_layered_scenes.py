@@ -6,6 +6,8 @@ import xarray as xr
 from click.testing import CliRunner
 
 import gfmd_numba
+from gfmd_numba.analysis import plot_body
+from gfmd_numba.analysis.forms import by_layer
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import main
 from gfmd_numba.contact import reduction
@@ -73,6 +75,22 @@ def test_fields_of_a_python_contact_change_at_the_interface_where_they_may():
     assert float(abs(above["stress_1"]).max()) > 10 * float(abs(below["stress_1"]).max())
     with pytest.raises(InputError, match=r"you gave -0\.13; gfmd allows .* -0\.12 \(the base\) to 0"):
         gfmd_numba.body_fields(contact, [-0.13])
+
+
+@pytest.mark.parametrize("base", ["rigid", SOFT_ON_HARD["base"]])
+def test_levels_show_both_sides_of_each_interface(tmp_path, base):
+    """Stresses jump there; each layer has its largest one printed, and is drawn on its own."""
+    contact = gfmd_numba.solve(scene({"layers": HARD_ON_SOFT["layers"], "base": base}))
+    inside = gfmd_numba.body_fields(contact)
+    layers = by_layer(inside["z"].values)
+    bottoms = np.cumsum([layer["height"] for layer in HARD_ON_SOFT["layers"]])
+    np.testing.assert_allclose([-inside["z"].values[layer[-1]] for layer in layers[: len(bottoms)]], bottoms)
+    of_layers = [inside["von_mises"].isel(z=layer).max("x") for layer in layers]
+    assert float(of_layers[0][-1]) > 2.0 * float(of_layers[1][0])
+    assert plot_body(inside).axes
+    contact.to_netcdf(tmp_path / "contact.nc")
+    said = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "fields.nc")])
+    assert said.output.count("layer ") == len(layers)
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])

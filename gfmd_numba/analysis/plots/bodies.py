@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.arguments import checked
-from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError
+from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError, by_layer
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
 from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, fill, last_step, prefix, scaled, sheet, told
 from gfmd_numba.arrays import Reals
@@ -84,9 +84,10 @@ def _plot_section(dataset: xr.Dataset, title: str, width: Width | None) -> Figur
 
 def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: float, label: str) -> None:
     levels = np.linspace(0.0, most or 1.0, 25)
-    drawn = axis.contourf(
-        x, z, values, levels, cmap="cividis", extend="max" if values.max() > levels[-1] else "neither"
-    )
+    extend = "max" if values.max() > levels[-1] else "neither"
+    layers = [layer for layer in by_layer(z) if len(layer) > 1] or [np.arange(len(z))]
+    for layer in layers:  # stresses jump at interfaces
+        drawn = axis.contourf(x, z[layer], values[layer], levels, cmap="cividis", extend=extend)
     ticks = [tick for tick in MaxNLocator(5).tick_values(0.0, levels[-1]) if tick <= levels[-1]]
     figure.colorbar(drawn, ax=axis, label=label, format="%.3g", ticks=ticks)
 

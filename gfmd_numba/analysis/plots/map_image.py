@@ -21,7 +21,7 @@ _TICKS = 5
 _DECADES = 1e-3  # of the largest value, which logarithmic colours still tell
 _LEAST_ENLARGED = 48  # nodes along a side of a map that has hot spots
 _ENLARGED = 0.16  # of the shorter side, that is enlarged
-_FEW = 0.2  # of all nodes
+_CORNERS, _INSET = (0.02, 0.6), 0.38  # of the panel: where the enlarged part begins, and how large it is
 _SHARE = 0.98  # of the values above 0 that colours tell apart
 _LEFT, _ABOVE_AND_BELOW = 0.75, 1.4  # inches beside and above a map: labels, and the bar of its colours
 _OF_PROFILES = 9.0, 3.6  # inches
@@ -59,26 +59,36 @@ def draw_image(
 
 
 def enlarge_peak(axis: Axes, values: Reals) -> None:
-    """Enlarge the surroundings of the largest value `[y, x]` of a map in the farther corner, if few nodes have values.
+    """Enlarge the surroundings of the largest value `[y, x]` of a map in a corner without values, if there is one.
 
     Hot spots are so small that a map of the width of a column does not show them.
     """
     ny, nx = values.shape
-    spots = np.count_nonzero(values > 0.0)
-    if min(ny, nx) < _LEAST_ENLARGED or not 0 < spots <= _FEW * values.size:
+    if min(ny, nx) < _LEAST_ENLARGED or not (values > 0.0).any():
         return
     row, column = np.unravel_index(int(np.nanargmax(values)), values.shape)
     (left, right), (bottom, top) = axis.get_xlim(), axis.get_ylim()
     x, y = left + (column + 0.5) / nx * (right - left), bottom + (row + 0.5) / ny * (top - bottom)
     half = 0.5 * _ENLARGED * min(right - left, top - bottom)
     x, y = np.clip(x, left + half, right - half), np.clip(y, bottom + half, top - half)
-    corner = (0.02 if column > nx / 2 else 0.56, 0.02 if row > ny / 2 else 0.56)
-    inset = axis.inset_axes((*corner, 0.42, 0.42))
+    free = [(left, low) for left in _CORNERS for low in _CORNERS if not _covered(values, left, low)]
+    if not free:
+        return
+    corner = max(free, key=lambda corner: np.hypot(corner[0] - column / nx, corner[1] - row / ny))
+    inset = axis.inset_axes((*corner, _INSET, _INSET))
     image = axis.images[0]
     inset.imshow(values, **_AS_IT_IS, extent=image.get_extent(), cmap=image.cmap, clim=image.get_clim())
     inset.set(xticks=[], yticks=[], xlim=(x - half, x + half), ylim=(y - half, y + half))
     inset.spines[:].set(visible=True, color=COLOURS[0])
     axis.indicate_inset_zoom(inset, edgecolor=COLOURS[0], alpha=1.0)
+
+
+def _covered(values: Reals, left: float, low: float) -> bool:
+    """Whether the enlarged part would hide a value above 0 of a map `[y, x]`."""
+    rows, columns = (
+        slice(int(start * n), int((start + _INSET) * n) + 1) for start, n in zip((low, left), values.shape, strict=True)
+    )
+    return bool((values[rows, columns] > 0.0).any())
 
 
 def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:

@@ -27,7 +27,7 @@ class _Fluid(BaseModel):
 
 
 def with_resistance(measure: Measure, contact: xr.Dataset, conductivity: object) -> xr.Dataset:
-    """What measures the conductance of a contact finds, and the `resistance` R = 1 / (G s A) of its nominal area A, that of all its nodes.
+    """Conductance that `measure` finds of a contact, and the `resistance` R = 1 / (G s A) of its nominal area A.
 
     s is the harmonic mean of the conductivity of both bodies, or of one for each, as texts like `60 MS/m`. Of a profile
     it is `resistance_times_width`, along y. Raises InputError for other conductivities, or a contact without a length.
@@ -63,7 +63,7 @@ def _conductivity(given: object) -> WithUnit:
 def with_flow(
     measure: Measure, contact: xr.Dataset, viscosity: object = None, pressure: object = None, seal: object = None
 ) -> xr.Dataset:
-    """What measures the leakage of a contact finds, and the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
+    """Leakage that `measure` finds of a contact, and the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
 
     The pressure falls by P over the length L of a seal, whose width is W: `seal` gives both, else they are those of the
     map. Numbers are in SI units, texts like `1 mPa s` have units. Raises InputError for others, or a contact without a

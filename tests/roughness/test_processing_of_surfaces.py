@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba import make_surface
+from gfmd_numba import make_surface, solve
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.processing import fill_gaps, made_periodic
@@ -154,3 +154,45 @@ def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
     assert done == ["filled", "found", "subtracted", "mirrored", "left", "resampled"]
     assert found.sizes == {**found.sizes, "x": 4096}
     assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)
+
+
+def test_points_that_lose_gradient_are_told():
+    heights = np.random.default_rng(0).normal(size=256)
+    surface = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "10 um"}
+    with pytest.warns(UserWarning, match=r"64 points leave out \d\d\.\d % of the rms gradient that 256 points have"):
+        make_surface({"surface": surface | {"points": 64}})
+    smooth = surface | {"heights": np.sin(2.0 * np.pi * np.arange(256) / 64)}
+    make_surface({"surface": smooth | {"points": 64}})
+    make_surface({"surface": smooth | {"points": 512}})
+
+
+def test_a_form_without_roughness_is_refused_in_scenes_too():
+    x = np.linspace(-1.0, 1.0, 512)
+    rough = {"method": "measured", "heights": x**2, "spacing": "1 um", "units": {"z": "um"}, "detrend": "curvature"}
+    body = {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3}
+    scene = {"body": body, "roughness": rough, "interface": {"hard_wall": {}}, "loading": {"pressure": "1 MPa"}}
+    for run, file in ((make_surface, {"surface": rough}), (solve, {"scene": scene})):
+        with pytest.raises(InputError, match="a flat surface once the trend is gone"):
+            run(file)
+
+
+def test_heights_keep_the_units_of_their_library_and_enough_digits():
+    pint = pytest.importorskip("pint")
+    registry = pint.UnitRegistry()
+    heights = np.random.default_rng(0).normal(size=64)
+    surface = {"method": "measured", "spacing": "10 um"}
+    plain = make_surface({"surface": surface | {"heights": heights, "units": {"z": "um"}}})
+    given = make_surface({"surface": surface | {"heights": heights * registry.um}})
+    np.testing.assert_array_equal(given["height"], plain["height"])
+    half = make_surface({"surface": surface | {"heights": heights, "units": {"z": "0.5 um"}}})
+    np.testing.assert_allclose(half["height"], 0.5 * plain["height"])
+    row = make_surface({"surface": surface | {"heights": heights[None], "units": {"z": "um"}}})
+    np.testing.assert_array_equal(row["height"], plain["height"])
+    for wrong, said in (
+        (surface | {"heights": heights * registry.um, "units": {"z": "m"}}, "heights in um as the file says, not m"),
+        (surface | {"heights": heights * registry.volt}, "heights in 'volt', which is no unit of length"),
+        (surface | {"heights": [each * registry.um for each in heights]}, "a list of at least 4 numbers"),
+        (surface | {"heights": heights.astype(np.float16), "units": {"z": "um"}}, "heights of type float16"),
+    ):
+        with pytest.raises(InputError, match=said):
+            make_surface({"surface": wrong})

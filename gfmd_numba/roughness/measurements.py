@@ -228,6 +228,8 @@ def laid_out(
         sign = np.sign(steps)
         turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
         wrong = f"positions {name} that are in no order from index {turn} on"
+    if len(np.unique(x)) < len(x):
+        raise ValueError(f"{wrong}, and some twice: keep one pass over the surface")
     remedy = (
         "interpolate the map to a regular grid"
         if of_map

@@ -106,7 +106,7 @@ def of_field(field: Field) -> Signs:
     heights, spikes = despiked(heights, step)
     formed, order = _form(field, heights)
     level = heights - polynomial(heights, order)
-    steps = offsets(level)
+    steps = [each for each in offsets(level) if abs(each[2]) > 2.0 * step]
     share = float(np.isnan(field.as_measured).mean())
     filled = (
         f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"

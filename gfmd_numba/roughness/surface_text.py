@@ -344,6 +344,9 @@ def read_rows(path: Path) -> Rows:
     while not rows[-1].strip():
         rows.pop()
     layout = layout_of(rows, header[-1].rstrip() if header else "")
+    positions = layout.cells(rows[0])
+    if len(rows) > 1 and layout.columns(rows[1]) == len(positions) + 1 > 3 and _in_order(positions, layout):
+        rows[0] = f"nan{' ' if layout.separator == BLANKS else layout.separator}{rows[0]}"  # positions without a corner
     columns = layout.columns(rows[0])
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")

@@ -62,7 +62,7 @@ def heights(given: Any) -> Heights:
     if np.ma.isMaskedArray(given):  # masked heights are missing ones
         given = np.ma.filled(given.astype(np.float64), np.nan)
     bare = inner if unit is None else getattr(inner, "magnitude", getattr(inner, "value", None))
-    with warnings.catch_warnings(action="error"):  # of units that are stripped, and the like
+    with warnings.catch_warnings(action="error", category=UserWarning):  # of units that are stripped
         try:
             values = np.array(bare if unit is not None else given)  # a copy, which nobody changes
         except (TypeError, Warning):

@@ -144,6 +144,9 @@ def test_a_label_in_the_corner_leaves_the_axes_as_they_are(tmp_path, corner, uni
     np.testing.assert_array_equal(content.positions["x"], np.arange(9.0))
     np.testing.assert_array_equal(content.positions["y"], 2.0 * np.arange(8.0))
     assert content.units.get("x") == unit
+    rows[0] = rows[0].partition(separator)[2]
+    (tmp_path / "m.csv").write_text("\n".join(rows))
+    np.testing.assert_array_equal(read_content(tmp_path / "m.csv").heights, heights)
 
 
 def test_points_of_a_grid_may_lack_whole_rows_and_columns():

@@ -156,6 +156,13 @@ def test_the_example_of_the_page_does_what_the_page_says(tmp_path):
     assert float(found["x"][1]) == pytest.approx(2e-3 / 4096)
 
 
+def test_a_way_there_and_back_is_told(tmp_path):
+    rows = [f"{i},{i % 7}" for i in (*range(40), *range(39, -1, -1))]
+    (tmp_path / "p.csv").write_text("x [um],z [um]\n" + "\n".join(rows))
+    with pytest.raises(InputError, match="in no order from index 39 on, and some twice: keep one pass"):
+        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.csv")}})
+
+
 def test_points_that_lose_gradient_are_told():
     heights = np.random.default_rng(0).normal(size=256)
     surface = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "10 um"}

@@ -323,8 +323,8 @@ def _digitised(field: Field) -> tuple[float, str]:
         return 0.0, ""
     remedy = f", or leave out short waves by cutoff: {field.said(shortest, 'x')}" if lag else ""
     return quantum, (
-        f"heights in steps of {field.said(quantum, 'z')}, whose rounding makes up {100.0 * share:.2g} % of the mean "
-        f"square gradient: measure with a finer step{remedy}"
+        f"heights in steps of {field.said(quantum, 'z')}, whose rounding makes up {min(100.0 * share, 99.0):.2g} % of "
+        f"the mean square gradient: measure with a finer step{remedy}"
     )
 
 

@@ -350,8 +350,7 @@ def read_rows(path: Path) -> Rows:
     columns = layout.columns(rows[0])
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
-    if layout.decimal == ",":
-        _check_groups(rows, layout)
+    _check_groups(rows, layout, columns)
     cut = next((i for i, row in zip(numbers, rows, strict=False) if _is_cut(lines[i - 1], row, layout, columns)), None)
     if cut is not None:
         raise ValueError(f"a comment in line {cut} before its last column: what is missing is an empty cell, or nan")
@@ -382,28 +381,30 @@ def _in_order(cells: list[str], layout: Layout) -> bool:
     return bool((steps > 0).all() or (steps < 0).all())
 
 
-def _check_groups(rows: list[str], layout: Layout) -> None:
-    """Raise ValueError for a column of decimal commas which may stand between thousands: all before three digits."""
-    grouped: dict[int, str] = {}
-    plain: dict[int, str] = {}
-    clear: set[int] = set()
+def _check_groups(rows: list[str], layout: Layout, columns: int) -> None:
+    """Raise ValueError for a column whose decimal marks may stand between thousands: three digits follow, or none."""
+    grouped, plain = re.compile(rf"[-+]?[1-9]\d{{0,2}}(\{layout.decimal}\d{{3}})+"), re.compile(r"[-+]?[1-9]\d{0,2}")
+    found: dict[tuple[int, bool], str] = {}
+    doubtful = set(range(columns)) if any(layout.decimal in row for row in rows) else set()
     for row in rows:
-        for i, cell in enumerate(layout.cells(row)):
-            number = cell.strip('" ')
-            if "," in number:
-                grouped.setdefault(i, number)
-            elif re.fullmatch(r"[-+]?[1-9]\d{0,2}", number):
-                plain.setdefault(i, number)
-            if ("," in number and not _THOUSANDS.fullmatch(number)) or re.fullmatch(r"[-+]?\d{4,}", number):
-                clear.add(i)
-        if grouped and {*grouped} <= clear:
+        if not doubtful:
             return
-    for i in grouped.keys() & plain.keys() - clear:
-        whole, decimal = grouped[i].replace(",", ""), grouped[i].replace(",", ".")
-        raise ValueError(
-            f"numbers like {grouped[i]} next to {plain[i]}, whose commas may be decimal ones or stand between "
-            f"thousands: write {decimal} or {whole}"
-        )
+        cells = layout.cells(row)
+        for i in [i for i in doubtful if i < len(cells)]:
+            number = cells[i].strip('" ')
+            if grouped.fullmatch(number) or plain.fullmatch(number):
+                found.setdefault((i, layout.decimal in number), number)
+            elif re.search("[1-9]", number):
+                doubtful.discard(i)
+    for i in doubtful:
+        if {(i, True), (i, False)} <= found.keys():
+            number, kind = found[i, True], {",": "commas", ".": "points"}[layout.decimal]
+            whole, decimal = number.replace(layout.decimal, ""), number.replace(layout.decimal, ".", 1)
+            other = f"{decimal} next to {found[i, False]}.000" if decimal == number else decimal
+            raise ValueError(
+                f"numbers like {number} next to {found[i, False]}, whose {kind} may be decimal ones or stand between "
+                f"thousands: write {other} or {whole}"
+            )
 
 
 def _check_thousands(rows: list[str], header: str) -> None:

@@ -391,6 +391,7 @@ def test_a_comment_does_not_cut_a_row(tmp_path):
         ('x [um],z [nm]\n0,998\n1,"1,788"\n', "numbers like 1,788 next to 998"),
         ("x;z\n0;998\n1;1,788\n", "numbers like 1,788 next to 998"),
         ("0 998\n1 1,788\n", "numbers like 1,788 next to 998"),
+        ("z [nm]\n-212\n1.006\n0\n", "numbers like 1.006 next to -212, whose points .*: write 1.006 next to -212.000"),
     ],
 )
 def test_commas_before_three_digits_in_some_rows_are_asked_about(tmp_path, text, said):

@@ -294,20 +294,15 @@ def _digitised(field: Field) -> tuple[float, str]:
     Rounding of heights that change by s between neighbours, normally distributed, to multiples of q adds q^2/6 to the
     mean square s^2 if s is not far below q. Else few steps of q remain, of mean square q E|s| = q s sqrt(2/pi).
     """
-    heights, spacings = (
-        field.as_measured,
-        [length / n for n, length in zip(field.heights.shape, field.lengths, strict=True)],
-    )
+    heights = field.as_measured
+    spacings = [length / n for n, length in zip(heights.shape, field.lengths, strict=True)]
     steps = [each[~np.isnan(each)] for axis in range(heights.ndim) for each in [abs(np.diff(heights, axis=axis))]]
     every = np.concatenate(steps)
     changes = every[every > _EXACT * np.nanmax(abs(heights))]
     quantum = float(changes.min(initial=np.inf))
     whole = bool((abs(changes / quantum - np.round(changes / quantum)) < _WHOLE).all())
-    if (
-        not (0 < len(changes) < len(every))
-        or not whole
-        or np.nanmax(heights) - np.nanmin(heights) < _FEWEST_STEPS * quantum
-    ):
+    span = np.nanmax(heights) - np.nanmin(heights)
+    if not (whole and 0 < len(changes) < len(every) and span >= _FEWEST_STEPS * quantum):
         return 0.0, ""
     kinks = (abs(np.diff(heights, 2, axis=-1)) > 0.5 * quantum).sum()
     if kinks < 0.25 * (steps[-1] > 0.5 * quantum).sum():  # flanks of a design go on

@@ -231,8 +231,7 @@ def _meant(quantity: Quantity, unit: str) -> str:
     """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
     if not unit[0].isalpha():
         return ""
-    lengths = METRES if quantity.si == "m" else ()
-    own = [*quantity.units, *lengths, *(name for other in QUANTITIES for name in other.units)]
+    own = [*quantity.units, *(name for other in QUANTITIES for name in other.units)]
     alike = [name for name in own if name.casefold() == unit.casefold()]
     near = (
         alike

@@ -215,11 +215,7 @@ def laid_out(
             raise ValueError(f"uneven positions {name}")
         mean = (ascending[-1] - ascending[0]) / (len(x) - 1)
         apart = f"at most {steps.max() / mean:.4g} mean spacings apart"
-        at = np.linspace(ascending[0], ascending[-1], len(x))
-        heights = np.interp(at, ascending, heights[order])
-        wide = np.flatnonzero(steps > _GAP * np.quantile(steps, 0.9))
-        for left, right in zip(ascending[wide], ascending[wide + 1], strict=True):
-            heights[(at > left) & (at < right)] = np.nan
+        heights = _interpolated(ascending, heights[order])
         return heights, float(mean * len(x)), (f"interpolated linearly from uneven positions {name}, {apart}",)
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
@@ -236,6 +232,15 @@ def laid_out(
         else f"`points: {len(x)}`, or twice as many with `periodic: mirror`, has them sorted and interpolated"
     )
     raise ValueError(f"{wrong}; {remedy}")
+
+
+def _interpolated(x: Reals, heights: Reals) -> Reals:
+    """Heights on as many even positions as those that rise, not-a-number in gaps between them."""
+    at, steps = np.linspace(x[0], x[-1], len(x)), np.diff(x)
+    found = np.interp(at, x, heights)
+    for i in np.flatnonzero(steps > _GAP * np.quantile(steps, 0.9)):
+        found[(at > x[i]) & (at < x[i + 1])] = np.nan
+    return found
 
 
 def are_even(heights: Reals) -> bool:

@@ -19,10 +19,11 @@ from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
-from gfmd_numba.scene.units import METRES, WithUnit
+from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
 
 Reader = Callable[[Path], Content]
 
+_FLAT = 1e-12  # of the largest height in the file, below which a range of heights is rounding
 _SIZES = 1e-6  # by which a period in a file and one in the scene may differ,
 _OF_A_HEADER = 0.01  # by which a rounded one in a header may, and
 _SHARPEST = 5  # nodes
@@ -38,13 +39,12 @@ _SPACING = 1e-3  # of the spacing, by which positions are rounded
 class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
-    `largest` is the largest height in the file, `done` tells what was done, and `doubts` what makes it implausible.
+    `done` tells what was done, and `doubts` what makes it implausible.
     """
 
     heights: Reals
     lengths: tuple[float, ...]
     unit: Literal["m", "1"]
-    largest: float
     done: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -75,6 +75,8 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
+    if np.ndim(content.heights) == 2 and 1 in content.heights.shape and not (content.positions or content.sizes):
+        content = replace(content, heights=content.heights.ravel())  # one row, or one column
     if record.spacing is not None:
         if content.positions or (content.sizes and not content.rounded):
             raise ValueError("positions or sizes in the file, so that spacing has to be left out")
@@ -123,19 +125,24 @@ def periodic_surface(
         raise ValueError("a cutoff with a unit, as neither the file nor a length tells the period in m: give length")
     heights, filled = fill_gaps(found.heights, record.fill)
     heights, replaced = without_spikes(heights) if record.despike else (heights, ())
-    largest = float(abs(heights).max())
     heights, levelled = detrended(heights, record.detrend)
     ends = ends_of(periodic, heights.ndim)
+    if np.ptp(heights) <= _FLAT * float(abs(found.heights[~np.isnan(found.heights)]).max()):
+        raise ValueError(f"a flat surface{'' if record.detrend == 'none' else ' once the trend is gone'}")
+    mirrored = field.fields == 2.0 and not any(ends)
     signs = plausibility.of_field(
-        plausibility.Field(found.heights, heights, sizes, found.units, field.fields == 2.0 and not any(ends))
+        plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff)
     )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
+    if made.heights.size < heights.size * field.fields**heights.ndim:
+        whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
+        doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    return MeasuredSurface(made.heights, made.lengths, unit, largest, done, doubts)
+    return MeasuredSurface(made.heights, made.lengths, unit, done, doubts)
 
 
 def _is_sharp(heights: Reals) -> bool:
@@ -162,6 +169,14 @@ def _sizes(
         if found.unit == "m" and length is None:
             raise ValueError(
                 "heights without positions: give spacing, the distance of neighbouring points, or length, the period"
+            )
+        if length is not None and field.fields == 2.0 and told_by == "length":
+            field_of, period_of = (in_unit_of(length, length / part / shape[-1], "m") for part in (1.0, 2.0))
+            whole = in_unit_of(length, length, "m")
+            raise ValueError(
+                f"heights without positions that are to be mirrored, so that a length of {whole} may be that of the "
+                f"field or of twice the field: write spacing: {field_of} in its place if the field is {whole} long, "
+                f"or spacing: {period_of} if the period is"
             )
         spacing = (length or 1.0) / field.fields / shape[-1]
         return tuple(n * spacing for n in shape), "m" if found.unit == "m" else "1"

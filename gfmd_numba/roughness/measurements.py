@@ -1,5 +1,6 @@
 """Measured fields in m or L_x: what a file holds, in the units that it or the record states."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
@@ -7,10 +8,10 @@ from typing import Any, Literal
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.units import METRES, PERIOD
+from gfmd_numba.scene.units import METRES, PERIOD, length_unit, metres
 
 _CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
@@ -19,6 +20,8 @@ _ROUNDED = 1e-2  # of the spacing, by which positions may be off even ones, as n
 _EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its values may have few digits
 _ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
 _FEWEST = 4  # values that make an axis on their own
+_SPARSE = 3  # times as many even positions as are given
+_GAP = 4.0  # times the steps of uneven positions, of which a tenth are longer: nothing was measured there
 _SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
 
@@ -64,6 +67,8 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     fewer than 4 heights.
     """
     given = content.heights
+    if given.dtype == np.float16:  # in metres, most heights lie below its smallest normal number
+        raise ValueError("heights of type float16, which keeps 3 digits at most: give float32 or float64")
     if given.ndim not in (1, 2) or given.dtype.kind not in "fiu":
         raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
     if min(given.shape) < 4:
@@ -131,8 +136,15 @@ def _scales(
         stated = content.units.get(axis)
         units[axis] = asked.get(axis, stated)
         known = stated in METRES or stated == PERIOD
-        if known and asked.get(axis, stated) != stated:
+        if stated is not None and known and asked.get(axis, stated).split()[-1] != stated:
             raise ValueError(f"{_NAMES[axis]} in {stated} as the file says, not {asked[axis]} as units.{axis} does")
+        if stated is not None and stated[:1].isdecimal() and " " not in asked.get(axis, ""):
+            name = asked.get(axis) or next(filter(None, map(length_unit, re.findall(r"\w+", stated))), "nm")
+            number = stated.split()[0]
+            raise ValueError(
+                f"a scale of {stated} in the header: write units: {{{axis}: {number} {name}}} if the file holds "
+                f"counts, or {{{axis}: 1 {name}}} if it holds {_NAMES[axis]} in {name}"
+            )
         if stated is not None and not known and axis not in asked:
             raise ValueError(f"{_NAMES[axis]} in {stated!r}, which is no unit of length: name theirs as units.{axis}")
     missing = [axis for axis, unit in units.items() if unit is None]
@@ -148,8 +160,9 @@ def _scales(
     kinds = {"1" if unit == PERIOD else "m" for unit in units.values()}
     if len(kinds) > 1:
         raise ValueError(f"some of {_words(sorted(units))} in {PERIOD}, not all: state all in it or none")
-    scales = {axis: METRES.get(unit or "", 1.0) for axis, unit in units.items()}
-    return scales, "1" if kinds == {"1"} else "m", {axis: unit for axis, unit in units.items() if unit is not None}
+    scales = {axis: metres(unit or PERIOD) for axis, unit in units.items()}
+    named = {axis: unit.split()[-1] for axis, unit in units.items() if unit is not None}
+    return scales, "1" if kinds == {"1"} else "m", named
 
 
 def _words(axes: list[str]) -> str:
@@ -185,9 +198,16 @@ def laid_out(
             return heights, mean * len(x), ()
         return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
     of_map = heights.ndim == 2
+    order = np.argsort(x, kind="stable")
+    ascending = x[order]
+    complete = _completed(ascending) if interpolate or (steps > 0.0).all() or (steps < 0.0).all() else None
+    if complete is not None:
+        even, places = complete
+        whole = np.full((*heights.shape[:axis], len(even), *heights.shape[axis + 1 :]), np.nan)
+        np.moveaxis(whole, axis, 0)[places] = np.moveaxis(heights, axis, 0)[order]
+        told = f"left {len(even) - len(x)} heights empty along {name}, where positions are missing"
+        return whole, float((even[1] - even[0]) * len(even)), (told,)
     if interpolate and not of_map:
-        order = np.argsort(x, kind="stable")
-        ascending = x[order]
         steps = np.diff(ascending)
         if not (steps > 0.0).all():
             raise ValueError(f"the position {name} = {ascending[int((steps <= 0.0).argmax())]:g} twice")
@@ -195,7 +215,7 @@ def laid_out(
             raise ValueError(f"uneven positions {name}")
         mean = (ascending[-1] - ascending[0]) / (len(x) - 1)
         apart = f"at most {steps.max() / mean:.4g} mean spacings apart"
-        heights = np.interp(np.linspace(ascending[0], ascending[-1], len(x)), ascending, heights[order])
+        heights = _interpolated(ascending, heights[order])
         return heights, float(mean * len(x)), (f"interpolated linearly from uneven positions {name}, {apart}",)
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
@@ -204,12 +224,23 @@ def laid_out(
         sign = np.sign(steps)
         turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
         wrong = f"positions {name} that are in no order from index {turn} on"
+    if len(np.unique(x)) < len(x):
+        raise ValueError(f"{wrong}, and some twice: keep one pass over the surface")
     remedy = (
         "interpolate the map to a regular grid"
         if of_map
         else f"`points: {len(x)}`, or twice as many with `periodic: mirror`, has them sorted and interpolated"
     )
     raise ValueError(f"{wrong}; {remedy}")
+
+
+def _interpolated(x: Reals, heights: Reals) -> Reals:
+    """Heights on as many even positions as those that rise, not-a-number in gaps between them."""
+    at, steps = np.linspace(x[0], x[-1], len(x)), np.diff(x)
+    found = np.interp(at, x, heights)
+    for i in np.flatnonzero(steps > _GAP * np.quantile(steps, 0.9)):
+        found[(at > x[i]) & (at < x[i + 1])] = np.nan
+    return found
 
 
 def are_even(heights: Reals) -> bool:
@@ -267,11 +298,27 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
             f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
             "y, which are no grid: interpolate them to one, or save the map as rows of heights"
         )
-    heights = np.full(cells, np.nan)
-    heights[place] = z
-    if 1 in (len(along_x), len(along_y)):
-        return heights, {"x": along_x if len(along_y) == 1 else along_y}
-    return heights.reshape(len(along_y), len(along_x)), {"x": along_x, "y": along_y}
+    along_x, of_x = _completed(along_x) or (along_x, np.arange(len(along_x)))
+    along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))
+    heights = np.full((len(along_y), len(along_x)), np.nan)
+    heights[of_y[j], of_x[i]] = z
+    if 1 in heights.shape:
+        return heights.ravel(), {"x": along_x if len(along_y) == 1 else along_y}
+    return heights, {"x": along_x, "y": along_y}
+
+
+def _completed(positions: Reals) -> tuple[Reals, Indices] | None:
+    """Even positions of which those given, which rise, are some, and their places; None if there are none."""
+    steps = np.diff(positions)
+    if len(steps) < _FEWEST or not (steps > 0.0).all():
+        return None
+    counts = np.round(steps / np.median(steps))
+    total = counts.sum()
+    if not len(steps) < total <= _SPARSE * len(steps) or not counts.all():
+        return None
+    places = np.append(0, np.cumsum(counts)).astype(np.int64)
+    even = positions[0] + (positions[-1] - positions[0]) / total * np.arange(total + 1)
+    return (even, places) if (abs(even[places] - positions) <= _ROUNDED * (even[1] - even[0])).all() else None
 
 
 def _is_axis(rows: Reals) -> bool:

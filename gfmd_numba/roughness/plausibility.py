@@ -40,6 +40,10 @@ _OFTEN = 4.0  # times as often as the heights next to it in size,
 _ROUNDED = 8  # and as many more times where those repeat themselves, too, as in files of few digits
 _EQUAL_SHARE = 5e-4  # of all heights, that are equal
 _FEWEST_EQUAL = 5  # equal heights
+_EXACT, _WHOLE = 1e-9, 0.01  # of the largest height and of a step, by which equal heights and whole steps may be off
+_FEWEST_STEPS = 2  # of a digitiser, in the range of heights: with fewer, the surface is a grating
+_ROUNDED_SHARE = 0.05  # of the mean square gradient: contact areas are then off by 3 per cent
+_LOST = 0.05  # of the rms gradient
 _LEVELS = 12  # different heights: with fewer, the surface is a grating, or counts
 _BEYOND = 0.1  # of the range of all other heights, by which a mark of missing heights lies outside
 _FAR = {1: 100.0, 2: 1.0}  # the same of a single height and of a few equal ones, which then are no spikes
@@ -55,7 +59,7 @@ class Field:
     """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
 
     `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z. One
-    to be `mirrored` is no period of waves.
+    to be `mirrored` is no period of waves. Waves shorter than a `cutoff` are left out.
     """
 
     as_measured: Reals
@@ -63,6 +67,7 @@ class Field:
     lengths: tuple[float, ...]
     units: Mapping[str, str]
     mirrored: bool = False
+    cutoff: float | None = None
 
     def said(self, length: float, axis: str, digits: int = 3) -> str:
         """Return a length in the user's unit of x or z."""
@@ -97,17 +102,18 @@ def of_field(field: Field) -> Signs:
         marked |= each.at & (each.cause == "mark")
     if 0.0 < marked.mean() <= MOST:  # what is marked is filled from its neighbours
         heights = fill_gaps(np.where(marked, np.nan, heights), "interpolate")[0]
+    step, coarse = _digitised(field)
     raised = heights
-    heights, spikes = despiked(heights)
+    heights, spikes = despiked(heights, step)
     deep = bool((raised[spikes] < heights[spikes]).all())
     formed, order = _form(field, heights)
     level = heights - polynomial(heights, order)
-    steps = offsets(level)
+    steps = [each for each in offsets(level) if abs(each[2]) > 2.0 * step]
     share = float(np.isnan(field.as_measured).mean())
     filled = (
         f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
     )
-    found = (*_repeated(field, again), *formed, _spikes(spikes, deep), _steps(field, steps))
+    found = (*_repeated(field, again), *formed, coarse, _spikes(spikes, deep), _steps(field, steps))
     sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
         level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
@@ -117,7 +123,8 @@ def of_field(field: Field) -> Signs:
     slopes = _slopes(level, field.lengths)
     rms = float(np.sqrt(sum((each**2).mean() for each in slopes)))
     usual = 1.4826 * float(np.sqrt(sum(np.median(abs(each)) ** 2 for each in slopes)))
-    return Signs(sentences, min(rms, usual) if sentences and usual > 0.0 else rms, float(np.ptp(level)))
+    told = min(rms, usual) if sentences and usual > 0.0 and not step else rms
+    return Signs(sentences, told, float(np.ptp(level)))
 
 
 def of_surface(
@@ -139,6 +146,19 @@ def of_surface(
     if periods > 1.0 and (named is None or named.range > min(lengths)):
         found.append(f"heights that range over {periods:.3g} periods: check the units of the file, and the length")
     return tuple(found)
+
+
+def of_resampling(
+    surfaces: tuple[Reals, Reals], lengths: tuple[float, ...], ends: tuple[bool, ...] = ()
+) -> tuple[str, ...]:
+    """Sentence about the gradient that the first of two surfaces, on fewer points, has lost of that of the second."""
+    after, before = (float(statistics.rms_gradient(each, lengths, ends)) for each in surfaces)
+    if after >= (1.0 - _LOST) * before:
+        return ()
+    return (
+        f"{surfaces[0].shape[-1]} points leave out {100.0 * (1.0 - after / before):.3g} % of the rms gradient that "
+        f"{surfaces[1].shape[-1]} points have, and contact areas grow as it falls: give more points, or leave them out",
+    )
 
 
 def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
@@ -269,6 +289,41 @@ def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
         for axis, i, step in found
     )
     return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
+
+
+def _digitised(field: Field) -> tuple[float, str]:
+    """Step of a digitiser that makes up much of the gradient, and a sentence about it; 0 and nothing where none does.
+
+    Rounding of heights that change by s between neighbours, normally distributed, to multiples of q adds q^2/6 to the
+    mean square s^2 if s is not far below q. Else few steps of q remain, of mean square q E|s| = q s sqrt(2/pi).
+    """
+    heights = field.as_measured
+    spacings = [length / n for n, length in zip(heights.shape, field.lengths, strict=True)]
+    steps = [each[~np.isnan(each)] for axis in range(heights.ndim) for each in [abs(np.diff(heights, axis=axis))]]
+    every = np.concatenate(steps)
+    changes = every[every > _EXACT * np.nanmax(abs(heights))]
+    quantum = float(changes.min(initial=np.inf))
+    whole = bool((abs(changes / quantum - np.round(changes / quantum)) < _WHOLE).all())
+    span = np.nanmax(heights) - np.nanmin(heights)
+    if not (whole and 0 < len(changes) < len(every) and span >= _FEWEST_STEPS * quantum):
+        return 0.0, ""
+    kinks = (abs(np.diff(heights, 2, axis=-1)) > 0.5 * quantum).sum()
+    if kinks < 0.25 * (steps[-1] > 0.5 * quantum).sum():  # flanks of a design go on
+        return 0.0, ""
+    ratios = [float((each**2).mean()) / quantum**2 for each in steps]
+    shares = [1.0 - 0.5 * np.pi * r if r < 1.0 / np.pi else 1.0 / (6.0 * r) for r in ratios]
+    weights = [r / spacing**2 for r, spacing in zip(ratios, spacings, strict=True)]
+    share = float(np.average(shares, weights=weights))
+    lags = (2**i for i in range(int(np.log2(heights.shape[-1])) - 1))
+    lag = next((k for k in lags if np.nanmean((heights[..., k:] - heights[..., :-k]) ** 2) > 4.0 * quantum**2), 0)
+    shortest = 2.0 * lag * spacings[-1]
+    if share < _ROUNDED_SHARE or (lag and (field.cutoff or 0.0) >= 0.99 * shortest):
+        return 0.0, ""
+    remedy = f", or leave out short waves by cutoff: {field.said(shortest, 'x')}" if lag else ""
+    return quantum, (
+        f"heights in steps of {field.said(quantum, 'z')}, whose rounding makes up {min(100.0 * share, 99.0):.2g} % of "
+        f"the mean square gradient: measure with a finer step{remedy}"
+    )
 
 
 def _slopes(heights: Reals, lengths: tuple[float, ...]) -> list[Reals]:

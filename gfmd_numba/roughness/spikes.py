@@ -40,12 +40,15 @@ def without_spikes(heights: Reals) -> tuple[Reals, tuple[str, ...]]:
     )
 
 
-def despiked(heights: Reals) -> tuple[Reals, Flags]:
-    """Heights `[nx]` or `[ny, nx]` with medians in place of spikes, and where those are."""
+def despiked(heights: Reals, step: float = 0.0) -> tuple[Reals, Flags]:
+    """Heights `[nx]` or `[ny, nx]` with medians in place of spikes, and where those are.
+
+    `step` is that of a digitiser whose heights were levelled since, so that they do not tell it.
+    """
     found = np.zeros(heights.shape, dtype=bool)
     if min(heights.shape) < FEWEST:
         return heights, found
-    cleaned, finest = heights, QUANTA * quantum(heights)
+    cleaned, finest = heights, QUANTA * max(step, quantum(heights))
     for _ in range(_ROUNDS):
         form = polynomial(cleaned, 2)
         level = cleaned - form

@@ -1,5 +1,6 @@
 """What stands in the file of a surface, whatever its format: heights, positions or sizes, and the units of them."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
 from gfmd_numba.roughness.surface_text import Table, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
-from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
+from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
 
 if TYPE_CHECKING:
@@ -72,6 +73,10 @@ def load_netcdf(path: Path) -> "xr.Dataset":
     import xarray as xr
 
     check_regular(path, most_numbers())
+    try:
+        os.fspath(path).encode()
+    except UnicodeError:  # netCDF takes no path with bytes of another encoding
+        raise ValueError(UNWRITABLE) from None
     if not can_be_read(path, most_numbers()):
         raise ValueError("no netCDF file, or a damaged one")
     try:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from itertools import chain, islice
 from pathlib import Path
 from typing import Literal, NamedTuple
+from unicodedata import normalize
 
 import numpy as np
 
@@ -19,8 +20,15 @@ from gfmd_numba.scene.units import PERIOD, length_unit
 BLANKS = r"\s+"
 _LOOKED_AT = 200  # rows that decide the layout
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
-_LONGEST_MARK = 32  # characters of a mark like -----
-_WORD = re.compile(rf"|\+?-?(nan|inf|infinity|na|n/a|#n/a|null|bad|[-*]{{1,{_LONGEST_MARK}}})", re.IGNORECASE)
+# that stand for missing numbers, in any case; those with # are errors of spreadsheets
+_WORDS = "nan +nan -nan na n/a n.a. null none bad <na> 1.#qnan -1.#qnan 1.#ind -1.#ind"
+_ERRORS = "#n/a #na #nv #div/0! #value! #wert! #valeur! #ref! #bezug! #num! #zahl! #nombre! #name? #null!"
+_MISSING = {"", *_WORDS.split(), *_ERRORS.split(), *(mark * n for mark in "-*" for n in range(1, 33))}
+_NA_VALUES = sorted({spelt for word in _MISSING for spelt in (word, word.upper(), word.title())})
+_INFINITE = re.compile(r"[-+]?inf(inity)?", re.IGNORECASE)
+_COMMENTS = "#%"
+_NO_COMMENT = "|".join(re.escape(each) for each in _ERRORS.split())
+_COMMENT = re.compile(rf"(?:^|\s)(?!(?:{_NO_COMMENT})(?:[\s,;]|$))#.*", re.IGNORECASE)
 _NAME = re.compile(r"\w+\s*([\[(/]\s*\S+\s*[\])]?)?")  # of one column
 _THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _QUOTED = re.compile(r'"[-+]?[1-9]\d{0,2}(?:(?:,\d{3})+\.\d*|(?:,\d{3}){2,})"')
@@ -30,10 +38,12 @@ _STATED = re.compile(
     r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;\"]{1,12})"
     r"|(?<=\w)\s+in\s+([^\s\[\]()/,;\"]{1,12})(?=\s*(?:[\",;\t]|$))"
 )
-_HEIGHT = re.compile(r"\b(z|h|heights?|topography)\W*$", re.IGNORECASE)
-_POSITION = re.compile(r"\b(x|y|positions?|distance|lateral)\W*$", re.IGNORECASE)
-_NO_HEIGHT = re.compile(r"\b(x|positions?|distance|lateral)\W*$", re.IGNORECASE)  # as y is, where the other is x
-_VALUE = re.compile(r"(^|[\s:=])[\d.,]+\s*$")  # a number, whose unit follows: of something else
+_AXES = {  # names of columns, as the last word of a label
+    "x": re.compile(r"x|\w*positions?|distance|lateral|length|\w*(weg|abstand|strecke|länge|laenge)", re.IGNORECASE),
+    "y": re.compile("y", re.IGNORECASE),
+    "z": re.compile(r"z|h|heights?|topography|elevation|\w*h(ö|oe)hen?", re.IGNORECASE),
+}
+_VALUE = re.compile(r"(^|[\s:=])[\d.,]*\d[\d.,]*\s*$")  # a number, whose unit follows: of something else
 _OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\W*$")  # behind a unit
 _ENTRY = re.compile(
     r"\W*((?P<axis>[xyz]|heights?|values?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
@@ -47,10 +57,15 @@ _SIZE = re.compile(
     rf"(?:\s*[x×*]\s*(?P<y>{_AMOUNT})\s*(?P<other>[^\W\d]+))?(?:/p\w+)?(?=\s|$)",
     re.IGNORECASE,
 )
+_COUNTS = r"(?:counts?|digits?|lsb|bits?|increments?)"
+_SCALE = re.compile(
+    rf"\W*(?:(?:z|heights?|vertical|data)[\s_-]*)?(?:scal(?:e|ing)(?:[\s_-]*factor)?|multiplier)\b"
+    rf"(?:\s*[\[(](?P<before>[^\])]*)[\])])?[^\w.+-]+(?P<number>{_AMOUNT})\s*(?P<unit>[^\s,;\"]*)"
+    rf"|.*?(?P<of>{_AMOUNT})\s*(?P<one>[^\W\d]+\s*(?:/|\bper\b)\s*{_COUNTS}\b)",
+    re.IGNORECASE,
+)
 _SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
-_COMMENTS = "#%"
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_MISSING = ["Bad", "BAD", "bad"] + [mark * n for mark in "-*" for n in range(1, _LONGEST_MARK + 1)]
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -78,13 +93,14 @@ def is_row(line: str) -> bool:
 
     A line of dashes may be part of a header.
     """
-    cells = [cell for cell in re.split(r"[;\t]|,?\s+|,(?=[^\d])|,$", line.partition("#")[0].strip()) if cell]
+    cells = [cell for cell in re.split(r"[;\t]|,?\s+|,(?=[^\d])|,$", _COMMENT.sub("", line).strip()) if cell]
     found = False
     for cell in cells:
         parts = [cell] if _NUMBER.fullmatch(cell) else cell.split(",")
         for part in parts:
             number = _NUMBER.fullmatch(part) is not None
-            if not number and not _WORD.fullmatch(part.strip('" ')):
+            word = part.strip('" ')
+            if not number and word.lower() not in _MISSING and not _INFINITE.fullmatch(word):
                 return False
             found = found or number or any(map(str.isalpha, part))
     return found
@@ -96,7 +112,7 @@ def layout_of(rows: list[str], header: str) -> Layout:
     One comma in each row, with digits alone on both sides, may be a decimal one or separate two columns: the header
     tells, or whole equidistant numbers before it, which are positions, or a number before it that follows itself.
     """
-    looked_at = [row.partition("#")[0].strip() for row in islice((row for row in rows if row.strip()), _LOOKED_AT)]
+    looked_at = [row.strip() for row in islice((row for row in rows if row.strip()), _LOOKED_AT)]
     _check_thousands(looked_at, header)
     for separator in (";", "\t"):
         if any(separator in row for row in looked_at):
@@ -116,80 +132,95 @@ def layout_of(rows: list[str], header: str) -> Layout:
     return _one_comma(looked_at, header)
 
 
-def stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
-    """Unit of each column, of a table with up to three, or the one of a map; None where the header states none.
+def columns_of(header: list[str], columns: int) -> tuple[list[int], tuple[str | None, ...]]:
+    """Columns of positions along x, perhaps y, and of heights, in this order, and their units; all of a map, and one.
 
-    The last line that states units decides. What stands in brackets in the last line of all, and is no unit of length,
-    is returned as it is.
+    A unit is None where the header states none; one of the last line in brackets that is no unit of length is returned
+    as it is. Raises ValueError for labels that name positions, but not which of the others are heights.
     """
+    chosen, units = _labelled(header, columns) or (list(range(columns)), _stated_units(header, columns))
+    named = _entries(header)
+    axes = ("z", "xz", "xyz")[len(units) - 1]
+    return chosen, tuple(unit or named.get(axis, named.get("")) for axis, unit in zip(axes, units, strict=True))
+
+
+def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
+    """Unit of each column as it stands; of a map, the one. The last line that states units decides."""
     wanted = columns if columns <= 3 else 1
     for line in reversed(header):
-        bare = [length_unit(cell) for cell in _cells(line)]
+        bare = [length_unit(cell.strip("[]() ")) for cell in _cells(line)]
         if wanted > 1 and len(bare) == wanted and None not in bare:
             return tuple(bare)
         found = _found(line, line is header[-1])
-        heights = [unit for label, unit in found if _HEIGHT.search(label)]
+        heights = [unit for label, unit in found if _axis(label) == "z"]
         if found and len(found) == wanted:
             return tuple(unit for _, unit in found)
         if len(found) == 1 and wanted == 2:  # for both columns if it stands alone
             ((label, unit),) = found
             if not label.strip():
-                return (unit, unit if len(line.split()) == 1 else None)
+                return (unit, None if _STATED.sub("", line, 1).strip("\"' ,;") else unit)
             of_second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
             return (None, unit) if of_second else (unit, None)
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)
-    named = _entries(header)
-    return tuple(named.get(axis, named.get("")) for axis in ("z", "xz", "xyz")[wanted - 1])
+    return (None,) * wanted
 
 
-def heights_first(header: list[str]) -> bool:
-    """Whether the labels of two columns say that the first holds heights, and the second positions."""
-    for line in reversed(header):
-        parts = re.split("[,;\t]", _STATED.sub("", line))
-        parts = parts if len(parts) == 2 else _STATED.sub("", line).split()
-        labels = [re.sub("_[^_]*$", "", part.strip("\"' ")) for part in parts]  # of z_um z
-        if len(labels) == 2 and any(_HEIGHT.search(label) or _POSITION.search(label) for label in labels):
-            first, second = labels
-            of_x = _NO_HEIGHT.search(second) is not None and not _NO_HEIGHT.search(first)
-            of_z = _HEIGHT.search(first) is not None and _POSITION.search(second) is not None
-            return of_x or of_z
-    return False
+def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | None, ...]] | None:
+    """Columns that the last line of labels calls positions and heights, and their units; None where none does.
 
-
-def columns_by_label(header: list[str], columns: int) -> tuple[list[int], tuple[str | None, ...]] | None:
-    """Columns of positions and heights, in this order, and their units, of a table that has others too.
-
-    None where the header does not name all columns, or positions and heights not once each. Names in other languages
-    are known by their units: positions and heights are then the two columns that have one of length.
+    Names in other languages are known by their units: positions and heights are then the two columns of a larger table
+    that have one of length.
     """
-    for number, line in enumerate(header):
-        cells = _cells(line)
-        labels = [_STATED.sub("", cell).strip() for cell in cells]
-        heights = [i for i, label in enumerate(labels) if _HEIGHT.search(label)]
-        along = [[i for i, label in enumerate(labels) if _axis(label) == axis] for axis in "xy"]
-        along[0] = along[0] or [i for i, label in enumerate(labels) if _NO_HEIGHT.search(label)]
-        if len(cells) != columns:
+    unclear = None
+    for number, line in reversed([*enumerate(header)] if columns > 1 else []):
+        labels = _cells(_STATED.sub("", line))
+        if len(labels) != columns:
             continue
-        if len(heights) == len(along[0]) == 1 and len(along[1]) <= 1:
-            chosen = [*along[0], *along[1], *heights]
-        else:
-            of = [_found(cell, True, line) for cell in cells]
-            chosen = [i for i, found in enumerate(of) if any(length_unit(unit) for _, unit in found)]
-            if len(chosen) != 2 or {*heights, *along[0], *along[1]} - {*chosen}:
-                continue
+        chosen = _by_names([_axis(label) for label in labels])
+        cells = _cells(line)
+        of = [_found(cell, True, line) for cell in cells] if len(cells) == columns else [[]] * columns
+        if chosen is None and columns > 2:
+            lengths = [i for i, found in enumerate(of) if any(length_unit(unit) for _, unit in found)]
+            named = {i for i, label in enumerate(labels) if _axis(label) is not None}
+            chosen = lengths if len(lengths) == 2 and named <= {*lengths} else None
+        if chosen is None:
+            unclear = unclear or (labels if columns > 2 and {_axis(label) for label in labels} & {*"xy"} else None)
+            continue
         below = [row for row in map(_cells, header[number + 1 :]) if len(row) == columns]
-        units = [next((unit for _, unit in _found(cells[i], True, line)), None) for i in chosen]
+        units = [next((unit for _, unit in of[i]), None) for i in chosen]
         for row in below:
             units = [unit or length_unit(row[i].strip("[]() ")) for i, unit in zip(chosen, units, strict=True)]
+        if not any(units) and columns <= 3:
+            stated = _stated_units(header, columns)
+            units = [stated[i] for i in chosen]
         return chosen, tuple(units)
+    if unclear is not None:
+        told = ", ".join(repr(label) for label in unclear)
+        raise ValueError(f"columns {told[:100]}: name the positions x (and y) and the heights z, each once")
     return None
+
+
+def _by_names(axes: list[str | None]) -> list[int] | None:
+    """Columns x, perhaps y, and z of columns that are called so, or not at all; None where that is not clear."""
+    at = {axis: [i for i, each in enumerate(axes) if each == axis] for axis in "xyz"}
+    unnamed = [i for i, each in enumerate(axes) if each is None]
+    if len(axes) == 2:
+        if axes == [None, None]:
+            return None
+        turned = (axes[1] == "x" != axes[0]) or axes == ["z", "y"]
+        return [1, 0] if turned else [0, 1]
+    if len(axes) == 3 and len(unnamed) == 1 and len(at["y"]) == 1:  # the one that is left
+        missing = next(axis for axis in "xyz" if not at[axis]) if len(at["x"]) + len(at["z"]) == 1 else ""
+        at |= {missing: unnamed} if missing else {}
+    clear = len(at["x"]) == len(at["z"]) == 1 and len(at["y"]) <= 1
+    return [*at["x"], *at["y"], *at["z"]] if clear else None
 
 
 def axis_units(header: list[str]) -> dict[str, str]:
     """Units of x and y, as far as the last line that names one states them."""
     for line in reversed(header):
-        named = {axis: unit for label, unit in _found(line, line is header[-1]) if (axis := _axis(label)) is not None}
+        named = {axis: unit for label, unit in _found(line, line is header[-1]) if (axis := _axis(label)) in ("x", "y")}
         if named:
             return named
     return {}
@@ -230,6 +261,15 @@ def stated_sizes(header: list[str]) -> dict[str, Size]:
     return found if "x" in found else {}
 
 
+def stated_scale(header: list[str]) -> str | None:
+    """Scale of heights, other than 1, that the header states, as `0.5 nm/count`."""
+    for found in filter(None, map(_SCALE.match, header)):
+        number = found["number"] or found["of"]
+        if float(number.replace(",", ".")) != 1.0:
+            return f"{number} {found['before'] or found['unit'] or found['one'] or ''}".rstrip()
+    return None
+
+
 @dataclass(frozen=True)
 class Table:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
@@ -264,17 +304,23 @@ def read_table(path: Path) -> Table:
     header, values, layout, lines = read_rows(path)
     header = [line.rstrip() for line in header]
     done: tuple[str, ...] = ("read commas as decimal commas",) if layout.decimal == "," else ()
-    found = columns_by_label(header, values.shape[1])
-    if found is not None and len(found[0]) < values.shape[1]:
-        done += (
-            f"took {len(found[0])} of {values.shape[1]} columns, those that the header calls positions and heights",
-        )
-        return Table(values[:, found[0]], found[1], done, line=lines[0])
-    units = stated_units(header, values.shape[1])
-    if values.shape[1] == 2 and heights_first(header):
-        values, units = values[:, ::-1], units[::-1]
+    if len(values) <= 2 and values.shape[1] > 4:
+        values = values.T
+        done += ("took rows for columns",)
+    columns = values.shape[1]
+    chosen, units = columns_of(header, columns)
+    if scale := stated_scale(header):
+        if units[-1] is None or length_unit(units[-1]) is None:
+            units = (*units[:-1], scale)
+        else:
+            done += (f"did not use the scale {scale} of the header, as it states the unit of heights too",)
+    if chosen == list(range(columns)):
+        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
+    if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
-    return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
+    elif len(chosen) < columns:
+        done += (f"took {len(chosen)} of {columns} columns, those that the header calls positions and heights",)
+    return Table(values[:, chosen], units, done, line=lines[0])
 
 
 def read_rows(path: Path) -> Rows:
@@ -294,19 +340,71 @@ def read_rows(path: Path) -> Rows:
         raise ValueError(f"no row of numbers, but {_short(begin)}" if begin else "no number")
     header = [line.lstrip(_COMMENTS + "/ ") for line in lines[:first]]
     numbers = [i + 1 for i, line in enumerate(lines[first:], first) if not _is_comment(line)]
-    rows = [_FORTRAN.sub("e", lines[number - 1]) for number in numbers]
+    rows = [_FORTRAN.sub("e", _COMMENT.sub("", lines[number - 1])) for number in numbers]
     while not rows[-1].strip():
         rows.pop()
     layout = layout_of(rows, header[-1].rstrip() if header else "")
+    positions = layout.cells(rows[0])
+    if len(rows) > 1 and layout.columns(rows[1]) == len(positions) + 1 > 3 and _in_order(positions, layout):
+        rows[0] = f"nan{' ' if layout.separator == BLANKS else layout.separator}{rows[0]}"  # positions without a corner
     columns = layout.columns(rows[0])
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
+    _check_groups(rows, layout, columns)
+    cut = next((i for i, row in zip(numbers, rows, strict=False) if _is_cut(lines[i - 1], row, layout, columns)), None)
+    if cut is not None:
+        raise ValueError(f"a comment in line {cut} before its last column: what is missing is an empty cell, or nan")
+    corner = layout.cells(header[-1].rstrip()) if header and layout.separator else []
+    if columns > 3 and len(corner) == columns and _in_order(corner[1:], layout):
+        rows.insert(0, (" " if layout.separator == BLANKS else layout.separator).join(["nan", *corner[1:]]))
+        numbers.insert(0, first)
+        header[-1] = corner[0]
     values = _parsed(rows, layout)
     if values is None:
         raise _bad_row(lines, first, layout, columns)
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
     return Rows(header, values, layout, numbers[: len(values)])
+
+
+def _is_cut(line: str, row: str, layout: Layout, columns: int) -> bool:
+    """Whether a comment in a line leaves a row of fewer columns than there are."""
+    return "#" in line and bool(row.strip()) and row.strip() != line.strip() and layout.columns(row) < columns
+
+
+def _in_order(cells: list[str], layout: Layout) -> bool:
+    """Whether cells are numbers that rise, or that fall."""
+    if not all(map(_NUMBER.fullmatch, cells)):
+        return False
+    values = _parsed(cells, Layout("", layout.decimal))
+    steps = np.diff(values[:, 0]) if values is not None else np.zeros(1)
+    return bool((steps > 0).all() or (steps < 0).all())
+
+
+def _check_groups(rows: list[str], layout: Layout, columns: int) -> None:
+    """Raise ValueError for a column whose decimal marks may stand between thousands: three digits follow, or none."""
+    grouped, plain = re.compile(rf"[-+]?[1-9]\d{{0,2}}(\{layout.decimal}\d{{3}})+"), re.compile(r"[-+]?[1-9]\d{0,2}")
+    found: dict[tuple[int, bool], str] = {}
+    doubtful = set(range(columns)) if any(layout.decimal in row for row in rows) else set()
+    for row in rows:
+        if not doubtful:
+            return
+        cells = layout.cells(row)
+        for i in [i for i in doubtful if i < len(cells)]:
+            number = cells[i].strip('" ')
+            if grouped.fullmatch(number) or plain.fullmatch(number):
+                found.setdefault((i, layout.decimal in number), number)
+            elif re.search("[1-9]", number):
+                doubtful.discard(i)
+    for i in doubtful:
+        if {(i, True), (i, False)} <= found.keys():
+            number, kind = found[i, True], {",": "commas", ".": "points"}[layout.decimal]
+            whole, decimal = number.replace(layout.decimal, ""), number.replace(layout.decimal, ".", 1)
+            other = f"{decimal} next to {found[i, False]}.000" if decimal == number else decimal
+            raise ValueError(
+                f"numbers like {number} next to {found[i, False]}, whose {kind} may be decimal ones or stand between "
+                f"thousands: write {other} or {whole}"
+            )
 
 
 def _check_thousands(rows: list[str], header: str) -> None:
@@ -373,8 +471,13 @@ def _entries(header: list[str]) -> dict[str, str]:
 
 
 def _axis(label: str) -> str | None:
-    found = re.search(r"\b([xy])\W*$", label, re.IGNORECASE)
-    return None if found is None else found.group(1).lower()
+    """Axis that a label names by its last word, or by a letter before it, whatever unit follows."""
+    words = re.findall(r"[^\W_]+", normalize("NFC", re.split("[,;\t]", label)[-1]))
+    while words and length_unit(words[-1]):
+        words.pop()  # of z_um
+    letters = [word.lower() for word in (*words[-1:], *words[:1]) if len(word) == 1 and word.lower() in "xyz"]
+    named = (axis for word in words[-1:] for axis, names in _AXES.items() if names.fullmatch(word))
+    return letters[0] if letters else next(named, None)
 
 
 def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str, str]]:
@@ -386,7 +489,7 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
         label, rest = part[begin : match.start()], part[match.end() :]
         if _VALUE.search(label) or _OF_A_PROTOCOL.match(rest):
             continue  # an entry of a protocol, such as `scan length (mm): 4`
-        if slashed and slashes < 2 and not (_HEIGHT.search(label) or _POSITION.search(label)):
+        if slashed and slashes < 2 and _axis(label) is None:
             continue  # a quotient, such as px/mm; two are names of columns in another language
         unit = length_unit(square or round_ or slashed or in_words)
         if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
@@ -410,7 +513,8 @@ def _text(path: Path) -> str:
 
 
 def _is_comment(line: str) -> bool:
-    return line.lstrip().startswith(tuple(_COMMENTS))
+    bare = line.lstrip()
+    return bare.startswith(_COMMENTS[1]) or _COMMENT.match(bare) is not None
 
 
 def _parsed(rows: list[str], layout: Layout) -> Reals | None:
@@ -425,8 +529,7 @@ def _parsed(rows: list[str], layout: Layout) -> Reals | None:
                 decimal=layout.decimal,
                 header=None,
                 dtype="float64",
-                comment="#",
-                na_values=_MISSING,
+                na_values=_NA_VALUES,
                 skipinitialspace=True,
                 skip_blank_lines=False,  # an empty line of one column is an empty cell
                 engine="c",
@@ -442,9 +545,10 @@ def _bad_row(lines: list[str], first: int, layout: Layout, columns: int) -> Valu
     for i, line in enumerate(lines[first:], first + 1):
         if _is_comment(line) or not line.strip():
             continue
+        line = _COMMENT.sub("", line)
         if layout.columns(line) > columns:
             return ValueError(f"{layout.columns(line)} columns in line {i}, where line {first + 1} has {columns}")
-        for cell in layout.cells(line.partition("#")[0]):
+        for cell in layout.cells(line):
             if _parsed([cell], Layout("", layout.decimal)) is None:
                 return ValueError(
                     f"{_short(cell)} in line {i}, not a number (what is missing is an empty cell, or nan)"

@@ -263,12 +263,21 @@ Record = TypeVar("Record", bound=BaseModel)
 def validate(document: Document, model: type[Record]) -> Record:
     """Record of a document's data; raises InputError with one line per fault."""
     try:
-        return model.model_validate(document.data)
+        return model.model_validate(_plain(document.data))
     except ValidationError as error:
         schema = _schema(model)
         faults = error.errors(include_url=False)
         said = (_fault(document, schema, fault) for fault in faults[:MOST_LINES])
         raise InputError(*said, more=len(faults[MOST_LINES:])) from None
+
+
+def _plain(data: Any) -> Any:
+    """Data with Python's numbers in place of NumPy's."""
+    if isinstance(data, Mapping):
+        return {key: _plain(value) for key, value in data.items()}
+    if isinstance(data, list | tuple):
+        return type(data)(map(_plain, data)) if type(data) in (list, tuple) else data
+    return data.item() if hasattr(data, "dtype") and getattr(data, "shape", None) == () else data
 
 
 @contextmanager

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import re
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePath
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, Field, InstanceOf, PlainSerializer, WithJsonSchema, model_validator
 
 from gfmd_numba.scene.quantities import RECORD, Length, Points, broken_rule
-from gfmd_numba.scene.units import LENGTHS_ALLOWED, length_unit
+from gfmd_numba.scene.units import LENGTHS_ALLOWED, file_unit
 
 if TYPE_CHECKING:
     import numpy.typing as npt
@@ -56,12 +57,20 @@ def heights(given: Any) -> Heights:
         return Heights(given)
     if hasattr(given, "dims") and set(given.dims) == set(AXES):
         given = given.transpose(*AXES)
+    inner = given.data if hasattr(given, "dims") else given
+    unit = getattr(inner, "units", None) if hasattr(inner, "magnitude") else getattr(inner, "unit", None)
     if np.ma.isMaskedArray(given):  # masked heights are missing ones
         given = np.ma.filled(given.astype(np.float64), np.nan)
-    values = np.array(given.values if hasattr(given, "dims") else given)  # a copy, which nobody changes
+    bare = inner if unit is None else getattr(inner, "magnitude", getattr(inner, "value", None))
+    with warnings.catch_warnings(action="error", category=UserWarning):  # of units that are stripped
+        try:
+            values = np.array(bare if unit is not None else given)  # a copy, which nobody changes
+        except (TypeError, Warning):
+            raise ValueError("no numbers") from None
     if values.ndim not in (1, 2) or values.dtype.kind not in "fiu" or values.size == 0:
         raise ValueError("no row or table of numbers")
     positions, units = _described(given) if hasattr(given, "dims") else ({}, {})
+    units = units if unit is None else {**units, "z": str(unit)}
     content = hashlib.sha256(repr((values.shape, sorted(units.items()))).encode())
     for array in (values, *(positions[axis] for axis in sorted(positions))):
         content.update(np.ascontiguousarray(array, dtype=np.float64).tobytes())
@@ -83,7 +92,7 @@ def _described(given: Any) -> tuple[dict[str, npt.NDArray[Any]], dict[str, str]]
 
 
 def _unit(given: Any) -> Any:
-    name = length_unit(given) if isinstance(given, str) else None
+    name = file_unit(given) if isinstance(given, str) else None
     if name is None:
         raise ValueError(LENGTHS_ALLOWED)
     return name

@@ -12,6 +12,7 @@ from gfmd_numba.text.numbers import with_prefix
 
 LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
 _LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
+_WITH_UNIT = 1e5  # times further off, as a unit was written
 _LIKELY_LOADS = (1e-6, 0.3)  # E*
 
 
@@ -91,8 +92,9 @@ def implausible(file: Scene | SurfaceFile, path: Sequence[Step] = ()) -> list[st
     sentences = []
     if uncommon:
         free = "; to calculate in units of L_x and E*, leave out length and youngs_modulus" if bare else ""
-        told = "; ".join(uncommon.values())
-        sentences.append(f"{told}. A number without a unit is in SI units: write the unit you mean{free}")
+        stated = all(isinstance(value, WithUnit) for place, value, _ in given if place in uncommon)
+        remedy = f"A number without a unit is in SI units: write the unit you mean{free}"
+        sentences.append(f"{'; '.join(uncommon.values())}. {'Check the unit' if stated else remedy}")
     if any(place[-1] == "youngs_modulus" for place in uncommon):
         return sentences  # whatever is compared with it is in doubt already
     others = [(place, value, quantity) for place, value, quantity in given if place not in uncommon]
@@ -103,7 +105,8 @@ def implausible(file: Scene | SurfaceFile, path: Sequence[Step] = ()) -> list[st
 
 def mistaken(scene: Scene) -> tuple[Location, str] | None:
     """Place and implausible value of the first number, but a load, whose unit may have been left out; None if none."""
-    found = _uncommon(_scales(scene), _numbers(scene))
+    bare = [each for each in _numbers(scene) if not isinstance(each[1], WithUnit)]
+    found = _uncommon(_scales(scene), bare)
     return next(((place, told) for place, told in found if place[0] != "loading"), None)
 
 
@@ -124,10 +127,10 @@ def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Locati
     """Places of numbers without a unit that are not common in SI units, and what they are."""
     for place, value, quantity in given:
         name = next(part for part in reversed(place) if isinstance(part, str))  # also of a number in a list
-        common, size = COMMON.get(name), abs(value)
-        if isinstance(value, WithUnit) or common is None or not scales.in_si(quantity) or size == 0.0:
+        common, size, room = COMMON.get(name), abs(value), _WITH_UNIT if isinstance(value, WithUnit) else 1.0
+        if common is None or not scales.in_si(quantity) or size == 0.0:
             continue
-        if not common.low <= size <= common.high:
+        if not common.low / room <= size <= common.high * room:
             what = common.below if size < common.low else common.above
             meant = _meant(value, quantity, common.units, common.low, common.high)
             yield place, f"{_told(place, value, quantity, scales)}, {what}{meant}"
@@ -145,7 +148,9 @@ def _against_modulus(scales: Compared, given: Iterable[Given], of_its_own: bool)
         ratio, told = abs(value) / one, _told(place, value, quantity, scales)
         if ratio > 1.0:
             yield name, f"{told}, which makes {ratio:.3g} E*{whole}: check the units of both"
-        elif name in LOADS and 0.0 < ratio < _LIGHTEST and not (of_its_own or isinstance(value, WithUnit)):
+        elif name in LOADS and 0.0 < ratio < _LIGHTEST / (_WITH_UNIT if isinstance(value, WithUnit) else 1.0):
+            if of_its_own:
+                continue
             low, high = (limit * one for limit in _LIKELY_LOADS)
             meant = _meant(value, quantity, LOADS[name], low, high)
             yield name, f"{told}, which makes {ratio:.2g} E*{whole}{meant}: write the unit you mean"
@@ -169,6 +174,7 @@ def _told(place: Location, value: float, quantity: Quantity, scales: Compared) -
 
 def _meant(value: float, quantity: Quantity, units: Iterable[str], low: float, high: float) -> str:
     """Return the question which unit is meant: one or two with which the number lies between two others."""
+    value = quantity.in_unit(value, value.unit) if isinstance(value, WithUnit) else value
     sizes = {unit: abs(value) * (quantity.si_value(f"1 {unit}") or 0.0) for unit in units}
     likely = [f"{value:.4g} {unit}" for unit, size in sizes.items() if low <= size <= high]
     return f" ({' or '.join(likely[:2])}?)" if likely else ""

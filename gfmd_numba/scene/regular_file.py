@@ -10,6 +10,7 @@ import subprocess
 import sys
 from functools import lru_cache
 
+UNWRITABLE = "a path with letters that the locale does not know: set PYTHONUTF8=1, or another LC_ALL"
 MOST_TEXT = 2**20  # bytes of a YAML file, which takes ten seconds to read
 _PARTS = 16  # of memory, of which the numbers of one file may fill one: solving takes the others
 START = 10  # seconds of processor time that a process may take to start
@@ -38,6 +39,8 @@ def check_regular(path: str | os.PathLike[str], most: int) -> None:
         found = os.stat(path)
     except OSError as error:
         raise ValueError(f"a path that cannot be read ({error.strerror})") from None
+    except UnicodeError:
+        raise ValueError(UNWRITABLE) from None
     except ValueError:
         raise ValueError("a path with a zero byte") from None
     if stat.S_ISDIR(found.st_mode):

@@ -44,7 +44,8 @@ METRES = {
     "uin": 0.0254e-6,
 }
 PERIOD = "L_x"  # the unit of lengths that count in periods of the result
-LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}"])
+LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}, or a number of one, as 0.5 nm"])
+_OF_A_UNIT = re.compile(rf"\s*({_DIGITS}(?:[eE][-+]?\d+)?)\s*([^\d\s].*)")
 _PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
 
 
@@ -117,6 +118,8 @@ class Quantity:
             return float("nan")
 
     def _in_si(self, unit: str) -> Decimal:
+        if self.si == "m" and (name := length_unit(unit)) in METRES:  # pint has no mil
+            return Decimal(repr(METRES[name]))
         registry, unit = _registry(), _OVER_NM.sub("/N/m", _OVER_BOTH.sub(r"/\1/\2", unit))
         written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
@@ -317,3 +320,18 @@ def length_unit(text: str) -> str | None:
     text = normalize("NFKC", text).strip()
     name = _SPELLINGS.get(text) or _SPELLINGS.get(text.lower(), text)
     return name if name in METRES or name == PERIOD else None
+
+
+def file_unit(text: str) -> str | None:
+    """Return a unit of numbers in a file, as `um` or `0.5 nm`, however it is spelt; None if it is none."""
+    found = _OF_A_UNIT.fullmatch(text)
+    if found is None:
+        return length_unit(text)
+    name, number = length_unit(found[2]), float(found[1])
+    return f"{number!r} {name}" if name in METRES and 0.0 < number < float("inf") else None
+
+
+def metres(unit: str) -> float:
+    """Return how many metres a unit is that `file_unit` returns; 1 for `PERIOD`."""
+    *number, name = unit.split()
+    return METRES.get(name, 1.0) * float(number[0] if number else 1.0)

@@ -20,7 +20,6 @@ from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import given_with_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
-_ROUNDING = 1e-12  # of the largest height, below which a range of heights is rounding
 
 
 @dataclass(frozen=True)
@@ -47,15 +46,11 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
-    largest = float(abs(heights).max())
-    return Made(heights, lengths, "1" if file.length is None else "m", largest, (), (), power)
+    return Made(heights, lengths, "1" if file.length is None else "m", (), (), power)
 
 
 def _measured(file: SurfaceFile, record: Measured) -> Made:
-    found = measured_surface(record, file.length)
-    if np.ptp(found.heights) <= _ROUNDING * found.largest:
-        raise ValueError("a flat surface once the trend is gone")
-    return Made(**vars(found))
+    return Made(**vars(measured_surface(record, file.length)))
 
 
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:

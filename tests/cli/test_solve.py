@@ -30,7 +30,7 @@ def test_solve_writes_fields_and_scalars(tmp_path):
     ("name", "content", "given"),
     [
         ("zeros.csv", b"0\n1\n0\0\n2\n", "a zero byte at byte 5: no text"),
-        ("flat.csv", "z [um]\n1\n1\n1\n1\n", "rms gradient of 0"),
+        ("flat.csv", "z [um]\n1\n1\n1\n1\n", "a flat surface"),
         ("nan.csv", "z [um]\n1\n2\nnan\n4\n", "height nan at index 2"),
         ("short.csv", "1\n2\n", "2 heights, not at least 4"),
         ("columns.csv", "0,1\n1,2\n2,1\n3,0\n", "positions along x and heights without a unit"),

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba import make_surface
-from gfmd_numba.roughness.measurements import split_axes
+from gfmd_numba.roughness.measurements import Content, measurement, on_a_grid, split_axes
+from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import InputError
 from support.faulty_files import complaint
 
@@ -129,3 +130,33 @@ SHAPES = {
 def test_shapes_with_straight_edges_are_heights(shape):
     for turned in (SHAPES[shape], SHAPES[shape].T, -SHAPES[shape]):
         assert split_axes(turned, 1)[0] is turned
+
+
+@pytest.mark.parametrize(("corner", "unit"), [("y\\x", None), ("um", None), ("y [um]\\x [um]", "um")])
+@pytest.mark.parametrize("separator", [",", "\t", ";"])
+def test_a_label_in_the_corner_leaves_the_axes_as_they_are(tmp_path, corner, unit, separator):
+    heights = rough(8, 9, 0.5)
+    table = with_axes(heights, np.arange(9.0), 2.0 * np.arange(8.0))
+    rows = [separator.join([corner, *map(str, table[0, 1:])]), *(separator.join(map(str, row)) for row in table[1:])]
+    (tmp_path / "m.csv").write_text("\n".join(rows))
+    content = read_content(tmp_path / "m.csv")
+    np.testing.assert_array_equal(content.heights, heights)
+    np.testing.assert_array_equal(content.positions["x"], np.arange(9.0))
+    np.testing.assert_array_equal(content.positions["y"], 2.0 * np.arange(8.0))
+    assert content.units.get("x") == unit
+    rows[0] = rows[0].partition(separator)[2]
+    (tmp_path / "m.csv").write_text("\n".join(rows))
+    np.testing.assert_array_equal(read_content(tmp_path / "m.csv").heights, heights)
+
+
+def test_points_of_a_grid_may_lack_whole_rows_and_columns():
+    x, y = np.meshgrid(np.arange(20.0), 0.5 * np.arange(12.0))
+    z = np.random.default_rng(0).normal(size=x.shape)
+    kept = np.ones(x.shape, dtype=bool)
+    kept[3:5], kept[:, 7] = False, False
+    heights, positions = on_a_grid(x[kept], y[kept], z[kept])
+    np.testing.assert_array_equal(heights, np.where(kept, z, np.nan))
+    np.testing.assert_allclose(positions["y"], 0.5 * np.arange(12.0))
+    rows, columns = kept[:, 0], kept[0]
+    found = measurement(Content(z[rows][:, columns], {"x": x[0, columns], "y": y[rows, 0]}), UNITS)
+    np.testing.assert_array_equal(found.heights, 1e-6 * np.where(kept, z, np.nan))

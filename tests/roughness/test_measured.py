@@ -42,10 +42,12 @@ def test_positions_of_few_digits_are_read(tmp_path):
 def test_a_mirrored_field_has_half_the_period_whoever_tells_its_size(tmp_path):
     own = read(netcdf(tmp_path), 2 * LENGTH, periodic="mirror")
     np.save(tmp_path / "p.npy", HEIGHTS)
-    told = read(tmp_path / "p.npy", 2 * LENGTH, periodic="mirror", units={"z": "m"})
+    told = read(tmp_path / "p.npy", None, periodic="mirror", units={"z": "m"}, spacing=LENGTH / N)
     np.testing.assert_array_equal(own.heights, told.heights)
     assert own.lengths == pytest.approx((2 * LENGTH,))
     assert told.lengths == pytest.approx((2 * LENGTH,))
+    with pytest.raises(ValueError, match=r"spacing: 1.5625e-06 m in its place if .*, or spacing: 7.8125e-07 m if"):
+        read(tmp_path / "p.npy", LENGTH, periodic="mirror", units={"z": "m"})
     with pytest.raises(
         ValueError, match=r"positions over a period of 0.0002 m once mirrored, .* not length = 0.0001 m"
     ):

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import plausibility
-from gfmd_numba.roughness.processing import mirrored
+from gfmd_numba.roughness.processing import filtered, mirrored
+from gfmd_numba.roughness.statistics import rms_gradient
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.scene.surfaces import SelfAffine
 from gfmd_numba.simulate.surface import make
@@ -56,9 +57,10 @@ def test_punches_of_textbooks_are_plausible():
         -abs(x),
         np.where(abs(x) < 0.25, 0.0, -0.5 * (abs(x) - 0.25)),
         COSINE,
-        np.round(COSINE, 4),
+        np.round(COSINE, 6),
     ):
         assert doubts(0.05 * heights) == ()
+    assert "whose rounding makes up" in doubts(0.05 * np.round(COSINE, 4))[0]
 
 
 def test_a_wall_at_the_seam_is_one_of_several():
@@ -118,3 +120,32 @@ def test_a_form_that_does_not_stand_out_is_told_where_it_is_most_of_the_height(d
         field = plausibility.Field(heights, heights, (1.0,) * dimension, {"z": "L_x"}, mirrored=True)
         found = plausibility.of_field(field).sentences
         assert any("make" in each and "% of the mean square height" in each for each in found) == said
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("quanta", [0.15, 0.4, 1.0, 4.0])
+def test_rounding_to_coarse_steps_is_told_with_its_share_of_the_gradient(dimension, quanta):
+    exact = ordinary(0.8, dimension, 3, {1: 1024, 2: 128}[dimension], 0.25, 0.02)
+    one = (1.0,) * dimension
+    step = np.sqrt((np.diff(exact) ** 2).mean()) / quanta
+    rounded = np.round(exact / step) * step
+    squares = [(np.diff(each) ** 2).mean() for each in (exact, rounded)]
+    found = plausibility.of_field(plausibility.Field(rounded, rounded - rounded.mean(), one, {}))
+    (told,) = [each for each in found.sentences if "whose rounding makes up" in each] or [""]
+    share = 1.0 - squares[0] / squares[1]
+    if share < 0.04:
+        assert told == ""
+        return
+    assert float(re.search(r"makes up ([\d.]+) %", told)[1]) == pytest.approx(100.0 * share, abs=5.0)
+    assert not any("spike" in each for each in found.sentences)
+    assert found.rms_gradient > 0.5 * np.sqrt(squares[0]) * exact.shape[-1]
+    advised = re.search(r"cutoff: ([\d.e-]+)", told)
+    if advised is None:
+        assert exact.std() < 2.0 * step
+        return
+    cutoff = float(advised[1])
+    kept = plausibility.Field(rounded, rounded - rounded.mean(), one, {}, cutoff=cutoff)
+    assert not any("rounding" in each for each in plausibility.of_field(kept).sentences)
+    kept_waves = [filtered(each, one, cutoff) for each in (exact, rounded)]
+    slopes = [float(rms_gradient(each, one)) for each in kept_waves]
+    assert slopes[1] == pytest.approx(slopes[0], rel=0.05)

@@ -4,10 +4,11 @@ import warnings
 from pathlib import Path
 
 import numpy as np
+import pint
 import pytest
 
 import gfmd_numba
-from gfmd_numba import make_surface
+from gfmd_numba import make_surface, solve
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.processing import fill_gaps, made_periodic
@@ -169,3 +170,51 @@ def test_points_added_where_a_fourier_series_rings_are_told(nodes, groove, warne
             continue
         surface = measured_surface(Measured.model_validate(record | cutoff), None)
         assert any("Fourier series, which rings" in doubt for doubt in surface.doubts) == told
+
+
+def test_a_way_there_and_back_is_told(tmp_path):
+    rows = [f"{i},{i % 7}" for i in (*range(40), *range(39, -1, -1))]
+    (tmp_path / "p.csv").write_text("x [um],z [um]\n" + "\n".join(rows))
+    with pytest.raises(InputError, match="in no order from index 39 on, and some twice: keep one pass"):
+        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "p.csv")}})
+
+
+def test_points_that_lose_gradient_are_told():
+    heights = np.random.default_rng(0).normal(size=256)
+    surface = {"method": "measured", "heights": heights, "units": {"z": "um"}, "spacing": "10 um"}
+    with pytest.warns(UserWarning, match=r"64 points leave out \d\d\.\d % of the rms gradient that 256 points have"):
+        make_surface({"surface": surface | {"points": 64}})
+    smooth = surface | {"heights": np.sin(2.0 * np.pi * np.arange(256) / 64)}
+    make_surface({"surface": smooth | {"points": 64}})
+    make_surface({"surface": smooth | {"points": 512}})
+
+
+def test_a_form_without_roughness_is_refused_in_scenes_too():
+    x = np.linspace(-1.0, 1.0, 512)
+    rough = {"method": "measured", "heights": x**2, "spacing": "1 um", "units": {"z": "um"}, "detrend": "curvature"}
+    body = {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3}
+    scene = {"body": body, "roughness": rough, "interface": {"hard_wall": {}}, "loading": {"pressure": "1 MPa"}}
+    for run, file in ((make_surface, {"surface": rough}), (solve, {"scene": scene})):
+        with pytest.raises(InputError, match="a flat surface once the trend is gone"):
+            run(file)
+
+
+def test_heights_keep_the_units_of_their_library_and_enough_digits():
+    registry = pint.UnitRegistry()
+    heights = np.random.default_rng(0).normal(size=64)
+    surface = {"method": "measured", "spacing": "10 um"}
+    plain = make_surface({"surface": surface | {"heights": heights, "units": {"z": "um"}}})
+    given = make_surface({"surface": surface | {"heights": heights * registry.um}})
+    np.testing.assert_array_equal(given["height"], plain["height"])
+    half = make_surface({"surface": surface | {"heights": heights, "units": {"z": "0.5 um"}}})
+    np.testing.assert_allclose(half["height"], 0.5 * plain["height"])
+    row = make_surface({"surface": surface | {"heights": heights[None], "units": {"z": "um"}}})
+    np.testing.assert_array_equal(row["height"], plain["height"])
+    for wrong, said in (
+        (surface | {"heights": heights * registry.um, "units": {"z": "m"}}, "heights in um as the file says, not m"),
+        (surface | {"heights": heights * registry.volt}, "heights in 'volt', which is no unit of length"),
+        (surface | {"heights": [each * registry.um for each in heights]}, "a list of at least 4 numbers"),
+        (surface | {"heights": heights.astype(np.float16), "units": {"z": "um"}}, "heights of type float16"),
+    ):
+        with pytest.raises(InputError, match=said):
+            make_surface({"surface": wrong})

@@ -128,9 +128,16 @@ def test_blocks_of_nothing_are_refused_or_told(tmp_path):
 def test_rows_that_are_left_out_are_no_equidistant_positions(tmp_path):
     kept = np.delete(np.arange(N), slice(100, 110))
     file = columns(tmp_path, X[kept], Z[kept])
-    with pytest.raises(ValueError, match=r"a spacing of .* in x at index 99, .* not equidistant"):
-        read(file)
-    assert "interpolated linearly from uneven positions" in read(file, points=N).done[0]
+    for points in (None, N):
+        with pytest.raises(ValueError, match=r"height nan at index 100 and 9 more, .* fill: interpolate"):
+            read(file, points=points)
+        filled = read(file, points=points, fill="interpolate")
+        assert filled.done[0] == "left 10 heights empty along x, where positions are missing"
+        np.testing.assert_allclose(np.delete(filled.heights, slice(100, 110)), Z[kept], rtol=1e-9)
+    uneven = X + 0.2 * (X[1] - X[0]) * np.random.default_rng(0).uniform(size=N)
+    with pytest.raises(ValueError, match=r"height nan at index \d+ and [89] more"):
+        read(columns(tmp_path, uneven[kept], Z[kept]), points=N)
+    assert "interpolated linearly from uneven positions" in read(columns(tmp_path, uneven, Z), points=N).done[0]
 
 
 def test_one_column_needs_a_unit_and_a_period(tmp_path):

@@ -7,7 +7,7 @@ import pytest
 
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
-from gfmd_numba.roughness.surface_text import columns_by_label, read_table, stated_units
+from gfmd_numba.roughness.surface_text import columns_of, read_table
 
 X = 0.5 * np.arange(40)
 Z = np.random.default_rng(0).normal(size=40)
@@ -234,7 +234,7 @@ def test_columns_that_are_neither_positions_nor_heights_are_left_out(tmp_path, n
     assert f"took {len(places)} of {len(names)} columns" in table.done[-1]
 
 
-@pytest.mark.parametrize("names", ["a,b,c", "x,z,z", "x,y", "x1,z1,x2"])
+@pytest.mark.parametrize("names", ["a,b,c", "x,y", "x1,z1,x2"])
 def test_columns_are_left_out_only_where_one_is_named_heights_and_one_positions(tmp_path, names):
     rows = np.column_stack([X, Z, Z])
     np.testing.assert_array_equal(read_table(written(tmp_path, rows, header=names + "\n")).values, rows)
@@ -268,12 +268,15 @@ def test_entries_of_a_header_state_the_units_of_columns(tmp_path):
 
 
 def test_columns_and_units_are_known_by_their_labels():
-    assert stated_units(["Profile", "Lateral unit: mm", "Z unit: um"], 2) == ("mm", "um")
-    assert columns_by_label(["Nr.;Weg [mm];Höhe [mil];Zeit"], 4)[0] == [1, 2]
-    assert columns_by_label(["Nr.;Weg/mm;Höhe/mil"], 3) == ([1, 2], ("mm", "mil"))
-    assert columns_by_label(["Nr.;Weg in mm;Höhe in mil"], 3) == ([1, 2], ("mm", "mil"))
-    assert columns_by_label(["Nr.;Auflösung;px/mm"], 3) is None
-    assert columns_by_label(["Nr.;x;Weg [mm];Höhe [mil]"], 4) is None  # three may be positions or heights
+    assert columns_of(["Profile", "Lateral unit: mm", "Z unit: um"], 2) == ([0, 1], ("mm", "um"))
+    assert columns_of(["Nr.;Weg [mm];Höhe [mil];Zeit"], 4)[0] == [1, 2]
+    assert columns_of(["Nr.;Weg/mm;Höhe/mil"], 3) == ([1, 2], ("mm", "mil"))
+    assert columns_of(["Nr.;Weg in mm;Höhe in mil"], 3) == ([1, 2], ("mm", "mil"))
+    assert columns_of(["Nr.;Auflösung;px/mm"], 3)[0] == [0, 1, 2]
+    assert columns_of(["Numéro;Abscisse [mm];Hauteur [um];Temps [s]"], 4) == ([1, 2], ("mm", "um"))
+    for header, columns in (("Nr.;x;Weg [mm];Höhe [mil]", 4), ("x [mm],primary [um],roughness [um]", 3)):
+        with pytest.raises(ValueError, match="name the positions x"):
+            columns_of([header], columns)
 
 
 @pytest.mark.parametrize("mark", ["-----", "*", "********", "Bad", "nan"])
@@ -306,3 +309,134 @@ def test_sizes_are_read_where_the_header_states_them(tmp_path, header, x, y):
     assert read_table(tmp_path / "map.txt").sizes == {
         axis: size for axis, size in (("x", x), ("y", y)) if size is not None
     }
+
+
+@pytest.mark.parametrize(
+    "row", ["[mm],[um]", "(mm),(um)", "# [mm],[um]", "[mm];[um]", "mm,um", "[mm]\t(um)", "mm;[um]"]
+)
+def test_each_column_has_its_own_unit_in_a_row_of_units(tmp_path, row):
+    separator = next(each for each in ",;\t" if each in row)
+    table = read_table(written(tmp_path, np.column_stack([X, Z]), separator, header=f"X{separator}Z\n{row}\n"))
+    assert table.units == ("mm", "um")
+    (tmp_path / "m.csv").write_text("X,Y,Z\n[um],[mm],[nm]\n" + "0,0,1\n1,0,2\n")
+    assert read_table(tmp_path / "m.csv").units == ("um", "mm", "nm")
+
+
+@pytest.mark.parametrize(
+    "names",
+    [
+        ["y [mm]", "x [um]", "z [nm]"],
+        ["z [nm]", "x [um]", "y [mm]"],
+        ["z (nm)", "y (mm)", "x (um)"],
+        ["Height/nm", "Y position/mm", "X position/um"],
+        ["Y [mm]", "X [um]", "Höhe [nm]"],
+        ["intensity", "y [mm]", "z [nm]", "x [um]"],
+    ],
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_labels_of_three_columns_are_followed_in_any_order(tmp_path, names, separator):
+    of = {"x": X, "y": 2.0 * X, "z": Z, "i": np.ones_like(X)}
+    axes = [next(a for a, known in (("z", "zH"), ("y", "yY"), ("x", "xX"), ("i", "i")) if n[0] in known) for n in names]
+    table = read_table(
+        written(tmp_path, np.column_stack([of[axis] for axis in axes]), separator, header=separator.join(names) + "\n")
+    )
+    np.testing.assert_array_equal(table.values, np.column_stack([X, 2.0 * X, Z]))
+    assert table.units == ("um", "mm", "nm")
+
+
+@pytest.mark.parametrize(
+    "header", ["Höhe [µm];Weg [mm]", "Height (um),Length (mm)", "HÖHE/µm\tMessstrecke/mm", "Profilhöhe in um;Weg in mm"]
+)
+def test_common_names_tell_heights_and_positions(tmp_path, header):
+    separator = next(each for each in ";\t," if each in header)
+    table = read_table(written(tmp_path, np.column_stack([Z, X]), separator, header=header + "\n"))
+    np.testing.assert_array_equal(table.values, np.column_stack([X, Z]))
+    assert table.units == ("mm", "um")
+
+
+def test_entries_of_a_header_go_with_columns_in_any_order(tmp_path):
+    table = read_table(written(tmp_path, np.column_stack([Z, X]), header="X unit: mm\nZ unit: µm\nz,x\n"))
+    assert table.units == ("mm", "um")
+
+
+@pytest.mark.parametrize(
+    "mark",
+    ["#N/A", "#NV", "#DIV/0!", "#VALUE!", "#WERT!", "N/A", "NA", "NULL", "BAD", "***", "---", "", '"#N/A"', "1.#QNAN"],
+)
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_errors_of_spreadsheets_are_missing_heights(tmp_path, mark, separator):
+    rows = [["1", "2", mark, "4", "5"], ["6", "7", "8", "9", mark], ["1", mark, mark, "4.5", "5"]]
+    (tmp_path / "p.csv").write_text("z [um]\n" + "\n".join(map(separator.join, [*rows, *rows])))
+    nan = np.nan
+    expected = [[1, 2, nan, 4, 5], [6, 7, 8, 9, nan], [1, nan, nan, 4.5, 5]]
+    np.testing.assert_array_equal(read_table(tmp_path / "p.csv").values, expected * 2)
+    if mark:
+        (tmp_path / "p.csv").write_text(f"z [um]\n1.5\n{mark}\n2\n{mark}\n")
+        np.testing.assert_array_equal(read_table(tmp_path / "p.csv").values[:, 0], [1.5, nan, 2, nan])
+
+
+def test_a_comment_does_not_cut_a_row(tmp_path):
+    (tmp_path / "p.csv").write_text("1,2,3,4\n5,6,7,8 # good\n1,2, # bad, 3,4\n")
+    with pytest.raises(ValueError, match="a comment in line 3 before its last column"):
+        read_table(tmp_path / "p.csv")
+    (tmp_path / "p.csv").write_text("1,2,3,4\n5,6#7,7,8\n")
+    with pytest.raises(ValueError, match="'6#7' in line 2, not a number"):
+        read_table(tmp_path / "p.csv")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("z [nm]\n-212\n1,006\n-1,215\n", "numbers like 1,006 next to -212, .*: write 1.006 or 1006"),
+        ('x [um],z [nm]\n0,998\n1,"1,788"\n', "numbers like 1,788 next to 998"),
+        ("x;z\n0;998\n1;1,788\n", "numbers like 1,788 next to 998"),
+        ("0 998\n1 1,788\n", "numbers like 1,788 next to 998"),
+        ("z [nm]\n-212\n1.006\n0\n", "numbers like 1.006 next to -212, whose points .*: write 1.006 next to -212.000"),
+    ],
+)
+def test_commas_before_three_digits_in_some_rows_are_asked_about(tmp_path, text, said):
+    (tmp_path / "p.csv").write_text(text)
+    with pytest.raises(ValueError, match=said):
+        read_table(tmp_path / "p.csv")
+
+
+def test_decimal_commas_with_three_digits_are_no_thousands(tmp_path):
+    for text in ("z\n1,788\n0\n1,5\n2\n", "z\n1,788\n0,998\n2\n", "0;1,788\n1;1,790\n2;1,795\n", "z\n1,788\n1998\n5\n"):
+        (tmp_path / "p.csv").write_text(text)
+        assert read_table(tmp_path / "p.csv").values[0, -1] == 1.788
+
+
+@pytest.mark.parametrize(
+    ("line", "scale"),
+    [
+        ("# Scale factor: 0.5 nm/count", "0.5 nm/count"),
+        ("Z scale (nm/digit); 0,25", "0,25 nm/digit"),
+        ("Resolution: 2 nm per LSB", "2 nm per LSB"),
+        ("scale = 1e-3", "1e-3"),
+    ],
+)
+def test_a_scale_of_heights_is_used_or_asked_about(tmp_path, line, scale):
+    (tmp_path / "p.txt").write_text(line + "\n" + "\n".join(map(str, range(10))))
+    content = read_content(tmp_path / "p.txt")
+    assert content.units == {"z": scale}
+    with pytest.raises(ValueError, match=r"a scale of .* in the header: write units: \{z: .* nm\}"):
+        measurement(content)
+    with pytest.raises(ValueError, match=r"a scale of .* in the header"):
+        measurement(content, {"z": "nm"})
+    found = measurement(content, {"z": "0.5 nm"})
+    np.testing.assert_allclose(found.heights, 0.5e-9 * np.arange(10))
+    assert found.units == {"z": "nm"}
+
+
+@pytest.mark.parametrize("line", ["Scale: 1", "X scale: 2 um/pixel", "Full scale: 10 um", "Scale factor: 1 nm/count"])
+def test_what_scales_no_heights_is_no_scale(tmp_path, line):
+    (tmp_path / "p.txt").write_text(line + "\nz unit: nm\n" + "\n".join(map(str, range(10))))
+    assert read_table(tmp_path / "p.txt").units == ("nm",)
+    assert read_table(tmp_path / "p.txt").done == ()
+
+
+def test_one_or_two_rows_are_a_profile(tmp_path):
+    table = read_table(written(tmp_path, Z[None], header="z [um]\n"))
+    np.testing.assert_array_equal(table.values[:, 0], Z)
+    assert (table.units, table.done) == (("um",), ("took rows for columns",))
+    np.testing.assert_array_equal(read_table(written(tmp_path, [X, Z])).values, np.column_stack([X, Z]))

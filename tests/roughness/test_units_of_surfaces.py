@@ -35,7 +35,7 @@ def test_heights_with_a_length_need_a_unit(tmp_path):
     with pytest.raises(InputError, match=r"heights without a unit, but a length in m: write units: \{z: um\}"):
         make_surface({"surface": surface, "length": 1e-3})
     with pytest.warns(UserWarning, match="below 0.0002, is smoother than polished glass"):
-        found = make_surface({"surface": surface | {"units": {"z": "mm"}}, "length": 1.0})
+        found = make_surface({"surface": surface | {"units": {"z": "mm"}, "spacing": 1 / 64}})
     assert found["rms_height"].units == found["x"].units == "m"
     assert float(found["x"][1]) == pytest.approx(1 / 64)
     np.testing.assert_allclose(found["height"][:32], 1e-3 * HEIGHTS, rtol=1e-15)

@@ -2,6 +2,8 @@
 
 import base64
 import os
+import subprocess
+import sys
 import zlib
 
 import numpy as np
@@ -60,3 +62,14 @@ def test_a_trial_imports_nothing_of_the_folder_it_is_in(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert regular_file.can_be_read("p.nc", 10**9)
     assert not (tmp_path / "ran").exists()
+
+
+def test_a_folder_that_the_locale_cannot_write_is_told(tmp_path):
+    folder = tmp_path / "mäß"
+    folder.mkdir()
+    (folder / "p.nc").write_bytes(b"\x89HDF")
+    code = "import sys; from pathlib import Path; from gfmd_numba.roughness.surface_files import load_netcdf\n"
+    code += "try: load_netcdf(Path(sys.argv[1]))\nexcept ValueError as error: print(error)"
+    plain = {**os.environ, "LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    done = subprocess.run([sys.executable, "-c", code, folder / "p.nc"], env=plain, capture_output=True, text=True)
+    assert "a path with letters that the locale does not know" in done.stdout

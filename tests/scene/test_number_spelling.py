@@ -7,7 +7,7 @@ from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.roughness.surface_text import read_table
 from gfmd_numba.scene import load_scene
-from gfmd_numba.scene.units import length_unit, respelt
+from gfmd_numba.scene.units import LENGTH, METRES, length_unit, respelt
 from support.faulty_files import SCENE, changed, complaint
 
 SPELLINGS = {
@@ -101,3 +101,8 @@ def test_commas_between_thousands_are_refused_as_such(tmp_path, text):
 def test_commas_between_columns_or_decimals_are_none(tmp_path, text, shape):
     (tmp_path / "p.csv").write_text(text)
     assert read_table(tmp_path / "p.csv").values.shape == shape
+
+
+@pytest.mark.parametrize("unit", ["mil", "mils", "uin", "Å", "in"])
+def test_a_scene_knows_the_units_of_length_that_files_know(unit):
+    assert LENGTH.si_value(f"3 {unit}") == pytest.approx(3.0 * METRES[length_unit(unit)], rel=1e-15)

@@ -92,6 +92,7 @@ def test_a_step_of_a_path_and_a_layer_are_named_by_their_places():
         {"loading": {"pressure": "10 Pa"}},
         {"length": "2 m", "loading": {"pressure": 1e6}},
         {"loading": {"displacement": 0}},
+        steel("80 GPa") | {"loading": {"pressure": "1 Pa"}},
     ],
 )
 def test_common_numbers_and_those_with_their_units_get_none(changes):
@@ -210,3 +211,16 @@ def test_a_load_is_not_blamed_for_a_strength_without_its_unit(changes, place, me
     scene |= {"interface": changes.get("interface", {"hard_wall": {}}), "loading": {"pressure": "1 MPa"}}
     with pytest.raises(gfmd_numba.InputError, match=rf"{place}: you gave [\d.]+; .*{meant}.*\?"):
         gfmd_numba.solve({"scene": scene})
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"loading": {"pressure": "20 mPa"}}, "loading.pressure is 20 mPa, which makes"),
+        (steel("80e9 GPa"), "body.youngs_modulus is 8e+10 GPa, stiffer than diamond. Check the unit"),
+        (steel("80 mPa"), "body.youngs_modulus is 80 mPa, softer than rubber (80 GPa or 80 MPa?). Check the unit"),
+    ],
+)
+def test_a_unit_does_not_excuse_every_number(changes, told):
+    (sentence,) = said(**changes)
+    assert told in sentence

@@ -4,6 +4,7 @@ import subprocess
 import sys
 from math import inf, isnan
 
+import numpy as np
 import pytest
 from pydantic import ValidationError
 
@@ -223,3 +224,13 @@ def test_start_up_imports_nothing_heavy():
 
 def test_input_error_is_a_value_error():
     assert issubclass(InputError, ValueError)
+
+
+def test_numbers_of_numpy_are_numbers():
+    body = {"poissons_ratio": np.float32(0.25)}
+    rough = {"method": "psd", "hurst": 0.8, "rms_gradient": np.float64(0.02)}
+    scene = {"body": body, "roughness": rough, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
+    grid = {"eps_c": 0.5, "eps_f": np.float32(0.25), "eps_t": 0.5}
+    loaded, _ = load_scene({"scene": scene, "discretisation": grid, "seed": np.int64(3), "realisation": np.uint8(2)})
+    assert (loaded.seed, loaded.realisation, loaded.scene.body.poissons_ratio) == (3, 2, 0.25)
+    assert type(loaded.seed) is int

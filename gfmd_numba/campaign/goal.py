@@ -152,9 +152,7 @@ def check_fit(
     variable, row, allowed = fit.variable, observables.LIMITED[fit.variable], ""
     has, what = _NEEDS.get(row.needs, (bool, ""))
     is_asked = place[0] == "target" or varied or "variable" in fit.model_fields_set
-    if place[0] == "target" and (why := observables.unheld(row, scenes[0][0], varied)):
-        allowed = f"what has a limit here; {variable} has none, because {why}"
-    elif is_asked and variable in observables.OF_TOUCHING and not any(each.interface.touches for each, _ in scenes):
+    if is_asked and variable in observables.OF_TOUCHING and not any(each.interface.touches for each, _ in scenes):
         allowed = "mean_gap or elastic_energy: under this law nothing touches"
     elif not any(has(scene) for scene, _ in scenes):
         allowed = f"what these contacts have; this needs {what}"
@@ -162,5 +160,7 @@ def check_fit(
         variable in observables.recorded_along(scene, order) for scene, order in scenes
     ):
         allowed = f"what this path has; {observables.needed_for(variable)}"
+    elif place[0] == "target" and (why := observables.unheld(row, scenes[0][0], varied)):
+        allowed = f"what has a limit here; {variable} has none, because {why}"
     if allowed:
         raise document.error(place, variable, allowed)

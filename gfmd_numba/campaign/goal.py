@@ -42,8 +42,9 @@ def _variable(given: str) -> str:
 
 
 def _target(given: object) -> dict[str, float]:
-    names = list(given) if isinstance(given, Mapping) else []
-    if why := "; ".join(filter(None, map(observables.why_no_limit, filter(lambda name: isinstance(name, str), names)))):
+    names = [name for name in given if isinstance(name, str)] if isinstance(given, Mapping) else []
+    unknown = [name for name in names if name not in observables.LIMITED]
+    if why := "; ".join(observables.why_no_limit(name) or nearest(name, observables.LIMITED) for name in unknown):
         raise broken_rule((), f"{A_TARGET}; {why}")
     if not isinstance(given, Mapping) or not given or not set(given) <= observables.LIMITED.keys():
         raise ValueError(A_TARGET)

@@ -194,8 +194,12 @@ def of_fit(fitted: xr.Dataset) -> Told:
     import numpy as np
 
     from gfmd_numba.analysis.fit_dataset import in_the_limit
+    from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 
     factor, unit = _readable_unit(fitted["reference"])
+    row = (OBSERVABLES | PATH_OBSERVABLES).get(fitted.attrs["variable"])
+    if row is not None and row.unit == "energy" and unit.endswith("Pa"):  # of a scene without a length
+        unit += " L_x"
     of_unit = f" ({unit})" if unit else ""
     varied = [limit for limit in LIMITS if fitted["alpha"].sel(limit=limit).notnull().any()]
     towards = f" and its limit {', '.join(varied)} -> 0" if varied else ""

@@ -54,6 +54,14 @@ def test_what_has_no_limit_is_refused_with_the_reason(name):
         gfmd_numba.run({}, until={name: 0.05})
 
 
+@pytest.mark.parametrize("given", ["gap", "mean_gab"])
+def test_the_nearest_variable_is_told(given):
+    with pytest.raises(InputError, match=r"until: .*; did you mean 'mean_gap'\?"):
+        gfmd_numba.run({}, until={given: 0.05})
+    with pytest.raises(InputError, match=r"target: .*; did you mean 'mean_gap'\?"):
+        loaded(SCENE, given)
+
+
 def test_the_command_tells_the_reason(tmp_path):
     assert "mean_segment_length has no limit, because" in refused(
         "run", campaign(tmp_path), "-o", tmp_path / "out", "--until=mean_segment_length=5%"

@@ -87,7 +87,7 @@ def two_step(case, order):
     """Surface `[NX]`, what was solved, and the surface from which fields inside follow."""
     profile, gradient = rough_surfaces.given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
-    slopes = Slopes(asked, (RoughBody(case.elastic, case.topography, 1.0),), gradient, order, None)
+    slopes = Slopes(asked, (RoughBody(case.elastic, 1.0, heights=case.topography),), gradient, order, None)
     pressed = rough_bodies.solve(asked, State.untouched(profile.heights[np.newaxis], (slopes,)))
     equilibrium, (response,) = pressed.equilibrium, pressed.responses
     assert equilibrium.status[0] == 0, case.name

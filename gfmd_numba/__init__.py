@@ -134,7 +134,7 @@ def load_curve(
     >>> rubber = {"poissons_ratio": 0.5, "relaxation": [{"modulus": 3.0, "time": "1 s"}]}
     >>> seal = {"scene": {**scene, "dimension": 1, "body": rubber}, "discretisation": levels}
     >>> gfmd_numba.load_curve(seal, times=["0.1 s", "10 s"])["contact_area_fraction"].values.round(3)
-    array([0.041, 0.164])
+    array([0.041, 0.148])
     >>> gfmd_numba.load_curve(seal, speeds=[0.01, 1.0])["hysteretic_friction"].values.round(4)
     array([0.0164, 0.001 ])
     """
@@ -591,17 +591,17 @@ def _warned(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _failures(dataset: xr.Dataset) -> Iterator[str]:
-    """How runs failed, behind the steps or loads of a path at which they did, or their number in a campaign."""
+    """How runs failed, and at which steps or loads of a path, or how many of a campaign."""
     status = dataset.get("status")
     for i, ending in enumerate([] if status is None else status.attrs["flag_sentences"].split("\n")):
         ended = dataset["status"] == i
         if i == 0 or not ended.any() or ending.startswith("not_asked"):
             continue
-        if ended.ndim > 1:
-            yield f"in {int(ended.sum())} of {ended.size} simulations: {ending}"
-        else:
-            where = ", ".join(f"{place:.4g}" for dim in ended.dims for place in ended[dim].values[ended.values])
-            yield f"at {ended.dims[0]} {where}: {ending}" if where else ending
+        where = f" in {int(ended.sum())} of {ended.size} simulations" if ended.ndim > 1 else ""
+        if ended.ndim == 1:
+            where = f" at {ended.dims[0]} " + ", ".join(f"{place:.4g}" for place in ended[ended.dims[0]].values[ended])
+        name, _, sentence = ending.partition(": ")
+        yield f"{name}{where}: {sentence}"
 
 
 def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Dataset:

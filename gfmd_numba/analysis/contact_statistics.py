@@ -5,6 +5,7 @@ from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
+import scipy  # its modules load with their first use
 import xarray as xr
 
 from gfmd_numba.analysis.arguments import checked
@@ -79,6 +80,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     return result
 
 
+_SMOOTHED = 1.5  # nodes: straight edges at any angle are then right to 0.3 %, and discs of 3 nodes and more to 1 %
 _NEEDED = ("height", "pressure", "gap", "mean_pressure", "full_contact_pressure")
 _LONG_NAMES = {
     "pressure": "pressure over its rms fluctuation in full contact",
@@ -131,14 +133,22 @@ def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
 
-    Where nothing goes `around` the map, nothing touches beyond its ends.
+    An edge with the normal (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing; the gradient of the smoothed
+    contact tells the normal. Where nothing goes `around` the map, nothing touches beyond its ends.
     """
     nx = touching.shape[1]
     touching = np.pad(touching, [(0, 0) if joined else (1, 1) for joined in around])
-    along_y = np.roll(touching, 1, axis=0)
-    crossed = [np.count_nonzero(touching != other) for other in (along_y, np.roll(touching, 1, axis=1))]
-    diagonal = [np.count_nonzero(touching != np.roll(along_y, side, axis=1)) for side in (1, -1)]
-    return float(np.pi / 8.0 * (sum(crossed) + sum(diagonal) / np.sqrt(2.0)) / nx)
+    modes = ["wrap" if joined else "constant" for joined in around]
+    smooth = touching.astype(np.float32)
+    slopes = [scipy.ndimage.gaussian_filter(smooth, _SMOOTHED, order, mode=modes) for order in ((0, 1), (1, 0))]
+    length = 0.0
+    for step in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        crossed = touching != np.roll(touching, step, (0, 1))
+        c, s = (abs(slope + np.roll(slope, step, (0, 1)))[crossed] for slope in slopes)
+        crossings = c + s + np.sqrt(2.0) * np.maximum(c, s)
+        shares = np.divide(np.hypot(c, s), crossings, out=np.full(c.shape, np.pi / 8.0), where=crossings > 0.0)
+        length += float(shares.sum() / np.hypot(*step))
+    return float(length / nx)
 
 
 # of profiles and of maps: how contacts are counted, and over what

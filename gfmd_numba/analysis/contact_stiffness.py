@@ -26,7 +26,8 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     pressures over that of the mean gaps. Its standard error (nan for one surface) is that of these differences over the
     realisations that are ok at both loads, nan where these are the same. K stands at the logarithmic mean of the two
     loads, where it is exact if K is proportional to p, as at light loads (Akarapu, Sharp and Robbins, PRL 106, 204301,
-    2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)). If the
+    2011; Campana, Persson and Mueser, J. Phys.: Condens. Matter 23, 085001, 2011: K = p / (gamma h_rms)). Where K goes
+    as p^a it is too large by the share a (1 - a) ln(p_2 / p_1)^2 / 24, which the standard error leaves out. If the
     dataset has heights over x, or an `rms_height`, `stiffness_reduced` is K h_rms / p, with the h_rms of each surface.
     Raises UnusableDataError for results without two loads of the same surfaces.
     """
@@ -100,7 +101,7 @@ def _ratio(above: xr.DataArray, below: xr.DataArray, over: list[str]) -> tuple[x
 _LONG_NAMES = {
     "mean_pressure": "logarithmic mean of the two loads",
     "stiffness": "contact stiffness beyond uniform compression",
-    "stiffness_error": "standard error of the contact stiffness",
+    "stiffness_error": "standard error of the contact stiffness over surfaces, without that of the difference of loads",
     "stiffness_reduced": "contact stiffness times rms height over pressure",
     "stiffness_reduced_error": "standard error of that",
     "n_realisations": "surfaces that are ok at both loads, which differ",

@@ -35,6 +35,8 @@ OF_WORKERS = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_
 }
 OF_A_RUN = {
     "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
+    # a worker that says nothing is replaced; kernels and transforms let it speak, so that only a frozen one is silent
+    "distributed.scheduler.worker-ttl": os.environ.get("DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL", "2 minutes"),
     # the web servers of scheduler and workers cannot be switched off, but they need not say anything
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],

@@ -7,22 +7,14 @@ from pathlib import Path
 
 from gfmd_numba.campaign import shards
 from gfmd_numba.solvers import status
-from gfmd_numba.solvers.status import Status
 from gfmd_numba.storage import json_file
 
 _SUFFIX = ".failed"
 
 
 class Ending(IntEnum):
-    """How a simulation ended; only `ok` results are used."""
+    """How a simulation of a campaign ended, if not as a contact does, whose states have the numbers below."""
 
-    ok = Status.ok.value
-    steps_used_up = Status.steps_used_up.value
-    stagnated = Status.stagnated.value
-    too_steep = Status.too_steep.value
-    no_equilibrium = Status.no_equilibrium.value
-    unstable = Status.unstable.value
-    nonfinite = Status.nonfinite.value
     timeout = 7
     crashed = 8
     unfinished = 9
@@ -30,7 +22,7 @@ class Ending(IntEnum):
 
 
 SENTENCES: dict[IntEnum, str] = {
-    **{Ending(ended): sentence for ended, sentence in status.SENTENCES.items()},
+    **status.SENTENCES,
     Ending.timeout: (
         "The block took longer than case_timeout: raise it, and run the block again with `gfmd run --retry-failed`."
     ),

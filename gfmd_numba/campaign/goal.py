@@ -10,7 +10,7 @@ from pydantic_core import PydanticCustomError
 from gfmd_numba.campaign.limits import FixedExponents
 from gfmd_numba.contact import observables
 from gfmd_numba.scene import Document, Scene
-from gfmd_numba.scene.document import Location, nearest
+from gfmd_numba.scene.document import Location, nearest, plain_scalar
 from gfmd_numba.scene.quantities import RECORD, broken_rule
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import InputError, brief
@@ -80,7 +80,8 @@ def goal_of(until: object, budget: object = None) -> Goal:
     if budget is None:
         return Goal(targets=targets)
     try:
-        seconds = nan if isinstance(budget, bool) else float(cast(Any, TIME.read(budget)))
+        given = plain_scalar(budget) if isinstance(budget, str) else budget
+        seconds = nan if isinstance(given, bool) else float(cast(Any, TIME.read(given)))
     except (TypeError, ValueError, PydanticCustomError):
         seconds = nan
     if not 0.0 < seconds < inf:

@@ -145,9 +145,9 @@ def judge(known: Known, fitted: xr.Dataset) -> Judgement:
 def decide(known: Known, found: Judgement, target: float, most: float = inf, after_pilot: bool = True) -> Round | None:
     """Return the next round at the same levels, for a price of at most `most` in all; None if that allows no more.
 
-    The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. If a later
-    error is larger than predicted, the next may be so again, and the round makes up for it. Raises UnusableDataError
-    if no number of realisations reaches the target.
+    The error of a pilot is larger than predicted while several laws still fit; more surfaces cure that. A later round
+    aims below the target by the factor by which the sure error is above the one predicted for the same realisations.
+    Raises UnusableDataError if no number of realisations reaches the target.
     """
     spent = known.whole_price(known.held)
     limit = min(most, _GROWTH * spent)

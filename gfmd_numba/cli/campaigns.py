@@ -30,9 +30,6 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.run import Choice, Told, Watch
 
 
-_OF_A_GOAL = {"until": "--until", "budget": "--budget"}  # how arguments of Python are named on the command line
-
-
 @main.command()
 @arguments.file_argument
 @click.option("-o", "--output", type=click.Path(path_type=Path), help="Output directory [the name of the campaign]")
@@ -79,7 +76,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
         say("note", printable(note))
     try:
         if goal is not None:
-            with arguments.told_as(_OF_A_GOAL), rounds_shown() as (watched, told):
+            with rounds_shown("--until") as (watched, told):
                 outcome = run_until(file, goal, output, who, watched, choice, told)
             reached = show_results(outcome.results, outcome.failures) and outcome.reached
         else:
@@ -194,14 +191,14 @@ def goal_in(file: Path, until: dict[str, Any], budget: str | None, option: str) 
 
 
 @contextmanager
-def rounds_shown() -> Iterator[tuple[Watch, Told]]:
-    """Yield two functions that show the rounds of a run, each with its progress."""
+def rounds_shown(option: str) -> Iterator[tuple[Watch, Told]]:
+    """Yield two functions that show the rounds of a run, each with its progress; errors name the option of its goal."""
     caption = ["blocks"]
 
     def told(rounds: Rounds, planned: Plan, left: int) -> None:
         caption[0] = _tell(rounds, planned, left)
 
-    with progress_bar(lambda: caption[0]) as watch:
+    with arguments.told_as({"until": option, "budget": "--budget"}), progress_bar(lambda: caption[0]) as watch:
         yield watch, told
 
 

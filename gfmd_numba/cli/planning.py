@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
     from gfmd_numba.campaign.run import FirstDecision
-    from gfmd_numba.campaign.work_precision import Point
 
 
-_OF_A_TARGET = {"until": "--target", "budget": "--budget"}
 _OF_SOME = {
     "error of hysteresis": "hysteresis_error",
     "error of pull-off": "pull_off_pressure_error",
@@ -86,7 +84,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     well = True
     if goal is not None:
         try:
-            with arguments.told_as(_OF_A_TARGET), rounds_shown() as (watch, said_of_round):
+            with rounds_shown("--target") as (watch, said_of_round):
                 decided = first_decision(file, goal, Workers(workers), watch, said_of_round)
         except KeyboardInterrupt:
             warn("interrupted; a plan keeps no results")
@@ -252,22 +250,18 @@ def accuracy(file: Path, output: Path | None, realisations: int | None) -> None:
     write(results, dataset)
     write_picture(picture, lambda: plot_accuracy(dataset))
     for study, group in groupby(points, key=lambda point: point.study):
-        _show_study(study, list(group))
-
-
-def _show_study(study: str, points: list[Point]) -> None:
-    """Print what one setting costs, and how far off kappa is."""
-    settings = {"curve": [point.curve for point in points], "setting": [f"{point.setting:g}" for point in points]}
-    names = _ERRORS if points[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
-    found = {
-        heading: ["-" if isnan(value := getattr(point, name)) else f"{value:.2g}" for point in points]
-        for heading, name in names.items()
-        if name == "error" or not all(isnan(getattr(point, name)) for point in points)
-    }
-    found |= {
-        "processor time": [duration(point.seconds) for point in points],
-        "transforms": ["-" if isnan(point.transforms) else f"{point.transforms:.0f}" for point in points],
-    }
-    if any(point.failed for point in points):
-        found["failed"] = [str(point.failed) for point in points]
-    print_table(f"what accuracy costs: {study}", settings, found)
+        some = list(group)
+        settings = {"curve": [point.curve for point in some], "setting": [f"{point.setting:g}" for point in some]}
+        names = _ERRORS if some[0].variable == "kappa" else {"error of area": "error"} | _OF_SOME
+        found = {
+            heading: ["-" if isnan(value := getattr(point, name)) else f"{value:.2g}" for point in some]
+            for heading, name in names.items()
+            if name == "error" or not all(isnan(getattr(point, name)) for point in some)
+        }
+        found |= {
+            "processor time": [duration(point.seconds) for point in some],
+            "transforms": ["-" if isnan(point.transforms) else f"{point.transforms:.0f}" for point in some],
+        }
+        if any(point.failed for point in some):
+            found["failed"] = [str(point.failed) for point in some]
+        print_table(f"what accuracy costs: {study}", settings, found)

@@ -115,6 +115,7 @@ _MEASURES = {  # of a solved contact: words, and the unit of a contact without u
     "flow": ("flow", ""),
     "conductance": ("conductance", "1/L_x"),
     "resistance": ("resistance", ""),
+    "resistance_times_width": ("resistance times width", ""),
 }
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),

@@ -13,7 +13,7 @@ from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.boundary_values import BoundarySolution
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
-from gfmd_numba.contact.load_path import PathRecord, recorded_of
+from gfmd_numba.contact.load_path import PathRecord
 from gfmd_numba.contact.observables import (
     OBSERVABLES,
     OF_PUNCH,
@@ -45,7 +45,6 @@ from gfmd_numba.scene.quantities import (
     RMS_GRADIENT_TARGET,
 )
 from gfmd_numba.solvers import status
-from gfmd_numba.solvers.status import Status
 
 CONVENTIONS = "CF-1.11"
 # attributes of x, which tell a whole period from a part of one, and a window that has no period
@@ -58,8 +57,6 @@ INDICES = {
 
 
 Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
-_SUMMED = "sum of the heights of both surfaces, peaks towards each other"
-_TOGETHER = "normal displacements of both bodies together, positive towards each other"
 _TOLD = {
     "residual": "largest unbalanced traction over the largest traction",
     "n_transforms": "fast Fourier transforms of the surface",
@@ -97,19 +94,15 @@ class Units:
         )
 
     def variable(
-        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike
+        self, dims: Hashable | Sequence[Hashable], kind: str, long_name: str, values: npt.ArrayLike, name: str = ""
     ) -> tuple[Hashable | Sequence[Hashable], npt.NDArray[Any], dict[str, Any]]:
-        """Variable of a dataset, in the unit of its file."""
-        return dims, scaled(np.asarray(values), self.worth[kind]), cf_attributes(long_name, self.names[kind])
+        """Variable of a dataset, in the unit of its file; an observable is described by its name, too."""
+        attributes = measure_attributes(name, self.names[kind], long_name)
+        return dims, scaled(np.asarray(values), self.worth[kind]), attributes
 
     def variables(self, dims: Sequence[Hashable], described: Iterable[Described]) -> dict[str, Any]:
         """Variables of the same dims by name."""
         return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
-
-    def measure(self, name: str, row: Observable, value: npt.ArrayLike) -> tuple[Any, npt.NDArray[Any], dict[str, Any]]:
-        """Variable without dims of an observable."""
-        attributes = measure_attributes(name, self.names[row.unit], row.long_name)
-        return (), scaled(np.asarray(value), self.worth[row.unit]), attributes
 
     def positions(
         self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
@@ -143,7 +136,7 @@ def modulus_attributes(scene: Scene) -> dict[str, str]:
 
 def load_attributes(scene: Scene) -> dict[str, dict[str, Any]]:
     """CF attributes of what a loading prescribes, by the name of its coordinate."""
-    height = Units.of(scene).names["height"]
+    height = "m" if scene.length else "1"
     return {
         "reduced_pressure": cf_attributes(REDUCED_PRESSURE),
         "prescribed_pressure": cf_attributes(MEAN_PRESSURE, "Pa"),
@@ -181,8 +174,7 @@ def measure_attributes(name: str, unit: str, long_name: str) -> dict[str, Any]:
 
 def refuse_nonfinite(dataset: xr.Dataset) -> None:
     """Change a status that is ok where a result of one run, in its units, is not finite."""
-    results = {str(name): variable.values for name, variable in dataset.data_vars.items()}
-    dataset["status"].values = finite_status(results)
+    dataset["status"].values = finite_status({str(name): dataset.variables[name].values for name in dataset.data_vars})
 
 
 def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
@@ -235,14 +227,13 @@ def path_dataset(
     if file.scene.interface.reaches_across:
         resolution = law_resolution.resolution(problem)
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
+    warned = path_warnings(given, problem, dataset)
     dataset.attrs |= {
         "scene": file.model_dump_json(),
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
-        "validity": "\n".join(
-            filter(None, (*implausible(file.scene, file.path), path_warnings(given, problem, dataset)))
-        ),
+        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), warned))),
     }
     return dataset
 
@@ -255,7 +246,7 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
     record, steps = PathRecord(), []
     for at_load, contact in zip(problem.at_each_load, solved, strict=False):
         steps.append(step_dataset(given, at_load, contact))
-        is_ok = bool(steps[-1]["status"] == Status.ok)
+        is_ok = bool(steps[-1]["status"] == status.Status.ok)
         if given.file.path:
             record.add(at_load, contact, is_ok)
         if contact.followed is not None:
@@ -267,15 +258,16 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    step = contact_dataset(given, problem, solved.in_plane)
-    if isinstance(solved, RoughContact) and given.surfaces.bodies is not None:
-        _add_bodies(step, given, given.surfaces.bodies, problem, solved)
-    elif given.surfaces.bodies is not None:  # of rough bodies that creep, at order 0
-        for variable in step.values():
-            variable.attrs["long_name"] = variable.attrs["long_name"].replace(OF_PUNCH, OF_SUM)
-        step["height"].attrs["long_name"] = _SUMMED
-        if len(given.surfaces.bodies) > 1:
-            step["displacement"].attrs["long_name"] = _TOGETHER
+    step, bodies = contact_dataset(given, problem, solved.in_plane), given.surfaces.bodies
+    if bodies is not None:
+        for name in OBSERVABLES.keys() & step.keys():
+            step[name].attrs["long_name"] = OBSERVABLES[name].long_name.replace(OF_PUNCH, OF_SUM)
+        step["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
+        if isinstance(solved, RoughContact):
+            _add_bodies(step, given, bodies, problem, solved)
+        elif len(bodies) > 1:  # that creep, at order 0
+            together = "normal displacements of both bodies together, positive towards each other"
+            step["displacement"].attrs["long_name"] = together
     return step
 
 
@@ -288,8 +280,9 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
     coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
-    rows = recorded_of(problem)  # measured before fields are copied, as both take memory
-    measures = {name: unit.measure(name, rows[name], values[0]) for name, values in measure(contact).items()}
+    # measured before fields are copied, as both take memory
+    rows = ((name, OBSERVABLES[name], values[0]) for name, values in measure(contact).items())
+    measures = {name: unit.variable((), row.unit, row.long_name, value, name) for name, row, value in rows}
     variables: dict[str, Any] = unit.variables(dims, _fields_of(given, problem, contact))
     if problem.plasticity is not None:
         variables |= _inside(contact, unit, dims)
@@ -360,7 +353,6 @@ def _add_bodies(
     found: xr.Dataset, given: ContactInput, bodies: tuple[RoughBody, ...], problem: Problem, solved: RoughContact
 ) -> None:
     """Add heights and displacements `[(y,) x]` of each body, of profiles forming tractions, and the next order."""
-    found["height"].attrs["long_name"] = _SUMMED
     dims, pairing = found["height"].dims, solved.correction.pairing
     assert problem.rough is not None  # as its bodies are
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
@@ -477,11 +469,11 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
             found.setdefault(PRESCRIBED.get(name, name), []).append(value)
     if (given.file.scene.creeps and given.file.scene.loading.speed is None) or given.file.scene.has_slip_rates:
         found["time"] = times_of(scene for scene, _ in given.steps)
-    if not given.file.path:
-        found = {name: values for name, values in found.items() if name not in SLIDING}
-        return dataset.assign_coords({name: ((), values[0], attributes[name]) for name, values in found.items()})
-    n = dataset.sizes["step"]
-    return dataset.assign_coords({name: ("step", values[:n], attributes[name]) for name, values in found.items()})
+    dims, some = ("step", slice(dataset.sizes["step"])) if given.file.path else ((), 0)
+    named = found if given.file.path else found.keys() - set(SLIDING)
+    return dataset.assign_coords(
+        {name: (dims, values[some], attributes[name]) for name, values in found.items() if name in named}
+    )
 
 
 def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
@@ -507,8 +499,8 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
         found["next_order"] = unit.variable((), row.unit, row.long_name, solved.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
         row, value = OBSERVABLES[name], getattr(deformed, name)
-        told = replace(row, long_name=_TOLD.get(name, row.long_name))
-        found[name] = unit.measure(name, told, np.int8(value) if name == "status" else value)
+        value = np.int8(value) if name == "status" else value
+        found[name] = unit.variable((), row.unit, _TOLD.get(name, row.long_name), value, name)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
     attributes |= {"solver": solved.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)

@@ -46,7 +46,7 @@ class Input:
     file: SceneFile
     measured: tuple[MeasuredSurface, ...]
 
-    @property
+    @cached_property
     def scales(self) -> Scales:
         """What its numbers count in, and its bodies in these units."""
         return scales_of(self.file.scene)
@@ -162,7 +162,7 @@ def check_loads(at_loads: Iterable[tuple[Location, Scene]], surfaces: FacingSurf
     """
     for place, scene in at_loads:
         try:
-            reduced_load(scene, surfaces.rms_gradient)
+            reduced_load(scene, scales_of(scene), surfaces.rms_gradient)
         except ValueError as error:
             if wrong := mistaken(scene):
                 told = f"what goes with the load, in a unit: {wrong[1]}"

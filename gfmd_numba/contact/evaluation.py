@@ -1,9 +1,9 @@
 """What the observables of the table are, functions of a contact: where it touches, and what follows from that."""
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import cache
+from functools import cache, wraps
 from pkgutil import resolve_name
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -12,15 +12,39 @@ from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
-from gfmd_numba.contact.state import Contact, once
+from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.status import Status
 
+Found = TypeVar("Found")
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
+
+
+def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
+    """Compute a function of a contact once, and keep what it has found with the contact; nobody changes that."""
+
+    @wraps(function)
+    def found(contact: Contact) -> Found:
+        if function not in contact.found:
+            contact.found[function] = function(contact)
+        known: Found = contact.found[function]
+        return known
+
+    return found
+
+
+def of_profiles(function: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
+    """The same of profiles; of maps it is not known, and not-a-number `[realisation]`."""
+
+    @wraps(function)
+    def found(contact: Contact) -> Reals:
+        return function(contact) if contact.heights.ndim == 2 else np.full(len(contact.heights), np.nan)
+
+    return found
 
 
 def touching(contact: Contact) -> npt.NDArray[np.bool_]:
@@ -132,13 +156,12 @@ def contact_area_fraction(contact: Contact) -> Reals:
     return np.asarray(mean_of_nodes(filled(contact)) - excess / contact.heights[0].size)
 
 
+@of_profiles
 def contact_area_fraction_error(contact: Contact) -> Reals:
-    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing; nan of maps.
+    """Standard deviation of the corrected contact length over L_x: edges lie anywhere within a spacing.
 
     On thin bodies also their mean position is uncertain, where stretches are short.
     """
-    if contact.heights.ndim > 2:
-        return np.full(len(contact.heights), np.nan)
     (ends,), nodes = perimeter(contact), touching(contact).sum(axis=1)
     of_mean = edge(contact).short * ends * n_segments(contact) / np.maximum(nodes, 1)
     return np.asarray(np.sqrt((ends + _above_flow(contact)) / 12.0 + of_mean**2) / contact.heights.shape[1])
@@ -148,23 +171,19 @@ def contact_area_fraction_error(contact: Contact) -> Reals:
 def located_length(contact: Contact) -> tuple[Reals, Reals]:
     """Contact length over L_x with edges where the pressures at their two last nodes put them, and its deviation.
 
-    The standard deviation is that of stretches too short to tell `[realisation]`. Both are not-a-number on maps.
+    Of profiles. The standard deviation is that of stretches too short to tell `[realisation]`.
     """
-    found = contact.equilibrium
-    if contact.heights.ndim > 2:
-        return np.full(len(contact.heights), np.nan), np.full(len(contact.heights), np.nan)
-    ends = any(contact.ends)
+    found, ends = contact.equilibrium, any(contact.ends)
     length, unknown = area_correction.contact_length(
         found.pressure, found.touching, edge(contact), elastic_nodes(contact), filled(contact), ends
     )
     return length, np.hypot(unknown, np.sqrt(_above_flow(contact) / 12.0) / found.touching.shape[1])
 
 
+@of_profiles
 def mean_segment_length(contact: Contact) -> Reals:
-    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1, that of maps nan."""
+    """Mean length of a stretch of contact over L_x `[realisation]`; that of full contact is 1."""
     area, segments = contact_area_fraction(contact), n_segments(contact)
-    if contact.heights.ndim > 2:
-        return np.full(len(area), np.nan)
     return np.asarray(np.where(area == 1.0, 1.0, area / segments))
 
 
@@ -296,8 +315,8 @@ def _over_pressure(product: Callable[[Contact], Reals]) -> Callable[[Contact], R
 kappa = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient(contact))
 kappa_counted = _over_pressure(lambda contact: contact_area_fraction_counted(contact) * rms_gradient(contact))
 kappa_r = _over_pressure(lambda contact: contact_area_fraction(contact) * rms_gradient_contact(contact))
-kappa_edges = _over_pressure(lambda contact: located_length(contact)[0] * rms_gradient(contact))
-kappa_edges_error = _over_pressure(lambda contact: located_length(contact)[1] * rms_gradient(contact))
+kappa_edges = of_profiles(_over_pressure(lambda contact: located_length(contact)[0] * rms_gradient(contact)))
+kappa_edges_error = of_profiles(_over_pressure(lambda contact: located_length(contact)[1] * rms_gradient(contact)))
 
 
 def approach(contact: Contact) -> Reals:

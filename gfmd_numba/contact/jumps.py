@@ -124,7 +124,7 @@ def stability(problem: Problem, contact: Contact) -> float | None:
     if not any(ends):
         stiffness = solution.condensed_stiffness(problem, grid.magnitudes(shape))
     else:  # the law acts in the window alone
-        stiffness = solution.free_response(problem).normal.copy()
+        stiffness = solution.response_of(problem).normal.copy()
         apart = free_window.in_corner(apart, np.full((1,) * apart.ndim, free_window.reach(law)), ends)
         touching = free_window.in_corner(touching, np.zeros((1,) * apart.ndim, dtype=np.bool_), ends)
     if problem.mean_pressure is not None or not np.isfinite(stiffness.flat[0]):

@@ -87,18 +87,15 @@ class PathRecord:
             for values in (*self.steps.values(), self._certain):
                 values.append(nan)
             return
-        before, self._balance = self._balance, Balance.of(problem, contact)
-        lost = 0.0 if before is None else self._balance.lost(before)
-        if contact.followed is not None:
-            lost = contact.followed.lost
+        followed, before, self._balance = contact.followed, self._balance, Balance.of(problem, contact)
+        lost, yielded = 0.0 if before is None else self._balance.lost(before), float(plastic_work(contact)[0])
+        if followed is not None:
+            lost, yielded = followed.lost, followed.yielded
         elif (springs := contact.memory.get("springs")) is not None:
             lost, self._dissipated = float(springs.dissipated[0]) - self._dissipated, float(springs.dissipated[0])
         elif problem.interface.hardness is not None:
-            lost = float(plastic_work(contact)[0])  # also of the first step, which finds the punch as it was made
-        jumps = contact.followed is not None and not isnan(contact.followed.jump_at)
-        yielded = 0.0 if problem.interface.hardness is None else float(plastic_work(contact)[0])
-        if contact.followed is not None:
-            yielded = contact.followed.yielded
+            lost = yielded  # also of the first step, which finds the punch as it was made
+        jumps = followed is not None and not isnan(followed.jump_at)
         self._certain.append(max(lost, 0.0) if jumps or problem.relaxation is not None else yielded)
         self.steps["mean_tangential_traction"].append(float(self._balance.traction[0]))
         self.steps["mean_tangential_traction_y"].append(float(self._balance.traction[-1]))

@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.state import Change, Contact, LoadStep, State, once
+from gfmd_numba.contact.evaluation import once
+from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.fields import von_mises
 
@@ -43,7 +44,7 @@ class Flow:
 
 
 @dataclass(frozen=True)
-class PlasticFlow:
+class PlasticFlow(Process):
     """The process: it remembers the flow, which `plastic_flow.follow` has found."""
 
     name: ClassVar[str] = NAME
@@ -56,11 +57,6 @@ class PlasticFlow:
         """The surface has moved by what has flowed."""
         flow: Flow | None = state.memory[NAME]
         return Change(out=None if flow is None else flow.out)
-
-    def advance(self, state: State, solved: Contact, step: LoadStep) -> Flow | None:
-        """The flow that the contact was found with."""
-        flow: Flow | None = state.memory[NAME]
-        return flow
 
 
 def flow_of(contact: Contact) -> Flow:

@@ -33,16 +33,8 @@ _PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text
 
 
 @dataclass(frozen=True)
-class CounterBody:
-    """A second deformable body in place of the rigid punch; `share` is its part of the compliance 1/E*, E*/E_2*."""
-
-    body: ElasticBody
-    share: float
-
-
-@dataclass(frozen=True)
 class DeformableBody:
-    """One of the bodies between which topographies are followed, in its own E*.
+    """One of the bodies of a contact, in its own E*: a counter body, or one whose topography is followed.
 
     `share` is its part E*/E_i* of the compliance 1/E*, `part` counts the summed surface that is its own, None: flat.
     `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
@@ -50,8 +42,8 @@ class DeformableBody:
 
     elastic: ElasticBody
     share: float
-    part: int | None
-    side: int
+    part: int | None = None
+    side: int = 1
 
 
 @dataclass(frozen=True)
@@ -105,7 +97,7 @@ class Problem:
     displacement: float | None
     numerics: Options
     tractions: Tractions | None = None
-    counter: CounterBody | None = None
+    counter: DeformableBody | None = None
     path: tuple[LoadStep, ...] = ()
     rough: RoughBodies | None = None
     processes: tuple[Process, ...] = ()

@@ -34,7 +34,7 @@ class Dents:
 
 
 @dataclass(frozen=True)
-class Deflection:
+class Deflection(Process):
     """Displacement of the body by prescribed tractions, which the punch then meets undeformed, as the body is linear.
 
     It remembers that displacement `[component, (y,) x]`, the normal one last, which no step changes.
@@ -57,11 +57,6 @@ class Deflection:
         """Displacements count from the deflected surface."""
         *along, out = state.memory[self.name]
         return Change(out=out[np.newaxis], along=np.asarray(along)[np.newaxis])
-
-    def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
-        """Tractions stay."""
-        moved: Reals = state.memory[self.name]
-        return moved
 
 
 @dataclass(frozen=True)

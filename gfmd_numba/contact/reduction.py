@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.contact.problem import CounterBody, Effect, Problem, Tractions
+from gfmd_numba.contact.problem import DeformableBody, Effect, Problem, Tractions
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.contact.scales import plasticity, reduced_step, scales_of, steps_of
 from gfmd_numba.elasticity import free_body, moduli
@@ -45,9 +45,9 @@ def reduce(
     carry.
     """
     rms_gradient, rough, scales = surfaces.rms_gradient, surfaces.rough, scales_of(scene)
-    first, *steps = (reduced_step(*step, rms_gradient) for step in steps_of(scene, path))
+    first, *steps = (reduced_step(*step, scales, rms_gradient) for step in steps_of(scene, path))
     displacement, pressure = (None, first.load) if scene.loading.displacement is None else (first.load, None)
-    facing = None if scene.counter_body is None else CounterBody(scales.bodies[1], scales.shares[1])
+    facing = None if scene.counter_body is None else DeformableBody(scales.bodies[1], scales.shares[1])
     may_slip = surfaces.order > 0 or any(scene.ends)  # as inclined surfaces do, and punches that drag a free body
     length, stress = rms_gradient * scales.length, rms_gradient * scales.modulus
     acting = in_reduced_units(scene.interface, length, stress, scales.time)
@@ -84,7 +84,7 @@ def reduce(
         relaxation=scales.relaxation,
         time_tolerance=numerics.time_tolerance or TIME_TOLERANCE if scene.creeps or acting.wear else None,
         wear_rate=None if acting.wear is None else acting.wear.rate,
-        plasticity=plasticity(scene, rms_gradient),
+        plasticity=plasticity(scene, scales, rms_gradient),
         passing=rounded(rms_gradient) if passes else None,
     )
     effects = interactions + _slow_effects(scene)
@@ -92,14 +92,14 @@ def reduce(
 
 
 def _counter_body(
-    facing: CounterBody | None, interface: Interactions, mean_matters: bool, tolerance: float
-) -> tuple[CounterBody | None, tuple[Effect, ...]]:
+    facing: DeformableBody | None, interface: Interactions, mean_matters: bool, tolerance: float
+) -> tuple[DeformableBody | None, tuple[Effect, ...]]:
     """Counter body, None without one, and what of its elasticity is dropped."""
     if facing is None:
         return None, ()
-    body, effects = _body(facing.body, interface, mean_matters, False, tolerance)
+    body, effects = _body(facing.elastic, interface, mean_matters, False, tolerance)
     dropped = (effect for effect in effects if effect.state == "dropped")
-    return CounterBody(body, facing.share), tuple(
+    return DeformableBody(body, facing.share), tuple(
         replace(effect, name=f"{effect.name}, of the counter_body") for effect in dropped
     )
 
@@ -173,7 +173,7 @@ def _below(effect: float, tolerance: float) -> str:
 
 @lru_cache(maxsize=4096)
 def _interface(
-    asked: Interface, body: ElasticBody, counter: CounterBody | None, may_slip: bool, units: tuple[float, float]
+    asked: Interface, body: ElasticBody, counter: DeformableBody | None, may_slip: bool, units: tuple[float, float]
 ) -> tuple[Interactions, tuple[Effect, ...]]:
     interactions = Interactions.of(asked, units)
     effects = {name: _as_asked(law.title, getattr(asked, name)) for name, law in LAWS.items()}
@@ -186,14 +186,14 @@ def _interface(
     return interactions, tuple(effects.values())
 
 
-def _why_nothing_slips(body: ElasticBody, counter: CounterBody | None) -> str:
+def _why_nothing_slips(body: ElasticBody, counter: DeformableBody | None) -> str:
     """Return why no load makes the surfaces slip; nothing if one may."""
-    bodies = (body,) if counter is None else (body, counter.body)
+    bodies = (body,) if counter is None else (body, counter.elastic)
     if any(each.aspect_ratio is not None or each.poissons_ratio is None for each in bodies):
         return ""
     if counter is None:
         return "an incompressible half-space has no tangential displacement under normal load" if body.nu == 0.5 else ""
-    if abs(moduli.dundurs_beta(body.nu, counter.body.nu, counter.share)) > _NO_MISMATCH:
+    if abs(moduli.dundurs_beta(body.nu, counter.elastic.nu, counter.share)) > _NO_MISMATCH:
         return ""
     return "two half-spaces whose Dundurs' beta is 0 give way alike along the surface under normal load"
 

@@ -43,17 +43,11 @@ _WIDER_THAN_A_PATCH = 2  # periods of a random patch over its length, so that it
 _ROUNDING = 1e-12  # of the largest height, below which a sum of heights is rounding
 
 
-@dataclass(frozen=True)
-class RoughBody:
-    """A deformable body, its stress-free topography `[(y,) x]` of zero mean in L_x, and its part E*/E_i* of 1/E*.
+@dataclass(frozen=True, kw_only=True)
+class RoughBody(DeformableBody):
+    """A deformable body and its stress-free topography `[(y,) x]` of zero mean in L_x."""
 
-    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
-    """
-
-    elastic: ElasticBody
     heights: Reals
-    share: float
-    side: int = 1
 
 
 @dataclass(frozen=True)
@@ -335,7 +329,7 @@ def rough_body(body: DeformableBody, drawn: Sequence[Reals], order: int) -> Roug
     if allowed := allowed_topography(heights, body.elastic, order):
         span = f"from {heights.min():.3g} to {heights.max():.3g} L_x"
         raise ValueError(f"a topography {span} in place of {allowed}")
-    return RoughBody(body.elastic, heights, body.share, body.side)
+    return RoughBody(**vars(body), heights=heights)
 
 
 def allowed_topography(heights: Reals, body: ElasticBody, order: int) -> str:

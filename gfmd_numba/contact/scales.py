@@ -89,10 +89,10 @@ def scales_of(scene: Scene) -> Scales:
 @lru_cache(maxsize=4096)
 def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
     time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
+    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
     moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
     modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
     shares = tuple(rounded(modulus / each) for each in moduli_of)
-    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
     branches = [body.relaxation or () for body in own]
     series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
     if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
@@ -105,11 +105,10 @@ def times_of(steps: Iterable[Scene]) -> list[float]:
     return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
-def plasticity(scene: Scene, rms_gradient: float) -> Plasticity | None:
+def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> Plasticity | None:
     """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
     if scene.body.plasticity is None:
         return None
-    scales = scales_of(scene)
     given, voce = in_reduced_units(scene.body.plasticity, scales.length, rms_gradient * scales.modulus), {}
     if given.saturation_stress is not None and given.saturation_strain is not None:
         rise, strain = given.saturation_stress - given.yield_stress, rounded(given.saturation_strain / rms_gradient)
@@ -132,44 +131,36 @@ def whole_body_yields(body: Body) -> float:
 Sliding = tuple[float, ...]  # of the punch along x, of a map also along y
 
 
-def reduced_load(scene: Scene, rms_gradient: float) -> float:
+def reduced_load(scene: Scene, scales: Scales, rms_gradient: float) -> float:
     """What the loading of a scene prescribes, a displacement (g L_x) or the mean pressure (g E*).
 
     A line load acts on the length L_x, a force on the area L_x^2. Raises ValueError for a load beyond all measure for
     the gradient and the contact modulus, or one that a hardness cannot bear.
     """
-    loading, scales = scene.loading, scales_of(scene)
+    loading, acting = scene.loading, scene.interface
+    bounds = (whole_body_yields(scene.body), _YIELDS), (plastic_pressure(acting), at_most(acting))
     if loading.displacement is not None:
-        return reduced_length(loading.displacement, scene, rms_gradient)
-    one, whole, plastic = (
-        rms_gradient * scales.modulus,
-        whole_body_yields(scene.body),
-        plastic_pressure(scene.interface),
-    )
+        return rounded(loading.displacement / (scales.length * rms_gradient))
     load, quantity = getattr(loading, loading.control), quantities(type(loading)).get(loading.control)
     unit = 1.0 if quantity is None else quantity.scale(scales.length, scales.modulus) * rms_gradient
     found, one = load / unit, rms_gradient * scales.modulus
     if not SMALLEST <= found <= LARGEST:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
-    for most, told in ((whole, _YIELDS), (plastic, at_most(scene.interface))):
+    for most, told in bounds:
         if most is not None and found >= most / one:
             raise ValueError(f"below {in_unit_of(load, most / one * unit)}, at which {told}")
     return rounded(found)
 
 
-def reduced_length(length: float, scene: Scene, rms_gradient: float) -> float:
-    """Displacement of the punch (m or L_x of the scene) in g L_x."""
-    return rounded(length / ((scene.length or 1.0) * rms_gradient))
-
-
-def reduced_step(scene: Scene, sliding: Sliding, rms_gradient: float) -> LoadStep:
+def reduced_step(scene: Scene, sliding: Sliding, scales: Scales, rms_gradient: float) -> LoadStep:
     """Step of a path that ends with the loading of a scene, and a tangential displacement of its punch (m or L_x).
 
     Durations count in the longest relaxation time, speeds in L_x over that. Raises ValueError as `reduced_load` does.
     """
-    ways, time = tuple(reduced_length(way, scene, rms_gradient) for way in sliding), scales_of(scene).time
-    duration, speed = (scene.loading.duration or 0.0) / time, (scene.loading.speed or 0.0) / (scene.length or 1.0)
-    return LoadStep(reduced_load(scene, rms_gradient), ways, rounded(duration), rounded(speed * time))
+    loading, load = scene.loading, reduced_load(scene, scales, rms_gradient)
+    ways = tuple(rounded(way / (scales.length * rms_gradient)) for way in sliding)
+    speed = rounded((loading.speed or 0.0) / scales.length * scales.time)
+    return LoadStep(load, ways, rounded((loading.duration or 0.0) / scales.time), speed)
 
 
 def steps_of(scene: Scene, path: Iterable[Step]) -> Iterator[tuple[Scene, Sliding]]:

@@ -27,7 +27,9 @@ def begin(problem: Problem, realisations: range) -> State:
     surface, processes = problem.surface, processes_of(problem)
     if isinstance(surface, SummedSurface):
         heights = np.stack([np.sum(surface.drawn(each), axis=0) for each in realisations]) / surface.rms_gradient
-        return State.untouched(heights, processes, surface.form, problem.passing, _moved(problem, surface))
+        return State.untouched(
+            heights, processes, form=surface.form, passing=problem.passing, moved=_moved(problem, surface)
+        )
     heights = surface.heights[np.newaxis] if isinstance(surface, GivenSurface) else surface.heights(realisations)
     return State.untouched(heights, processes, passing=problem.passing)
 
@@ -66,7 +68,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
-        equilibrium = equilibrate(punch, change.felt(_response(problem)), load, problem.numerics, laws, start, slid)
+        equilibrium = equilibrate(punch, change.felt(response_of(problem)), load, problem.numerics, laws, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
@@ -85,12 +87,16 @@ def solve(problem: Problem, state: State | range) -> Contact:
 
 
 def _without_period(
-    problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
+    problem: Problem,
+    state: State,
+    punch: Reals,
+    load: float | None,
+    start: Start | None,
+    slid: Reals,
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
-    shape, change = punch.shape[1:], state.change(problem.step)
-    laws = problem.interface.lasting(problem.duration)
-    response = change.felt(free_response(problem))
+    laws, change = problem.interface.lasting(problem.duration), state.change(problem.step)
+    response = change.felt(response_of(problem))
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
@@ -104,7 +110,7 @@ def _without_period(
             break
     found.status[touching & (found.status == Status.ok)] = Status.no_equilibrium
     if load is None:
-        return found, np.zeros((len(punch), *(1 for _ in shape)))
+        return found, np.zeros((len(punch), *(1 for _ in punch.shape[1:])))
     sunk = free_window.sunk_in(found, response, problem.ends)
     return replace(found, displacement=found.displacement - sunk), sunk
 
@@ -132,22 +138,16 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     return Start(displacement, moved, -tangential.slip)
 
 
-def _response(problem: Problem) -> SpectralResponse:
-    """Of all that deforms: of the normal displacement alone, or of all."""
-    shape, counter = problem.surface.shape, problem.counter
-    if not problem.interface.couples:
-        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
-    own = problem.body.response(shape)
-    return own if counter is None else own.in_series(counter.body.response(shape), counter.share)
-
-
-def free_response(problem: Problem) -> SpectralResponse:
-    """The same around a window, on its padded grid."""
+def response_of(problem: Problem) -> SpectralResponse:
+    """Of all that deforms: of the normal displacement alone, or of all; around a window, on its padded grid."""
     shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
-    own = free_body.response(shape, problem.body, ends, couples)
-    return (
-        own if counter is None else own.in_series(free_body.response(shape, counter.body, ends, couples), counter.share)
+    if not couples and not any(ends):
+        return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))
+    own, *other = (
+        free_body.response(shape, body, ends, couples) if any(ends) else body.response(shape)
+        for body in (problem.body, *(() if counter is None else (counter.elastic,)))
     )
+    return own if counter is None else own.in_series(other[0], counter.share)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
@@ -155,5 +155,5 @@ def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
     own = problem.body.condensed_stiffness(q)
     if problem.counter is None:
         return own
-    other = problem.counter.body.condensed_stiffness(q)
+    other = problem.counter.elastic.condensed_stiffness(q)
     return stiffness.in_series(own, other, problem.counter.share)

@@ -6,9 +6,9 @@ each begins in the state that the last one has left. Lengths are in g L_x, stres
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property, wraps
+from functools import cached_property
 from math import dist, prod
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import Equilibrium
 
-Found = TypeVar("Found")
 Tell = Callable[[float], None]  # told how many more steps are done
 _COSTS = ("n_iterations", "n_transforms", "wall_time")
 
@@ -111,8 +110,8 @@ class Process(Protocol):
         ...
 
     def advance(self, state: "State", solved: "Contact", step: LoadStep) -> Any:
-        """What it remembers after a step that began in a state, and has led to a contact."""
-        ...
+        """What it remembers after a step that began in a state, and has led to a contact: as a rule the same."""
+        return state.memory[self.name]
 
 
 @dataclass(frozen=True)
@@ -135,17 +134,10 @@ class State:
     moved: Callable[[tuple[float, ...]], Reals] | None = None
 
     @classmethod
-    def untouched(
-        cls,
-        heights: Reals,
-        processes: tuple[Process, ...],
-        form: Reals | None = None,
-        passing: float | None = None,
-        moved: Callable[[tuple[float, ...]], Reals] | None = None,
-    ) -> "State":
-        """State of surfaces before the first step."""
+    def untouched(cls, heights: Reals, processes: tuple[Process, ...], **known: Any) -> "State":
+        """State of surfaces before the first step; its other fields may be known."""
         memory = {each.name: each.begin(heights.shape) for each in processes}
-        return cls(heights, processes, memory, form=form, passing=passing, moved=moved)
+        return cls(heights, processes, memory, **known)
 
     def facing(self, heights: Reals, step: LoadStep) -> Reals:
         """Heights `[..., (y,) x]` of the punch over the nodes of the body at the end of a step."""
@@ -294,16 +286,3 @@ def relative_difference(coarse: Reals, fine: Reals, least: float = 0.0) -> float
     """Mean difference of two fields over the mean of the finer one, or over a `least` sum of it if that is larger."""
     scale = max(float(abs(fine).sum()), least)
     return float(abs(coarse - fine).sum()) / scale if scale > 0.0 else 0.0
-
-
-def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
-    """Compute a function of a contact once, and keep what it has found with the contact; nobody changes that."""
-
-    @wraps(function)
-    def found(contact: Contact) -> Found:
-        if function not in contact.found:
-            contact.found[function] = function(contact)
-        known: Found = contact.found[function]
-        return known
-
-    return found

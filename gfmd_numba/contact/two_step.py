@@ -65,7 +65,7 @@ def begin(problem: Problem, realisation: int) -> State:
     punch = np.sum(rigid, axis=0) if rigid else None
     together, gradient = given_surface(np.sum(drawn, axis=0), problem.surface.rms_gradient)
     slopes = Slopes(problem, bodies, gradient, order, punch)
-    return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes), problem.surface.form)
+    return State.untouched(together.heights[np.newaxis], (*processes_of(problem), slopes), form=problem.surface.form)
 
 
 def solve(problem: Problem, state: State) -> RoughContact:

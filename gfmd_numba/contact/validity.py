@@ -50,10 +50,9 @@ Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are t
 
 
 def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
-    """Return the warnings about the steps of a path, one sentence a line; those of some steps begin with these."""
+    """Return the warnings about the steps of a path, one sentence a line, and behind it the steps that have it."""
     bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
     own = (
-        _coarse_times,
         _coarse_flow,
         _beyond_small_strains,
         _outside_branches,
@@ -65,6 +64,7 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     )
     each: list[Callable[[xr.Dataset], str]] = [
         lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
+        lambda steps: coarse_times(given.file.numerics, _arrays(steps)),
         *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
         lambda steps: at_the_edge(_arrays(steps)),
         lambda steps: past_asperities(_arrays(steps)),
@@ -79,13 +79,13 @@ def _arrays(dataset: xr.Dataset) -> Found:
 
 
 def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int) -> Iterator[str]:
-    """Yield the sentences of a reason, which are those of the worst step, behind the steps that have it."""
+    """Yield the sentences of a reason, which are those of the worst step, and behind each the steps that have it."""
     said = reason(dataset).splitlines()
     steps = range(dataset.sizes.get("step", 0) if said else 0)
     by_step = [{wording(line) for line in reason(dataset.isel(step=i)).splitlines()} for i in steps]
     for line in said:
         where = steps_told([wording(line) in lines for lines in by_step], last)
-        yield f"in {where}: {line}" if where else line
+        yield f"{line} (in {where})" if where else line
 
 
 def wording(line: str) -> str:
@@ -137,7 +137,6 @@ def _copies(given: ContactInput) -> int:
 
 
 def _mirrored_load(given: ContactInput) -> str:
-    """Return a warning about a force or a line load, which acts on a mirrored period, nothing for others."""
     scene = given.file.scene
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
     if scene.length is None or unit is None or _copies(given) == 1 or scene.form is not None:
@@ -155,7 +154,6 @@ def _mirrored_load(given: ContactInput) -> str:
 
 
 def _few_contacts(given: ContactInput, found: Found) -> str:
-    """Return a warning about a measured surface of which few asperities touch, nothing for others."""
     scene, counts = given.file.scene, found["n_segments"]
     designs = [is_design(surface.heights) for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
@@ -167,10 +165,6 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
         f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
         "conductance and leakage would differ by tens of per cent, so measure a larger one, or several"
     )
-
-
-def _coarse_times(given: ContactInput, found: Found) -> str:
-    return coarse_times(given.file.numerics, found)
 
 
 def coarse_times(numerics: Numerics, found: Found) -> str:
@@ -186,7 +180,6 @@ def coarse_times(numerics: Numerics, found: Found) -> str:
 
 
 def _coarse_steps(given: ContactInput, found: Found) -> str:
-    """Return a warning about a path that seems to lose energy where nothing jumps, nothing for others."""
     laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
     if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
@@ -206,7 +199,6 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
 
 
 def _coarse_flow(given: ContactInput, found: Found) -> str:
-    """Return warnings about plastic flow that leaves its layer, or that the layer does not resolve."""
     if "equivalent_plastic_strain" not in found:
         return ""
     flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
@@ -240,7 +232,6 @@ def coarse_flow(found: Found) -> list[str]:
 
 
 def _short_stretches(problem: Problem, found: Found) -> str:
-    """Return a warning about contacts of few nodes on a thin body, whose edges are not known; else nothing."""
     shape = problem.surface.shape
     short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
     across = _mean_width(found, shape)
@@ -465,7 +456,6 @@ def past_asperities(found: Found) -> str:
 
 
 def _closer_than_known(given: ContactInput, found: Found) -> str:
-    """Return a warning about surfaces so close that the pole of their law has been cut off, nothing for others."""
     law, nearest = given.file.scene.interface.law_of_the_gap, _smallest(found["gap"])
     if law is None or not nearest < law.known_from * law.range:
         return ""
@@ -491,7 +481,6 @@ def _weak_interface(given: ContactInput, found: Found) -> str:
 
 
 def _overlap(given: ContactInput, found: Found) -> str:
-    """Return a warning about surfaces that reach far through each other under a cohesive law, nothing for others."""
     law = given.file.scene.interface.cohesive
     deepest = 0.0 if law is None else -_smallest(found["gap"]) / law.normal_length
     if not deepest > 1.0:

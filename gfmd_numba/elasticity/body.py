@@ -84,10 +84,6 @@ class ElasticBody:
         tangential, normal = self.layers.softness()
         return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
 
-    def uniform_displacement(self, depth: float) -> tuple[float, float]:
-        """Tangential and normal displacement over a depth under uniform unit tractions, in L_x/E*."""
-        return self.layers.softness(depth)
-
     def material(self, depth: float) -> Material:
         """Material at a depth, at an interface that above it; raises ValueError without a Poisson's ratio."""
         return self.layers.material(depth)
@@ -147,7 +143,3 @@ class ElasticBody:
     def compliance_across(self, q: Reals) -> Reals:
         """Compliance of waves q > 0 of shear, whose displacement is across q and along the surface, in L_x/E*."""
         return self.layers.compliance_across(q) / q
-
-    def transfer_across(self, depth: float, q: Reals) -> tuple[Reals, Reals]:
-        """Displacement of waves q > 0 of shear across q, and its slope over q at a depth, over that of the surface."""
-        return self.layers.transfer_across(depth, q)

@@ -292,7 +292,7 @@ def _transfer(q: Reals, depth: float, body: ElasticBody) -> Reals:
     found = np.zeros((11, q.size))
     found[0] = q
     waves = body.transfer(depth, q[1:])
-    pairs = waves.u1, waves.u3, waves.p, waves.w, body.transfer_across(depth, q[1:])
+    pairs = waves.u1, waves.u3, waves.p, waves.w, body.layers.transfer_across(depth, q[1:])
     found[1:, 1:] = [each for pair in pairs for each in pair]
     return found
 
@@ -346,7 +346,7 @@ def _tensor(
 def _means(surface: Surface, depth: float, body: ElasticBody) -> dict[str, float]:
     """The uniform part: tractions do not change with depth, the periodic body cannot widen."""
     (u1, u2, u3), (t1, t2, t3) = surface.uniform, surface.traction
-    material, (sheared, stretched) = body.material(depth), body.uniform_displacement(depth)
+    material, (sheared, stretched) = body.material(depth), body.layers.softness(depth)
     nu = material.poissons_ratio
     displacements = (u1 - t1 * sheared, u2 - t2 * sheared, u3 - t3 * stretched)
     strains = (0.0, 0.0, t3 / material.c11, t2 / material.shear, t1 / material.shear, 0.0)

@@ -52,13 +52,6 @@ def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indic
 
 
 @jit
-def open_gap(sp: Reals, punch: Reals, n: int, gap: Reals) -> None:
-    """Gap under a pressure whose displacement is sp."""
-    for j in range(n):
-        gap[j] = punch[j] + sp[j]
-
-
-@jit
 def closing_displacement(gap: Reals, nodes: Indices, count: int, r: Reals, free_mean: bool) -> None:
     """Displacement r that closes the gap on the nodes in contact.
 

@@ -101,7 +101,8 @@ class Document:
 
     def told(self, location: Location, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError about the value that stands at a location."""
-        return self.line(location, brief(self.value(location)), allowed, suggestion)
+        given = self.value(location)
+        return self.line(location, brief(given), allowed, suggestion)
 
     def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
         """One line of an InputError; an absent value stands where the mapping that lacks it does."""

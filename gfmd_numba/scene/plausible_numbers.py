@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Iterator, Sequence
 from typing import NamedTuple
 
-from gfmd_numba.scene import COMPONENTS, Scene
+from gfmd_numba.scene import Boundary, Scene
 from gfmd_numba.scene.document import Location, dotted
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.surface_file import SurfaceFile
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit, numbers_in
+from gfmd_numba.scene.units import Quantity, WithUnit, numbers_in, quantities
 from gfmd_numba.text.numbers import with_prefix
 
 LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
@@ -71,19 +71,10 @@ COMMON = {
     **dict.fromkeys(("radius", "radius_y", "width", "edge_radius"), _OF_FORMS),
     **dict.fromkeys(("displacement", "sliding", "sliding_y"), _OF_PUNCHES),
 }
-_OF_BOUNDARIES = {
-    component.key(name): quantity
-    for component in COMPONENTS[2]
-    for name, quantity in (("traction", PRESSURE), ("displacement", LENGTH))
-}
-_UP_TO_MODULUS = {
-    *LOADS,
-    "hardness",
-    "yield_stress",
-    *(name for name, quantity in _OF_BOUNDARIES.items() if quantity is PRESSURE),
-}
+_OF_BOUNDARIES = quantities(Boundary)
+_UP_TO_MODULUS = {*LOADS, "hardness", "yield_stress", *(key for key, each in _OF_BOUNDARIES.items() if each.modulus)}
 _WITHIN_PERIOD = {"range", "normal_length", "tangential_length", "rms_height", "displacement"}
-_WITHIN_PERIOD |= {name for name, quantity in _OF_BOUNDARIES.items() if quantity is LENGTH}
+_WITHIN_PERIOD |= {key for key, each in _OF_BOUNDARIES.items() if each.length}
 
 
 def implausible(file: Scene | SurfaceFile, path: Sequence[Step] = ()) -> list[str]:
@@ -126,10 +117,7 @@ def _scales(file: Scene | SurfaceFile) -> Compared:
 
 def _numbers(record: object, at: Location = ()) -> Iterator[Given]:
     """Numbers of a record that are quantities, and their places in it."""
-    for place, value, quantity in numbers_in(record, at):
-        found = _OF_BOUNDARIES.get(str(place[-1])) if "boundary" in place else quantity
-        if found is not None:
-            yield place, value, found
+    return ((place, value, quantity) for place, value, quantity in numbers_in(record, at) if quantity is not None)
 
 
 def _uncommon(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[Location, str]]:

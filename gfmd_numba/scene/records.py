@@ -1,9 +1,9 @@
 """Frozen records of what the user describes; an effect absent from the scene is `None`."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from fractions import Fraction
 from math import ceil, floor, isclose
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, Self
 
 from pydantic import BaseModel, BeforeValidator, Field, PlainSerializer, PlainValidator, WithJsonSchema, model_validator
 
@@ -29,11 +29,11 @@ from gfmd_numba.scene.quantities import (
     check_seed,
 )
 from gfmd_numba.scene.surfaces import Random, Surface
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, WithUnit
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity
 
 _PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 _TOLERANCE = "a number from 0 to 0.1, or exact"
-TIME_TOLERANCE = 1e-3
+TIME_TOLERANCE = 1e-2
 
 
 class Component(NamedTuple):
@@ -53,34 +53,30 @@ _NORMAL = Component("normal", "", "out of it")
 COMPONENTS = {1: (_ALONG_X, _NORMAL), 2: (_ALONG_X, _ALONG_Y, _NORMAL)}  # by the dimension of the surface
 
 
-def _allowed(quantity: Quantity) -> str:
-    return (
+def _of_nodes(quantity: Quantity) -> Any:
+    """Type of a value for every node, or of a file of them: one check for the union, which would tell faults twice."""
+    allowed = (
         f"a number up to 1e30 in size or {quantity.allowed}, for every node, "
         "or the name of a .npy or .csv file with one value for each node"
     )
 
-
-def _number_or_file(quantity: Quantity) -> Callable[[Any], float | str]:
-    """Check of a value: one for the whole union of types, which would tell every fault twice."""
-
     def check(given: Any) -> float | str:
         if isinstance(given, str) and given.endswith(FILES):
             return given
-        value = quantity.read(given)
-        if type(value) in (int, float, WithUnit) and -LARGEST <= value <= LARGEST:
-            return value if isinstance(value, WithUnit) else float(value)
-        raise ValueError(_allowed(quantity))
+        if type(given) in (int, float) and -LARGEST <= given <= LARGEST:
+            return float(given)
+        raise ValueError(allowed)
 
-    return check
-
-
-def _schema(quantity: Quantity) -> WithJsonSchema:
-    return WithJsonSchema({"allowed": _allowed(quantity), "unit": quantity.si})
+    plain = PlainSerializer(lambda value: value if isinstance(value, str) else float(value), when_used="json")
+    schema = WithJsonSchema({"allowed": allowed, "unit": quantity.si})
+    return Annotated[float | str, PlainValidator(check), quantity, schema, plain]
 
 
-_PLAIN = PlainSerializer(lambda value: value if isinstance(value, str) else float(value), when_used="json")
-Traction = Annotated[float | str, PlainValidator(_number_or_file(PRESSURE)), _schema(PRESSURE), _PLAIN]
-Displacement = Annotated[float | str, PlainValidator(_number_or_file(LENGTH)), _schema(LENGTH), _PLAIN]
+if TYPE_CHECKING:
+    Traction = float | str
+    Displacement = float | str
+else:
+    Traction, Displacement = _of_nodes(PRESSURE), _of_nodes(LENGTH)
 
 
 class Boundary(BaseModel):

@@ -29,7 +29,7 @@ def with_resistance(found: xr.Dataset, conductivity: object) -> xr.Dataset:
     """Conductance of a contact with the `resistance` R = 1 / (G s A) of its nominal area A, that of all its nodes.
 
     s is the harmonic mean of the conductivity of both bodies, or of one for each, as texts like `60 MS/m`. Of a profile
-    it is R times its width along y. Raises InputError for other conductivities, or a contact without a length.
+    it is `resistance_times_width`, along y. Raises InputError for other conductivities, or a contact without a length.
     """
     each = conductivity if isinstance(conductivity, Sequence) and not isinstance(conductivity, str) else [conductivity]
     known = [_conductivity(one) for one in each]
@@ -40,12 +40,12 @@ def with_resistance(found: xr.Dataset, conductivity: object) -> xr.Dataset:
     lengths = _lengths(found, "conductivity", conductivity)
     mean = len(known) / sum(1.0 / one for one in known)
     area = lengths["x"] * lengths.get("y", 1.0)
-    unit = _RESISTANCES[known[0].quantity] + ("" if "y" in lengths else " m")
-    per_width = "" if "y" in lengths else ", times its width along y"
-    long_name = f"resistance of the touching spots of the nominal area{per_width}"
-    return found.assign(
-        resistance=(1.0 / (found["conductance"] * mean * area)).assign_attrs(cf_attributes(long_name, unit))
-    )
+    unit, long_name = _RESISTANCES[known[0].quantity], "resistance of the touching spots of the nominal area"
+    name = "resistance"
+    if "y" not in lengths:
+        name, unit, long_name = f"{name}_times_width", f"{unit} m", f"{long_name}, times its width along y"
+    resistance = 1.0 / (found["conductance"] * mean * area)
+    return found.assign({name: resistance.assign_attrs(cf_attributes(long_name, unit))})
 
 
 def _conductivity(given: object) -> WithUnit:

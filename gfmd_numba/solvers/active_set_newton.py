@@ -93,7 +93,7 @@ class ActiveSetNewton(PressureIterate):
         i, n = row[0], self.field.n
         p, gap = self.pressure[i], self.gap[i]
         self.field.apply(self.compliance, row, source=0)
-        kernels.open_gap(self.field.result[i], self.wall[i], n, gap)
+        np.add(self.wall[i, :n], self.field.result[i, :n], out=gap[:n])
         uphill = 0 if self._last is None else self._last.line_search(i, p, gap, n)
         if self._last is None or not uphill:
             return

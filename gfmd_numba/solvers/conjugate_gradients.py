@@ -50,7 +50,7 @@ class ConjugateGradients(PressureIterate):
             return
         for i in active:
             p, gap = self.pressure[i], self.gap[i]
-            kernels.open_gap(field.result[i], self.wall[i], n, gap)
+            np.add(self.wall[i, :n], field.result[i, :n], out=gap[:n])
             uphill = self._last.line_search(i, p, gap, n)
             if uphill:
                 self._search[2, i] = 0.0

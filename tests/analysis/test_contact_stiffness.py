@@ -179,3 +179,14 @@ def test_reduced_stiffness_is_that_of_each_surface(campaign):
 def test_one_load_has_no_stiffness(campaign, change, message):
     with pytest.raises(UnusableDataError, match=message):
         contact_stiffness(change(campaign))
+
+
+@pytest.mark.parametrize("a", [0.5, 1.0, 1.5, 3.0])
+def test_the_difference_of_loads_is_off_as_the_docstring_says(a):
+    """K = p^a: the gap falls by the integral of p^-a, and the load is the logarithmic mean."""
+    p = np.array([1.0, 1.3])
+    closed = np.log(p) if a == 1.0 else p ** (1.0 - a) / (1.0 - a)
+    values = {"mean_pressure": p, "mean_gap": 10.0 - closed, "status": np.zeros(2, dtype=np.int8)}
+    found = contact_stiffness(xr.Dataset({name: ("step", each) for name, each in values.items()}))
+    off = float(found["stiffness"][0] / found["mean_pressure"][0] ** a) - 1.0
+    assert off == pytest.approx(a * (1.0 - a) * np.log(1.3) ** 2 / 24.0, rel=0.1, abs=1e-12)

@@ -69,6 +69,7 @@ def test_what_the_scene_has_not_is_not_recorded(dragged, pulled, tmp_path):
     assert PATH_OBSERVABLES.keys() - pulled.keys() == {
         "mean_tangential_traction",
         "mean_tangential_traction_y",
+        "slid_over_peaks",
         "stick_fraction",
     }
     text = TINY + "path: [{reduced_pressure: 0.1}]\n"

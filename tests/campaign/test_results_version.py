@@ -58,7 +58,7 @@ def test_the_version_follows_units_and_solvers_but_not_prose(monkeypatch):
             problem.results_version.cache_clear()
             return problem.results_version()
 
-    assert changed(OBSERVABLES, "kappa", unit="1") != found
+    assert changed(OBSERVABLES, "kappa", unit="pressure") != found
     assert changed(SOLVERS, "verlet", gives_up_after=7) != found
     assert changed(OBSERVABLES, "kappa", long_name="another sentence") == found
     assert changed(SOLVERS, "verlet", sentence="another sentence") == found

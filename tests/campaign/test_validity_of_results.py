@@ -85,7 +85,7 @@ def test_it_says_what_leaves_the_window_the_asperities_or_the_layer(tmp_path, mo
 def test_it_says_how_many_simulations_failed(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     failing = {"numerics": {"solver": "conjugate_gradients", "max_iterations": 1}}
-    with pytest.warns(UserWarning, match="^in 4 of 4 simulations: steps_used_up: The solver took"):
+    with pytest.warns(UserWarning, match="^steps_used_up in 4 of 4 simulations: The solver took"):
         gfmd_numba.run({"name": "fails", "seed": 1, "scene": SCENE} | GRID | failing)
 
 

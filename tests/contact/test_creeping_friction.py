@@ -58,6 +58,7 @@ def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
         np.inf,
         body=SLAB | {"youngs_modulus": 1.0},
         scene={"length": 1.0},
+        time_tolerance=1e-3,
     )
     assert float(found["contact_area_fraction"].min()) == 1.0
     stiffness = 1.0 / (2.0 * (1.0 + 0.3)) / 0.4

@@ -6,7 +6,7 @@ import slab_stiffness
 
 import gfmd_numba
 from gfmd_numba.contact.law_resolution import COARSEST, resolution, warning
-from gfmd_numba.contact.problem import CounterBody, Problem
+from gfmd_numba.contact.problem import DeformableBody, Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -57,9 +57,9 @@ def test_the_shortest_wave_is_as_stiff_as_the_bodies_make_it():
     factor = slab_stiffness.slab_factor(np.array([np.pi * 512 * 1e-3]), 0.5)[0]
     assert factor > 2
     assert thin == pytest.approx(half_space / factor)
-    two = resolution(problem(512, ATTRACTION, counter=CounterBody(ElasticBody(None, None), 0.5)))
+    two = resolution(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(None, None), 0.5)))
     assert two == pytest.approx(half_space)
-    softer = resolution(problem(512, ATTRACTION, counter=CounterBody(ElasticBody(0.5, 1e-3), 0.5)))
+    softer = resolution(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(0.5, 1e-3), 0.5)))
     assert softer == pytest.approx(half_space * (0.5 + 0.5 / factor))
 
 

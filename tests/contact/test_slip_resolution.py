@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 from gfmd_numba.contact.law_resolution import COARSEST, REFUSED, resolution, warning
-from gfmd_numba.contact.problem import CounterBody, Problem
+from gfmd_numba.contact.problem import DeformableBody, Problem
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -76,9 +76,9 @@ def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
 
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_between_two_bodies_the_compliances_to_slip_add_up(dimension):
-    body, counter = ElasticBody(0.5, 0.02), CounterBody(ElasticBody(0.0, 3e-3), 0.9)
+    body, counter = ElasticBody(0.5, 0.02), DeformableBody(ElasticBody(0.0, 3e-3), 0.9)
     surface = RandomSurface(SelfAffineWaves(0.8, 2, 16), 64, 1, dimension=dimension)
-    found, facing = (each.response(surface.shape) for each in (body, counter.body))
+    found, facing = (each.response(surface.shape) for each in (body, counter.elastic))
     elements = found.in_series(facing, 0.9).elements
     slips = [np.ravel(element[..., -1])[0] for element in elements]  # at Nyquist along x
     by_slip = LAW.slip_softening / (slips[0] if dimension == 1 else min(slips[0], slips[2]))

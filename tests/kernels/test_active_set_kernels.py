@@ -25,14 +25,6 @@ def test_contact_nodes_begin_behind_the_widest_gap(kernel):
     assert listed(kernel, np.ones(5, dtype=bool), 5) == [0, 1, 2, 3, 4]
 
 
-@pytest.mark.parametrize("kernel", both(kernels.open_gap))
-def test_open_gap_is_its_plain_twin(kernel, rng):
-    sp, punch, gap = rng.normal(size=(3, PADDED))
-    expected = np.concatenate([(sp + punch)[:N], gap[N:]])
-    kernel(sp, punch, N, gap)
-    np.testing.assert_array_equal(gap, expected)
-
-
 @pytest.mark.parametrize("free_mean", [True, False])
 @pytest.mark.parametrize("kernel", both(kernels.closing_displacement))
 def test_closing_displacement_is_its_plain_twin(kernel, free_mean, rng):

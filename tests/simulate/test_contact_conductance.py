@@ -45,7 +45,7 @@ def test_the_resistance_is_that_of_the_nominal_area():
         assert float(found) == pytest.approx(holm / mean, rel=0.01)
         assert found.units == unit
     with pytest.warns(UserWarning, match="ridges without end"):
-        found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")["resistance"]
+        found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")["resistance_times_width"]
     assert found.units == "ohm m"
 
 

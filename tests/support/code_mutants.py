@@ -43,7 +43,7 @@ MUTANTS = [
     ),
     (
         "exponent_posterior.py",
-        "start=-2.0 * _log_density(parameters, nodes)",
+        "start=-2.0 * log_density",
         "start=np.zeros(len(nodes))",
         "test_posterior.py::test_two_laws_count_by_how_well_each_fits_over_its_ranges",
     ),
@@ -80,7 +80,7 @@ MUTANTS = [
     ),
     (
         "extrapolation.py",
-        'found["interaction"][:, PAIRS.index(pair)] = coefficients',
+        'found["interaction"][:, number] = coefficients',
         'found["interaction"][:, 0] = coefficients',
         "test_interactions.py::test_one_cross_level_leaves_the_other_pairs_open",
     ),
@@ -135,7 +135,7 @@ MUTANTS = [
         "test_error_budget.py::test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to",
     ),
     (
-        "exponent_posterior.py",
+        "limit_errors.py",
         "np.where(np.isfinite(scatter), 0.0, np.inf)",
         "scatter",
         "test_error_budget.py::test_with_exact_exponents_all_is_sampling_and_interactions",

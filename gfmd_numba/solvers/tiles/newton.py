@@ -27,6 +27,7 @@ _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that i
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
 _DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
+_LARGE, _DENSE_NODES, _DENSE_NODES_OF_LARGE = 2**20, 1 / 24, 1 / 10  # share of nodes in contact for the same
 _SAMPLES, _MORE = 256, 1.1  # nodes in each direction of a half-space that feel one; all feel less than this times more
 _SAME = 1e-6  # relative difference of stiffness over wavenumber up to which a body is a half-space
 _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linear problem
@@ -239,8 +240,9 @@ class MapContact:
 
     def _choose(self) -> None:
         """Choose the compliance between the tiles."""
-        share = self.tiles.size / self._marks.size
-        self._exact = not any(self._level.ends) and share > _DENSE
+        share, nodes = self.tiles.size / self._marks.size, self.wall.size
+        most = nodes * (_DENSE_NODES if nodes < _LARGE else _DENSE_NODES_OF_LARGE)
+        self._exact = not any(self._level.ends) and (share > _DENSE or self.count > most)
         if not self._exact:
             self._compliance = self._level.far if share < _DILUTE else self._level.near
 

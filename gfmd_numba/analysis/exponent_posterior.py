@@ -4,9 +4,9 @@ Where the laws of the limits are known, the fit of thesis (4.3), with interactio
 TFC limit, a correction for each limit, and an interaction for each pair of limits, by which their corrections taken
 together differ from their sum. Interactions are products of the two laws. Nothing but cross levels, where two
 discretisations differ from the reference at once, tells them. What is known before is that they are of the size of the
-smaller correction, and that the correction in eps_t wanes with eps_f: it comes from the few longest waves, whose part
-in the slope falls. Over the parameters of the laws we integrate by quadrature, on a box that is narrowed to where they
-are likely.
+smaller correction, and that the correction in eps_t decreases with eps_f: it comes from the few longest waves, whose
+part in the slope falls. Over the parameters of the laws we integrate by quadrature, on a box that is narrowed to where
+they are likely.
 """
 
 from collections.abc import Sequence

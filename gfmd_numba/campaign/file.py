@@ -276,13 +276,18 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
 
 
 def replaced(directory: Path, campaign: Campaign, target: Mapping[str, float] | None = None) -> str:
-    """Say that a run of a campaign replaces the results of another version of it in a directory, if it does."""
+    """Say that a run of a campaign replaces the results of another version of it in a directory, if it does.
+
+    One of other `realisations` alone adds to what is there, and a run refuses the directory of a campaign of another
+    name, or one without a sound copy of its file.
+    """
     label = directory / LABEL
     try:
-        if not label.is_file() or load_campaign(label, target)[0] == campaign:
-            return ""
-    except (InputError, OSError):  # of another version of gfmd, or of files that are no longer there
-        pass
+        before = load_campaign(label, target)[0] if label.is_file() else campaign
+    except (InputError, OSError):
+        return ""
+    if before.name != campaign.name or before == campaign.model_copy(update={"realisations": before.realisations}):
+        return ""
     kept = "its results are replaced, and finished blocks that both share are kept (another output runs elsewhere)"
     return f"{directory} holds another version of this campaign: {kept}"
 

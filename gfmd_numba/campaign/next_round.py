@@ -30,7 +30,7 @@ from gfmd_numba.theory.exponent_ranges import exponent_ranges
 
 _GROWTH = 4.0  # of the price at most, from one round to the next: few looks, and none far off for a poor pilot
 _LEAST_GROWTH = 1.25  # of the price: less is not worth a look
-_HALVINGS = 4  # of a factor of 1.3 on the error: to 2 %
+_HALVINGS = 4  # of a bracket of the error that is 1.3 wide: its factor is then known to 2 %
 _LOOSER = 2.0  # than the target: an error that a round has to come near, for a target that cannot be predicted yet
 
 Counts = NDArray[np.intp]
@@ -386,7 +386,7 @@ def _is_cheaper(surfaces: Rounds, levels: Rounds, spent: float) -> bool:
 
     Surfaces reach the target for the expected price, but finer levels may not reach it in one round.
     """
-    if surfaces.ended or surfaces.now.target_price is None:  # they do not do alone
+    if surfaces.ended or surfaces.now.target_price is None:  # more surfaces alone do not reach the target
         return False
     dear = (levels.now.price or 0.0) - spent > _SHARE_OF_PRICE * (surfaces.now.target_price - spent)
     return bool(levels.ended) or dear

@@ -60,7 +60,7 @@ def edge(contact: Contact) -> area_correction.Edge:
     def felt(q: Reals) -> Reals:
         return contact.change.felt(SpectralResponse.of_normal(contact.stiffness(q))).normal
 
-    of_waves = felt if contact.change.yields else contact.stiffness
+    of_waves = felt if contact.change.wear_compliance else contact.stiffness
     return area_correction.edge(of_waves, 1.0 / now.shape[-1], now.ndim)
 
 
@@ -398,7 +398,7 @@ def full_contact_pressure(contact: Contact) -> Reals:
     change = contact.change
     if contact.ends:
         return np.asarray(0.5 * rms_gradient(contact))
-    if change.factor == 1.0 and change.yields == 0.0:
+    if change.factor == 1.0 and change.wear_compliance == 0.0:
         return contact.equilibrium.full_contact_pressure
     # the solver knows a division of the step alone, with what has crept before and what wears off
     bodies = SpectralResponse.of_normal(contact.stiffness(grid.magnitudes(contact.heights.shape[1:])))

@@ -1,6 +1,6 @@
 """Steps of a load path along a branch of equilibria, divided until each jump between branches is located.
 
-How near a fold of its branch an equilibrium is, the smallest curvature of its energy tells.
+The smallest curvature of the energy says how close an equilibrium is to a fold, where the contact jumps.
 """
 
 import warnings

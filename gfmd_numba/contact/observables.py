@@ -225,7 +225,7 @@ OBSERVABLES = {
     "n_transforms": Observable("1", "fast Fourier transforms of the whole grid", of="run"),
     "wall_time": Observable("s", "time spent in the solver", of="run"),
 }
-PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `path_measures` finds them
+PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `PathRecord` finds them
     "mean_tangential_traction": Observable(
         "pressure", "mean tangential traction along x of the punch on the body", needs="drag"
     ),

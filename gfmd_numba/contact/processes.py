@@ -79,21 +79,21 @@ class Wear:
         return np.zeros(shape)
 
     def change(self, state: State, step: LoadStep) -> Change:
-        """The wall is lower where it has worn, and yields to the pressure of the step."""
+        """The wall is lower where it has worn, and compliance to the pressure of the step."""
         worn, most, last = state.memory[self.name], self.rate * state.way(step), state.last
-        yields = max(0.5 * most, most - 1.0 / self.stiffest)
+        compliance = max(0.5 * most, most - 1.0 / self.stiffest)
         if last is None or most == 0.0:
-            return Change(wall=worn, yields=yields)
+            return Change(wall=worn, wear_compliance=compliance)
         share: Reals | float = 1.0
         if last.equilibrium.tangential is not None:
-            before = min(2.0 * last.change.yields, last.change.yields + 1.0 / self.stiffest)
-            share = self.rate / before * _slip(last, 0.0) if before > 0.0 else yields / most
-        return Change(wall=worn + (share * most - yields) * last.equilibrium.pressure, yields=yields)
+            before = min(2.0 * last.change.wear_compliance, last.change.wear_compliance + 1.0 / self.stiffest)
+            share = self.rate / before * _slip(last, 0.0) if before > 0.0 else compliance / most
+        return Change(wall=worn + (share * most - compliance) * last.equilibrium.pressure, wear_compliance=compliance)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
         """Depths grow by what the step wears off."""
         way, pressure = state.way(step), solved.equilibrium.pressure
-        share = solved.change.yields / (self.rate * way) if way > 0.0 else 0.5
+        share = solved.change.wear_compliance / (self.rate * way) if way > 0.0 else 0.5
         before = 0.0 if state.last is None else state.last.equilibrium.pressure
         worn = self.rate * _slip(solved, way) * (share * pressure + (1.0 - share) * before)
         depth: Reals = state.memory[self.name] + worn

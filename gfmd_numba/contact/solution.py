@@ -77,8 +77,8 @@ def solve(problem: Problem, state: State | range) -> Contact:
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
     of_waves = partial(condensed_stiffness, problem)
-    if change.yields > 0.0:  # the wall, and not the body
-        yielded = change.yields * equilibrium.pressure
+    if change.wear_compliance > 0.0:  # the wall, and not the body
+        yielded = change.wear_compliance * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
     law = problem.interface.normal_law
     pull = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))

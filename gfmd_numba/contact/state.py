@@ -26,8 +26,7 @@ class LoadStep(NamedTuple):
     """What a step of the loading ends with: a mean pressure or a displacement, and the sliding of the punch.
 
     `sliding` is along x, on maps also along y, since the first touch. `duration` is the time that the step takes, in
-    the unit of the processes that know one. With a `speed` (L_x over that unit) the punch slides along x, and has done
-    so for ever.
+    the unit of the processes that know one. With a `speed` (L_x over that unit) the punch slides steadily along x.
     """
 
     load: float
@@ -44,10 +43,10 @@ class LoadStep(NamedTuple):
 
 @dataclass(frozen=True)
 class Change:
-    """What a process does to a step; None is nothing, and costs nothing.
+    """What a process does to a step; None means no change, and costs nothing.
 
-    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material, and
-    moves by another `yields` (L_x/E*) times the pressure of a node that touches, as a punch does that wears in the
+    The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material. Where
+    it touches it moves by another `wear_compliance` (L_x/E*) times the pressure, as a punch does that wears in the
     step. The surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
     `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`,
     and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
@@ -60,7 +59,7 @@ class Change:
     along: Reals | None = None
     factor: float = 1.0
     modulus: Complexes | None = None
-    yields: float = 0.0
+    wear_compliance: float = 0.0
     carried: Reals | None = None
     lifted: float = 0.0
 
@@ -73,16 +72,16 @@ class Change:
         wall, out, along, carried = (
             _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
         )
-        factor, yields = prod(each.factor for each in every), sum(each.yields for each in every)
+        factor, compliance = prod(each.factor for each in every), sum(each.wear_compliance for each in every)
         modulus = next((each.modulus for each in every if each.modulus is not None), None)
-        return cls(wall, out, along, factor, modulus, yields, carried, sum(each.lifted for each in every))
+        return cls(wall, out, along, factor, modulus, compliance, carried, sum(each.lifted for each in every))
 
     def felt(self, response: SpectralResponse) -> SpectralResponse:
-        """Response of bodies that are stiffer by the factor, or lag behind, with a punch that yields."""
+        """Response of bodies that are stiffer by the factor, or lag behind, with a punch that wears."""
         response = response.scaled(self.factor)
         if self.modulus is not None:
             response = response.lagging(self.modulus)
-        return response if self.yields == 0.0 else response.with_yielding(self.yields)
+        return response if self.wear_compliance == 0.0 else response.with_yielding(self.wear_compliance)
 
 
 NO_CHANGE = Change()
@@ -164,7 +163,7 @@ class State:
         return replace(self, memory={**self.memory, name: memory})
 
     def after(self, solved: "Contact", step: LoadStep) -> "State":
-        """State that a step leaves."""
+        """Return the state after a step."""
         memory = {each.name: each.advance(self, solved, step) for each in self.processes}
         return replace(self.begun_at(solved), memory=memory)
 
@@ -200,9 +199,9 @@ class Contact:
     displacement below it) at zero, moved by what processes do to this step (`change`). `before` is the state in which
     the `step` began. `followed` tells of the step of a path that led here, None where steps are not divided.
     `stiffness` is that of the deformable bodies at any wave numbers (E*/L_x). Without a period `approach`
-    `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, None in a periodic contact; the
-    displacements then count from the body at rest, as the punch does. `ends` says along which of (y,) x the punch does;
-    it is empty with a period. `time_error` is the relative error by the divisions of all steps so far, 0 where no step
+    `[realisation, (1,) 1]` is how far the punch has sunk in since first touch, and displacements and punch are measured
+    from the body at rest; it is None in a periodic contact. `ends` says along which of (y,) x the punch ends, and is
+    empty with a period. `time_error` is the relative error by the divisions of all steps so far, 0 where no step
     is divided. `least_pressure` is the smallest mean pressure at any of the divisions of this step, infinite without
     any, and `slid` `[realisation, (y,) x]` the way of each node along the punch in all of them, None without any.
     `pull` is what a law of the gap pulls at no gap `[(y,) x]`, 0 without one. `found` is what observables have found.
@@ -277,7 +276,7 @@ class Contact:
 
 
 def with_costs(found: Equilibrium, every: Iterable[Equilibrium]) -> Equilibrium:
-    """The same equilibrium with what all that led to it, and are given, have taken."""
+    """Return the equilibrium with the iterations, transforms and time of `every` solve that led to it."""
     each = list(every)
     return replace(found, **{name: sum(getattr(one, name) for one in each) for name in _COSTS})
 

@@ -1,4 +1,4 @@
-"""Compiled contact conditions: tractions projected on what a contact allows, as the friction cone, and the misfit."""
+"""Compiled contact conditions: the nearest pressure that a contact allows, and by how much tractions violate them."""
 
 from typing import NamedTuple, Self
 

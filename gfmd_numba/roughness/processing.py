@@ -63,7 +63,7 @@ def made_periodic(
         repeats = tuple(not end for end in ends)
         heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
         times = 2 ** sum(repeats)
-        done.append(f"mirrored at its ends, which doubles the period: each asperity is in it {times} times")
+        done.append(f"mirrored at its ends, which doubles the period: it has {times} times the contacts of the field")
     if periodic == "window":
         heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")

@@ -20,7 +20,7 @@ from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, beg
 from gfmd_numba.solvers.status import Stagnation, Status
 from gfmd_numba.solvers.table import SOLVERS, Options
 
-_BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact beyond which a run is unstable, not slow
+_BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact, above which a run is called unstable
 _SURELY_YIELDS = 2.0  # peak pressure of an elastic contact over the hardness, judged at
 _RESIDUAL_TO_JUDGE = 1e-2
 _FLUCTUATIONS = 6.0  # of full contact, beyond the load: no pressure is expected to exceed that
@@ -49,7 +49,7 @@ class Tangential:
 
 @dataclass(frozen=True)
 class Equilibrium:
-    """Displacement and pressure `[realisation, x]` (L_x, E*), and per realisation how they were reached.
+    """Displacement and pressure `[realisation, (y,) x]` (L_x, E*), and per realisation how they were reached.
 
     The pressure is what the interface transmits, of the hard wall (on the nodes `touching` it) and of the law.
 

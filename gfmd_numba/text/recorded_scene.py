@@ -13,3 +13,14 @@ def is_form_alone(text: str) -> bool:
     scene = json.loads(text).get("scene", {})
     bodies = [scene, scene.get("body") or {}, scene.get("counter_body") or {}]
     return has_form(text) and all(each.get("roughness") is None for each in bodies)
+
+
+def is_elastic_contact(text: str) -> bool:
+    """Return whether elastic bodies met a hard wall, at whose pressures most solids would flow."""
+    scene = json.loads(text).get("scene", {})
+    wall, bodies = (
+        scene.get("interface", {}).get("hard_wall"),
+        (scene.get("body") or {}, scene.get("counter_body") or {}),
+    )
+    flows = any(each.get("plasticity") or each.get("relaxation") for each in bodies)
+    return wall is not None and wall.get("hardness") is None and not flows

@@ -135,3 +135,20 @@ def test_pull_off_and_what_the_whole_path_loses_are_printed_below_its_steps(tmp_
     assert result["hysteresis"].dims == ()
     for name in ("hysteresis", "pull-off pressure"):
         assert (name in printed) == bool(result[name.replace("-", "_").replace(" ", "_")].notnull())
+
+
+@pytest.mark.parametrize(
+    ("modulus", "wall", "is_told"),
+    [
+        ("youngs_modulus: 70e9, ", "{}", True),
+        ("youngs_modulus: 70e9, ", "{hardness: 2e9}", False),
+        ("youngs_modulus: 1e6, ", "{}", False),
+        ("", "{}", False),
+    ],
+)
+def test_large_pressures_of_elastic_bodies_ask_for_a_hardness(tmp_path, modulus, wall, is_told):
+    scene = tmp_path / "scene.yaml"
+    scene.write_text(SCENE.replace("youngs_modulus: 70e9, ", modulus).replace("hard_wall: {}", f"hard_wall: {wall}"))
+    done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
+    assert done.exit_code == 0
+    assert ("note bodies are elastic here" in unfolded(done.stdout)) == is_told

@@ -160,7 +160,7 @@ def test_a_spoiled_path_of_a_campaign_ends_where_it_is_spoiled(tmp_path, monkeyp
     scene |= {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}}
     scene |= {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}
     file = {"name": "spoiled", "seed": 1, "realisations": 1, "scene": scene, "path": [{"sliding": 1e-4}]}
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), pytest.warns(UserWarning, match="^nonfinite in 1 of 1 simulations"):
         found = gfmd_numba.run(file | {"reference": {"eps_c": 0.25, "eps_f": 0.125, "eps_t": 1}}, tmp_path / "out")
     assert (found["status"] == Status.nonfinite).all()
     assert found["energy_lost"].isnull().all()

@@ -90,7 +90,7 @@ def test_results_with_another_scene_are_told(scene):
         (gfmd_numba.fit_tfc, "you gave no results of a campaign; gfmd allows what a finished `gfmd run` leaves"),
         (gfmd_numba.contact_statistics, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves"),
         (gfmd_numba.gap_percolation, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
-        (gfmd_numba.leakage, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
+        (gfmd_numba.leakage, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves of one"),
         (
             gfmd_numba.contact_conductance,
             "contact: you gave no results of a contact; gfmd allows what `gfmd solve` leaves",

@@ -1,4 +1,7 @@
-"""What Newton's method for friction guesses of a contact: what touches, what slips which way, and the tractions."""
+"""Guess of a frictional contact in Newton's method: which nodes touch, which slip which way, and their tractions.
+
+Tangential tractions beyond what friction holds are scaled back onto the Coulomb cone (`FrictionGuess.revise`).
+"""
 
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Self

@@ -345,7 +345,10 @@ def open_campaign(path: str | Path) -> xr.Dataset:
 
     if not isinstance(path, str | os.PathLike):
         raise InputError.of("path", brief(path), "a netCDF file, or the output directory of a campaign")
-    return read_results(Path(path))
+    results = read_results(Path(path))
+    if not {"case", "realisation"} <= set(results.dims):
+        raise InputError.of(path, "a file without results of a campaign", "one that `gfmd run` has left")
+    return results
 
 
 def fit_tfc(
@@ -614,4 +617,4 @@ def _dataset(name: str, given: xr.Dataset | str | Path, maker: str) -> xr.Datase
     if not isinstance(given, xr.Dataset):
         allowed = f"an xarray.Dataset, as gfmd_numba.{maker} returns, or the path of a netCDF file"
         raise InputError.of(name, brief(given), allowed)
-    return given
+    return given.compute()  # what a file or dask still holds

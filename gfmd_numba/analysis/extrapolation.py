@@ -318,12 +318,12 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
         return np.nan, np.nan
     freedom = group.n_realisations - 1
     counts = weight > 1e-12
-    weight, value, deviation = weight[counts], value[counts], deviation[counts]
+    weight, value, deviation = weight[counts] / weight[counts].sum(), value[counts], deviation[counts]
 
     def beyond(end: float, share: float) -> float:
         return float(weight @ scipy.special.stdtr(freedom, (end - value) / deviation)) - share
 
-    reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation
+    reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation + 4.0 * np.spacing(abs(value))
     furthest = float((value - reach).min()), float((value + reach).max())
     width = furthest[1] - furthest[0]
     low, high = (

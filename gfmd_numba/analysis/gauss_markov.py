@@ -81,7 +81,21 @@ def covariance_of_one(values: Reals) -> Reals:
     residual = residual.clip(max(0.05 * residual.mean(), 1e-12 * sample.trace()))
     between = sample[~np.eye(n_cases, dtype=bool)].mean().clip(0)
     weight = n / (n + 2 * n_cases)
-    return np.asarray(weight * sample + (1 - weight) * (np.diag(residual) + between))
+    found = weight * sample + (1 - weight) * (np.diag(residual) + between)
+    return np.asarray(found + np.diag(_unseen_variance(centred, present)))
+
+
+def _unseen_variance(centred: Reals, present: NDArray[np.bool_]) -> Reals:
+    """Return the variance (case) that equal values may hide, 0 where they differ.
+
+    By the rule of succession one realisation in n + 2 has another value where n do not, as far off as others are.
+    """
+    scatters = abs(centred).max(axis=0) > 1e-9 * abs(centred).max()
+    if scatters.all():
+        return np.zeros(len(scatters))
+    off = (centred - np.nanmedian(np.where(present, centred, np.nan), axis=0))[present & scatters]
+    off = off[abs(off) > 1e-9 * abs(centred).max()]
+    return np.where(scatters, 0.0, (off**2).mean() / (present.sum(axis=0) + 2))
 
 
 def _tree(centred: Reals, present: NDArray[np.bool_]) -> Reals:
@@ -106,7 +120,7 @@ def _tree(centred: Reals, present: NDArray[np.bool_]) -> Reals:
         earlier = order[:position]
         tree[case, earlier] = tree[earlier, case] = slope * tree[above, earlier]
         tree[case, case] = slope**2 * tree[above, above] + unexplained[position - 1] * variance[case, above]
-    return tree
+    return tree + np.diag(_unseen_variance(centred, present))
 
 
 def _spanned(correlation: Reals, counts: Reals) -> tuple[list[int], list[int]]:
@@ -179,7 +193,9 @@ def scatter_of(values: Reals) -> Reals | None:
     mean, of_means = best_means(values, covariance)
     if len(values) < 2 or np.nanstd(values - mean) <= 1e-9 * np.nanmax(abs(values)):
         return None
-    return scatter_of_means(values, covariance, of_means)
+    present = np.isfinite(values)
+    unseen = _unseen_variance(np.where(present, values - np.nanmean(values, axis=0), 0.0), present)
+    return scatter_of_means(values, covariance, of_means) + np.diag(unseen / present.sum(axis=0))
 
 
 def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[Choice]) -> float:

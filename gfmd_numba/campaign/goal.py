@@ -46,8 +46,9 @@ def _variable(given: str) -> str:
 
 
 def _target(given: object) -> dict[str, float]:
-    names = list(given) if isinstance(given, Mapping) else []
-    if why := "; ".join(filter(None, map(observables.why_no_limit, filter(lambda name: isinstance(name, str), names)))):
+    names = [name for name in given if isinstance(name, str)] if isinstance(given, Mapping) else []
+    unknown = [name for name in names if name not in observables.LIMITED]
+    if why := "; ".join(observables.why_no_limit(name) or nearest(name, observables.LIMITED) for name in unknown):
         raise broken_rule((), f"{A_TARGET}; {why}")
     if not isinstance(given, Mapping) or not given or not set(given) <= observables.LIMITED.keys():
         raise ValueError(A_TARGET)
@@ -157,9 +158,7 @@ def check_fit(
     variable, row, allowed = fit.variable, observables.LIMITED[fit.variable], ""
     has, what = _NEEDS.get(row.needs, (bool, ""))
     is_asked = place[0] == "target" or varied or "variable" in fit.model_fields_set
-    if place[0] == "target" and (why := observables.unheld(row, scenes[0][0], varied)):
-        allowed = f"what has a limit here; {variable} has none, because {why}"
-    elif is_asked and variable in observables.OF_TOUCHING and not any(each.interface.touches for each, _ in scenes):
+    if is_asked and variable in observables.OF_TOUCHING and not any(each.interface.touches for each, _ in scenes):
         allowed = "mean_gap or elastic_energy: under this law nothing touches"
     elif not any(has(scene) for scene, _ in scenes):
         allowed = f"what these contacts have; this needs {what}"
@@ -167,5 +166,7 @@ def check_fit(
         variable in observables.recorded_along(scene, order) for scene, order in scenes
     ):
         allowed = f"what this path has; {observables.needed_for(variable)}"
+    elif place[0] == "target" and (why := observables.unheld(row, scenes[0][0], varied)):
+        allowed = f"what has a limit here; {variable} has none, because {why}"
     if allowed:
         raise document.error(place, variable, allowed)

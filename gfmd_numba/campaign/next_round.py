@@ -257,7 +257,7 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
 REACHED = "reached"
 _SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open that surfaces alone do not mend it
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
-_MISFIT = 1.5  # factor on the errors of the means, beyond which their laws are not those of the levels
+_MISFIT = 1.5  # factor on the errors of the means, beyond which their laws may not be those of the levels
 _FUTILE = 2  # rounds with finer levels, after which a law should describe the means
 _UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
 _SOME = 2  # rounds after the pilot that do not tell a limit from 0, after which others hardly would
@@ -313,7 +313,8 @@ def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
     known, fitted = of_target.known, of_target.fitted
     now, target = state.now, state.goal.targets[known.fit.variable]
-    found, doubts = judge(known, fitted), _doubts(of_target, max(1, len(now.levels)))
+    found = judge(known, fitted)
+    doubts = _doubts(of_target, max(1, len(now.levels)), target / found.sure_factor)
     described = all(doubt.size < inf for doubt in doubts)
     expected = _was_to_reach(now, known.fit) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
@@ -404,8 +405,12 @@ class _Doubt:
     error: float
 
 
-def _doubts(of_target: Fitted, n_groups: int) -> list[_Doubt]:
-    """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step."""
+def _doubts(of_target: Fitted, n_groups: int, most: float) -> list[_Doubt]:
+    """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step.
+
+    Of means that no law describes it is unknown, unless their distance from the laws and the error, which the fit has
+    enlarged as far as they ask, are below `most` together. Many surfaces tell of misfits that do not matter.
+    """
     fitted, dimension = of_target.fitted, int(of_target.known.results["dimension"].values[0])
     limit, error = in_the_limit(fitted)
     value = abs(limit)
@@ -416,7 +421,9 @@ def _doubts(of_target: Fitted, n_groups: int) -> list[_Doubt]:
     halved.loc[{"limit": "eps_f"}] = np.nan_to_num(expected_doubts(fitted, "eps_f", 2.0, dimension) / value.values)
     for each in (by_limit, halved):
         each.loc[{"limit": "eps_f"}] = np.hypot(each.sel(limit="eps_f"), rivals)
-    is_described = (fitted["fit_status"] == "ok") & (fitted["misfit"] <= _MISFIT)
+    missed = fitted["rms_residual"] * np.sqrt(fitted["n_cases"]) / value  # at least that of the worst level
+    is_described = (fitted["misfit"] <= _MISFIT) | (np.hypot(whole, missed.fillna(inf)) <= most)
+    is_described &= fitted["fit_status"] == "ok"
     size, of_half = (xr.where(is_described, np.sqrt((each**2).sum("limit")), inf) for each in (by_limit, halved))
     found = []
     for group in range(n_groups):

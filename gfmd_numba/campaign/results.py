@@ -2,6 +2,7 @@
 
 import os
 from contextlib import suppress
+from math import inf
 from pathlib import Path
 
 import xarray as xr
@@ -9,6 +10,7 @@ import xarray as xr
 from gfmd_numba.scene.document import read_document
 from gfmd_numba.scene.regular_file import can_be_read, check_regular, most_numbers
 from gfmd_numba.storage import mark
+from gfmd_numba.storage.netcdf_file import read_dataset
 from gfmd_numba.text.input_error import InputError
 
 _SHARE = 4  # of what a file of one surface may have: nothing is solved with it
@@ -44,8 +46,7 @@ def read_results(path: Path) -> xr.Dataset:
         content = file.read_bytes()
         if not (mark.is_product(content) if mark.has_mark(content) else can_be_read(file, most_numbers())):
             raise ValueError  # the HDF5 library would find wrong numbers in it, or no end
-        with xr.open_dataset(file, engine="netcdf4") as dataset:
-            dataset.load()
+        dataset = read_dataset(file, inf)
         return dataset.assign({name: each.astype(str) for name, each in dataset.variables.items() if each.dtype == "O"})
     except (OSError, ValueError, RuntimeError):
         given = "a file that is not netCDF or is damaged"

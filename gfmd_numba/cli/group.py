@@ -7,7 +7,9 @@ import gc
 import io
 import os
 import re
+import signal
 import sys
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
@@ -58,7 +60,8 @@ class _Gfmd(click.Group):
                 # a sentence, without the line of the program that gave it
                 warnings.showwarning = lambda message, *_, **__: _tell(printable(message))
                 _allow_files()
-                return super().invoke(ctx)
+                with _terminated_as_interrupted():
+                    return super().invoke(ctx)
         except BrokenPipeError:  # the reader of a pipe has seen enough: click ends quietly
             raise
         except click.UsageError as error:
@@ -81,6 +84,19 @@ class _Gfmd(click.Group):
 def _tell(sentence: str) -> None:
     with suppress(OSError):  # nobody can be told: the exit code still says it
         click.echo(f"gfmd: {sentence}", err=True)
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """Let SIGTERM do what Ctrl-C does, which closes workers; elsewhere than in the main thread nothing changes."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _allow_files() -> None:

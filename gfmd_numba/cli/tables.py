@@ -44,7 +44,14 @@ _FORCES = {  # what they are of a form alone in a window, whose size has no mean
 _SECANT = "secant_stiffness"  # since the step before
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = ["reference_error", "correction", "correction_error", "interaction", "interaction_error"]
+_IN_UNIT_OF_VARIABLE = [
+    "reference",
+    "reference_error",
+    "correction",
+    "correction_error",
+    "interaction",
+    "interaction_error",
+]
 MOST_ROWS = 200
 _MOST_EXPONENTS = 6
 _MOST_GROUPS = 3  # that a note names
@@ -184,12 +191,16 @@ def dimensions(scene: Scene, varied: Grid | None = None) -> str:
 
 
 def of_fit(fitted: xr.Dataset) -> Told:
-    """Yield the variable in the limit, what separates it from the reference, and the sum of these there."""
+    """Yield the variable in the limit, what separates it from the reference, and its mean there."""
     import numpy as np
 
     from gfmd_numba.analysis.fit_dataset import in_the_limit
+    from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 
     factor, unit = _readable_unit(fitted["reference"])
+    row = (OBSERVABLES | PATH_OBSERVABLES).get(fitted.attrs["variable"])
+    if row is not None and row.unit == "energy" and unit.endswith("Pa"):  # of a scene without a length
+        unit += " L_x"
     of_unit = f" ({unit})" if unit else ""
     varied = [limit for limit in LIMITS if fitted["alpha"].sel(limit=limit).notnull().any()]
     towards = f" and its limit {', '.join(varied)} -> 0" if varied else ""
@@ -200,11 +211,10 @@ def of_fit(fitted: xr.Dataset) -> Told:
     for limit in varied:
         correction = [shown[name].sel(limit=limit) for name in ("correction", "correction_error")]
         values[LIMITS[limit]] = _with_errors(*correction)
-    together = shown["interaction"].fillna(0.0).sum("pair")
     if fitted["interaction"].notnull().any():
+        together = shown["interaction"].fillna(0.0).sum("pair")
         values["together"] = _with_errors(together, np.sqrt((shown["interaction_error"] ** 2).sum("pair")))
-    whole = limits + shown["correction"].fillna(0.0).sum("limit") + together
-    values["reference"] = _with_errors(whole.fillna(factor * fitted["reference"]), shown["reference_error"])
+    values["reference"] = _with_errors(shown["reference"], shown["reference_error"])
     yield Table(title, _cells(fitted, _shown_parameters(fitted)), values)
     for limit in varied:
         laws = " or ".join(name for name in np.unique(fitted["law"].sel(limit=limit)).tolist() if name)

@@ -145,7 +145,7 @@ OBSERVABLES = {
         "gradient",
         "friction by hysteresis: force against the sliding of the punch along x, over the load",
         needs="sliding",
-        held="gradient",
+        held="height",
     ),
     "hysteretic_friction_error": Observable(
         "gradient",
@@ -233,7 +233,11 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
         "pressure", "mean tangential traction along y of the punch on the body", needs="drag of maps"
     ),
     "stick_fraction": Observable(
-        "1", "touching nodes that stick over all touching nodes", undefined_at_times=True, needs="friction"
+        "1",
+        "touching nodes that stick over all touching nodes",
+        undefined_at_times=True,
+        needs="friction",
+        held="height",
     ),
     "slid_over_peaks": Observable(
         "gradient",
@@ -298,7 +302,7 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     """
     interface = scene.interface
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
-    attracts = any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in interface.laws.values())
+    attracts = interface.attracts
     has = {
         "drag": interface.couples,
         "drag of maps": interface.couples and scene.dimension == 2,
@@ -334,20 +338,24 @@ def unheld(row: Observable, scene: Scene, varied: Collection[str]) -> str:
     """Why a quantity becomes 0 or infinite in the limits of a scene that are varied; nothing where it does not.
 
     With heights or gradients fixed, self-affine roughness keeps one of the two while eps_f and eps_t go to 0. A
-    hardness is a pressure, which has to keep its ratio to g E*.
+    hardness is a pressure, which has to keep its ratio to g E*. The energy that creep or a hardness takes is in
+    proportion to the heights. So are the distances in which contacts begin to slip and to relax: at ever smaller
+    heights, none sticks, and no wave is slow enough to dissipate.
     """
     if not {"eps_f", "eps_t"} & set(varied):
         return ""
     by_height = any(getattr(surface, "rms_height", None) is not None for surface in scene.surfaces.values())
     control, held = scene.loading.control, row.held
-    if held in ("", "load") and scene.interface.hardness is not None:
+    if row.needs == "loss" and not scene.interface.couples and not scene.interface.attracts:
+        held = "height"
+    elif held in ("", "load") and scene.interface.hardness is not None:
         held = "gradient"
     grows = "with a fixed rms_height the gradient g grows without bound as eps_f and eps_t go to 0"
     if held == "gradient" and by_height:
         return f"{grows}; give the roughness an rms_gradient"
     if held == "load" and by_height and control != "reduced_pressure":
         return f"{grows}, and p / (g E*) falls to 0; give the roughness an rms_gradient"
-    if by_height and control == "reduced_pressure" and row.unit in ("pressure", "energy", "height"):
+    if by_height and control == "reduced_pressure" and (held == "height" or row.unit in ("pressure", "energy")):
         return "with a fixed rms_height and reduced_pressure the pressure grows with the gradient; give a pressure"
     if held != "height":
         return ""

@@ -14,6 +14,7 @@ from gfmd_numba.roughness.surface_text import Table, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
+from gfmd_numba.storage.netcdf_file import TooLargeError, read_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,8 +71,6 @@ def read_npy(path: Path) -> npt.NDArray[Any]:
 
 def load_netcdf(path: Path) -> "xr.Dataset":
     """All of a netCDF file; raises ValueError for anything else and for one that is larger than it looks."""
-    import xarray as xr
-
     check_regular(path, most_numbers())
     try:
         os.fspath(path).encode()
@@ -80,13 +79,11 @@ def load_netcdf(path: Path) -> "xr.Dataset":
     if not can_be_read(path, most_numbers()):
         raise ValueError("no netCDF file, or a damaged one")
     try:
-        with xr.open_dataset(path, engine="netcdf4", decode_times=False) as dataset:
-            size = dataset.nbytes  # compressed, or never written, it may be any
-            if size <= most_numbers():
-                return dataset.load()
+        return read_dataset(path, most_numbers(), decode_times=False)
+    except TooLargeError:
+        raise
     except Exception:  # a damaged file may end in any error of HDF5, netCDF or xarray
         raise ValueError("no netCDF file, or a damaged one") from None
-    raise ValueError(f"{size / 1e6:.4g} MB of numbers, more than {most_numbers() / 1e6:.4g} MB")
 
 
 def _read_text(path: Path) -> Content:

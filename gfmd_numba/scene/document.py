@@ -422,9 +422,11 @@ def _listed(names: Iterable[str]) -> str:
 
 
 def nearest(given: object, names: Iterable[object]) -> str:
-    """Question whether the most similar name was meant, or nothing."""
+    """Question whether the most similar name was meant, or the first of which it is a part; or nothing."""
     words = [name for name in names if isinstance(name, str)]
-    matches = get_close_matches(given, words, 1) if isinstance(given, str) and len(given) < 200 else []
+    if not isinstance(given, str) or len(given) >= 200:
+        return ""
+    matches = get_close_matches(given, words, 1) or [word for word in words if given in word.split("_")]
     return f"did you mean {matches[0]!r}?" if matches else ""
 
 

@@ -321,6 +321,11 @@ class Interface(BaseModel):
         return any(law.tangential for law in self.laws.values())
 
     @property
+    def attracts(self) -> bool:
+        """Whether a law attracts."""
+        return any(getattr(law, "work_of_adhesion", 0.0) > 0.0 for law in self.laws.values())
+
+    @property
     def reaches_across(self) -> bool:
         """Whether anything acts across an open gap."""
         return any(law.across_open_gap for law in self.laws.values())

@@ -20,6 +20,7 @@ from typing import IO, TYPE_CHECKING
 from uuid import uuid4
 
 from gfmd_numba.storage import mark
+from gfmd_numba.storage.netcdf_file import content_of
 from gfmd_numba.text.input_error import InputError
 
 if TYPE_CHECKING:
@@ -172,30 +173,7 @@ def _proof(name: str, token: str) -> str:
 
 def write_dataset(path: Path, dataset: xr.Dataset) -> None:
     """Write a netCDF file as `replace` does."""
-    replace(path, mark.marked(netcdf(dataset)), mark.is_product)
-
-
-def netcdf(dataset: xr.Dataset) -> memoryview:
-    """Return the content of the netCDF-4 file of a dataset, as `Dataset.to_netcdf` makes it.
-
-    It is made in memory, because the netCDF library does not say why a disk refused it. `Dataset.to_netcdf` would
-    import all of dask.distributed, only to ask whether a cluster is going to write the file. Texts are arrays of
-    characters: a process ends in a segmentation fault when it opens a file with strings of variable length again
-    before it has closed it (HDF5 issue 5359).
-    """
-    import netCDF4
-    from xarray.backends import NetCDF4DataStore
-
-    dataset = dataset.copy()
-    for variable in dataset.variables.values():
-        if variable.dtype.kind in "UO":
-            variable.encoding = {"dtype": "S1"}
-    file = netCDF4.Dataset("in memory", "w", memory=1)
-    try:
-        dataset.dump_to_store(NetCDF4DataStore(file))
-    finally:
-        content: memoryview = file.close()
-    return content
+    replace(path, mark.marked(content_of(dataset)), mark.is_product)
 
 
 def write_picture(path: Path, figure: Figure) -> None:

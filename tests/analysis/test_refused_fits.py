@@ -136,3 +136,32 @@ def test_a_discretisation_that_is_not_above_0_is_refused(eps):
 def test_sentences_have_the_unit_of_the_variable():
     (group,) = groups_to_fit(campaign(), "kappa", omit_nyquist=True)
     assert [replace(group, unit=unit).shown(2.5e-7) for unit in ("1", "m")] == ["2.5e-07", "250 nm"]
+
+
+RANGES = {"eps_c": (0.8, 1.5), "eps_f": (0.3, 1.0), "eps_t": (0.5, 1.5)}
+
+
+def equal(cases, realisations=20):
+    """A share of the contact that is 1 in all realisations of some cases, and differs once in the others."""
+    dataset = campaign(realisations=realisations, cross=CROSS).rename(kappa="stick_fraction")
+    share = np.ones(dataset["stick_fraction"].shape)
+    share[np.arange(len(share)) >= cases, 0] = 0.9
+    counts = np.full(len(share), realisations)
+    counts[:2] = realisations // 2
+    share[:2, realisations // 2 :] = np.nan
+    return dataset.assign(stick_fraction=(("case", "realisation"), share)).assign_coords(realisations=("case", counts))
+
+
+def test_what_does_not_vary_is_refused():
+    dataset = equal(100)
+    why = "it is 1 in all realisations of all cases: there is nothing to extrapolate"
+    assert_refused(fit_tfc(dataset, "stick_fraction", fixed=RANGES), why)
+
+
+@pytest.mark.parametrize("cases", [1, 5, 12])
+def test_values_that_are_equal_at_some_levels_have_an_error(cases):
+    """One surface in n may have another value where none of n has."""
+    fit = fit_tfc(equal(cases), "stick_fraction", fixed=RANGES)
+    assert (fit["fit_status"] == "ok").all()
+    sampling = fit["error_budget"].sel(source="sampling").item()
+    assert 0.1 / 30 / 4 < sampling < 0.1

@@ -45,8 +45,9 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
 
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
-def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
-    """Ctrl-C reaches the workers, too, at any moment after the first shard."""
+@pytest.mark.parametrize(("send", "which"), [(os.killpg, signal.SIGINT), (os.kill, signal.SIGTERM)])
+def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path, send, which):
+    """Ctrl-C reaches the workers, too, at any moment after the first shard; a queue terminates the command alone."""
     path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
     process = subprocess.Popen(
@@ -55,7 +56,7 @@ def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path):
     while process.poll() is None and not list(out.glob("shards/*.shard")):
         time.sleep(0.001)
     time.sleep(np.random.default_rng().uniform(0, 0.2))
-    os.killpg(process.pid, signal.SIGINT)
+    send(process.pid, which)
     said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("busy ")]
     assert process.returncode == 130
     assert said == ["gfmd: interrupted; finished work is kept, the same command resumes"]

@@ -191,6 +191,8 @@ def so(**given):
         ),
         (so(misfit=1.6, target=0.1), (205, 0.122)),  # laws may fit better where the means are known better: to 7 %
         (so(misfit=1.4, is_last=True), "reached"),
+        (so(misfit=9.0, residual=0.01, is_last=True), "reached"),  # many surfaces tell of what does not matter
+        (so(misfit=9.0, residual=0.02, is_last=True), "no law of the limits describes the means"),
         (so(fit_status="refused", message="no exponent\nno idea", is_last=True), "refused, no exponent; no idea"),
         (so(fit_status="refused", message="no exponent", target=0.1), (205, 0.122)),
         (so(contradiction=-0.04), "contradict the fixed eps_f: 0.7; gfmd allows the range"),
@@ -233,6 +235,8 @@ def test_a_run_with_levels_of_the_user(given, next_one):
         (so(errors=(0.06,), laws={"eps_t": 0.04, "eps_f": 0.03}), "eps_t"),
         (so(errors=(0.06,), laws={"eps_t": 0.03}, rivals=0.04), "eps_f"),  # which fits differ in, however fine
         (so(misfit=2.0), "eps_f"),
+        (so(misfit=2.0, residual=0.01), "reached"),
+        (so(misfit=2.0, residual=0.01, groups=({"factor": 1.2},)), "eps_f"),
         (so(fit_status="refused", is_last=True), "eps_f"),
         (so(errors=(0.11,), laws={"eps_c": 0.03}), "eps_c"),  # for less than half of the surfaces' price
         (so(target=0.1, errors=(0.11,), laws={"eps_c": 0.03}), 125),

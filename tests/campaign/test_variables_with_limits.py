@@ -1,5 +1,7 @@
 """Which variables may be targets: those that have a limit, by the table of observables and the scaling of a scene."""
 
+from pathlib import Path
+
 import pytest
 
 import gfmd_numba
@@ -30,6 +32,13 @@ LEVELS = {
     "limits": {"eps_c": [1 / 4], "eps_f": [1 / 4, 1 / 16]},
 }
 HARD = {"interface": {"hard_wall": {"hardness": 3e6}}}
+RUBBER = {"body": {"poissons_ratio": 0.5, "youngs_modulus": 1e9, "relaxation": [{"modulus": 3e9, "time": 1.0}]}}
+SLIDING = RUBBER | {"length": 1e-3, "loading": {"pressure": 6e3, "speed": 1e-4}}
+DRAGGED = {
+    "body": {"poissons_ratio": 0.5, "aspect_ratio": 1.0, "youngs_modulus": 1e9},
+    "interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}},
+}
+DRAG = {"path": [{"sliding": 1e-6}]}
 
 
 def loaded(scene, variable, **file):
@@ -43,6 +52,14 @@ def test_what_has_no_limit_is_refused_with_the_reason(name):
         loaded(SCENE, name)
     with pytest.raises(InputError, match=rf"until: you gave '{name}'; gfmd allows one of kappa, .*; {why}"):
         gfmd_numba.run({}, until={name: 0.05})
+
+
+@pytest.mark.parametrize("given", ["gap", "mean_gab"])
+def test_the_nearest_variable_is_told(given):
+    with pytest.raises(InputError, match=r"until: .*; did you mean 'mean_gap'\?"):
+        gfmd_numba.run({}, until={given: 0.05})
+    with pytest.raises(InputError, match=r"target: .*; did you mean 'mean_gap'\?"):
+        loaded(SCENE, given)
 
 
 def test_the_command_tells_the_reason(tmp_path):
@@ -75,17 +92,40 @@ def test_what_vanishes_or_grows_in_a_scene_is_refused_with_the_reason(scene, var
 @pytest.mark.parametrize(
     ("scene", "variable", "file"),
     [
+        (SLIDING, "hysteretic_friction", {}),
+        (DRAGGED, "stick_fraction", DRAG),
+        (HARD, "energy_lost", {"path": [{"pressure": 6e5}]}),
+    ],
+)
+def test_what_follows_the_heights_vanishes_at_a_fixed_gradient(scene, variable, file):
+    with pytest.raises(InputError, match=rf"{variable} has none, because with a fixed rms_gradient the heights vanish"):
+        loaded(SCENE | scene, variable, **file)
+
+
+@pytest.mark.parametrize(
+    ("scene", "variable", "file"),
+    [
         (SCENE, "rms_gradient_contact", {}),
         (SCENE, "contact_area_fraction", {}),
         (SCENE | HARD, "plastic_area_fraction", {}),
         (BY_HEIGHT, "mean_gap", LEVELS),
         (BY_HEIGHT, "elastic_energy", LEVELS),
+        (BY_HEIGHT | SLIDING, "hysteretic_friction", LEVELS),
+        (BY_HEIGHT | DRAGGED, "stick_fraction", LEVELS | DRAG),
+        (SCENE | DRAGGED, "energy_lost", DRAG),
         (BY_HEIGHT | {"loading": {"reduced_pressure": 0.05}}, "contact_area_fraction", {}),
         (SCENE, "mean_gap", {**LEVELS, "limits": {"eps_c": [1 / 4, 1 / 8]}}),
     ],
 )
 def test_what_has_a_limit_in_a_scene_is_a_target(scene, variable, file):
     assert loaded(scene, variable, **file).fit.variable == variable
+
+
+def test_the_page_tells_what_has_a_limit():
+    page = (Path(__file__).parents[2] / "docs" / "limit.md").read_text()
+    told = page.split("## Which variables have a limit")[1].split("## ")[0]
+    variants = ("kappa_", "contact_area_fraction_counted", "mean_tangential_traction_y")
+    assert [name for name in LIMITED if f"`{name}`" not in told and not name.startswith(variants)] == []
 
 
 @pytest.mark.parametrize("variable", ["peak_pressure", "mean_segment_length"])

@@ -128,3 +128,10 @@ def test_a_limit_of_eps_t_says_what_becomes_of_slabs_and_layers(aspect_ratio, sa
     printed = unfolded(capsys.readouterr().out)
     assert said in printed
     assert ("infinitely thick" in printed) == bool(said)
+
+
+def test_an_energy_without_a_length_is_no_pressure(capsys):
+    dataset = noisy(campaign(), np.random.default_rng(1)).rename(kappa="elastic_energy")
+    dataset["elastic_energy"].attrs["units"] = "Pa"
+    tell(of_fit(fit_tfc(dataset, "elastic_energy", fixed=ALPHA)))
+    assert "elastic_energy (Pa L_x) and its limit" in unfolded(capsys.readouterr().out)

@@ -7,6 +7,7 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba.analysis import contact_stiffness, plot_curve, plot_fit
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import campaign
 
 SCENE = {
@@ -54,6 +55,17 @@ def test_what_is_no_dataset_is_told_who_makes_one(function, given):
 def test_what_is_no_path_is_no_campaign(given):
     with pytest.raises(InputError, match=r"path: you gave .*; gfmd allows a netCDF file, or the output directory"):
         gfmd_numba.open_campaign(given)
+
+
+def test_a_contact_is_no_campaign(tmp_path):
+    write_dataset(tmp_path / "contact.nc", gfmd_numba.solve(SCENE))
+    with pytest.raises(InputError, match=r"contact.nc: you gave a file without results of a campaign; gfmd allows"):
+        gfmd_numba.open_campaign(tmp_path / "contact.nc")
+
+
+def test_a_dataset_in_chunks_is_loaded():
+    chunked = gfmd_numba.solve(SCENE).chunk()
+    assert gfmd_numba.contact_statistics(chunked).identical(gfmd_numba.contact_statistics(chunked.compute()))
 
 
 @pytest.mark.parametrize("z", ["deep", [[-0.1]], [-0.1, None], object(), np.array(["a"]), 1j, [-2.0], 0.1, np.nan])

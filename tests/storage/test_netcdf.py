@@ -48,3 +48,37 @@ def test_a_file_with_texts_can_be_opened_again_before_it_is_closed(tmp_path):
         xr.testing.assert_identical(read, text)
     open_often = "import netCDF4, sys; all(netCDF4.Dataset(sys.argv[1]) for _ in range(300))"
     python(open_often, file)
+
+
+_THREADS = """
+import sys
+from pathlib import Path
+from threading import Thread
+
+import xarray as xr
+
+from gfmd_numba.storage.atomic_file import write_dataset
+from gfmd_numba.storage.netcdf_file import content_of, read_dataset
+
+numbers = xr.Dataset({f"v{i}": ("x", [1.0] * 100, {"units": "1"}) for i in range(40)})
+write_dataset(Path(sys.argv[1]), numbers)
+failed = []
+
+def work():
+    try:
+        for _ in range(4):
+            content_of(numbers)
+            assert read_dataset(sys.argv[1], 1e9).identical(numbers)
+    except BaseException as error:
+        failed.append(error)
+
+threads = [Thread(target=work) for _ in range(4)]
+[thread.start() for thread in threads]
+[thread.join() for thread in threads]
+assert not failed, failed
+"""
+
+
+def test_threads_write_and_read_at_once(tmp_path):
+    """The HDF5 library ends the process in a segmentation fault where two threads are in it."""
+    python(_THREADS, tmp_path / "numbers.nc")

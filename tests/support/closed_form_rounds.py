@@ -74,8 +74,11 @@ def known(groups=({},), held=HELD, fixed=None, levels=LEVELS, variable="kappa", 
     return Known(xr.Dataset(ran, coords, {"cpu_seconds": 3.0}).assign(more), Fit(variable, fixed or {}))
 
 
-def fitted(found, errors=(0.1,), variable="kappa", bridged=None, **more):
-    """A fit with relative errors of some groups, all by their surfaces, and what the distance in each limit adds."""
+def fitted(found, errors=(0.1,), variable="kappa", bridged=None, residual=0.1, **more):
+    """A fit with relative errors of some groups, all by their surfaces, and what the distance in each limit adds.
+
+    The rms distance of its four means from the laws is a `residual` of the limit.
+    """
     n, value = len(errors), np.full(len(errors), VALUE)
     by_limit = np.zeros((n, 3))
     for name, shares in (bridged or {}).items():
@@ -95,6 +98,8 @@ def fitted(found, errors=(0.1,), variable="kappa", bridged=None, **more):
         "contradiction": (each, np.zeros((n, 3))),
         "fit_status": ("group", np.full(n, "ok", dtype=object)),
         "misfit": ("group", np.ones(n)),
+        "rms_residual": ("group", abs(value) * residual),
+        "n_cases": ("group", np.full(n, 4)),
         "message": ("group", np.full(n, "", dtype=object)),
     }
     for name, given in more.items():

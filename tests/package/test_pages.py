@@ -83,7 +83,7 @@ class Reader:
         elif item.kind == "python":
             self._python(item.text)
         else:
-            assert item.kind in ("text", "dockerfile"), f"{item}: no test reads {item.kind!r}"
+            assert item.kind == "text", f"{item}: no test reads {item.kind!r}"
 
     def _file(self, name, record, excerpt):
         path = self.folder / (f"excerpt-{name}" if excerpt else name)

@@ -21,6 +21,7 @@ _EVEN = 0.05  # of the mean step, by which the steps of an axis may differ: its 
 _ALIKE = 2.0 * _EVEN  # likewise, by which a step of the heights may differ from one that goes on in the next row
 _FEWEST = 4  # values that make an axis on their own
 _SPARSE = 3  # times as many even positions as are given
+_WHOLE, _RARE = 1.1, 0.05  # of the last digit, by which roundings differ; share of their short or long steps
 _GAP = 4.0  # times the steps of uneven positions, of which a tenth are longer: nothing was measured there
 _SCATTERED = 0.5  # of a grid without its heights: points at random fill far less
 
@@ -197,6 +198,10 @@ def laid_out(
         if mean > 0.0:
             return heights, mean * len(x), ()
         return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
+    if rounded := _rounded(x):
+        mean, digit = rounded
+        told = f"took positions {name} for even ones {abs(mean):.4g} apart, rounded to {digit:g}"
+        return heights if mean > 0.0 else np.flip(heights, axis), abs(mean) * len(x), (told,)
     of_map = heights.ndim == 2
     order = np.argsort(x, kind="stable")
     ascending = x[order]
@@ -305,6 +310,22 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     if 1 in heights.shape:
         return heights.ravel(), {"x": along_x if len(along_y) == 1 else along_y}
     return heights, {"x": along_x, "y": along_y}
+
+
+def _rounded(positions: Reals) -> tuple[float, float] | None:
+    """Spacing of even positions of which those given are the rounded ones, and the digit; None for others.
+
+    Steps between them are then of two sizes, which mix evenly; a few long steps among others are missing positions.
+    """
+    digits = (10.0**-k for k in range(10))
+    digit = next((d for d in digits if (abs(positions / d - np.round(positions / d)) < 1e-6).all()), None)
+    if digit is None:
+        return None
+    at = np.arange(len(positions))
+    mean = np.polyfit(at, positions, 1)[0]
+    short = np.round(np.diff(positions) / digit) == np.floor(mean / digit)
+    is_even = np.ptp(positions - mean * at) <= _WHOLE * digit
+    return (float(mean), digit) if is_even and _RARE < short.mean() < 1.0 - _RARE else None
 
 
 def _completed(positions: Reals) -> tuple[Reals, Indices] | None:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from gfmd_numba import make_surface
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene.measured_record import Measured
 
@@ -111,3 +112,15 @@ def test_a_byte_order_mark_is_no_height(tmp_path):
     for encoding in ("utf-8-sig", "utf-16"):
         (tmp_path / "profile.csv").write_text("1\n2\n3\n4\n", encoding=encoding)
         assert read(tmp_path / "profile.csv", None).heights.tolist() == [1, 2, 3, 4]
+
+
+@pytest.mark.parametrize("spacing", [0.5, 0.61, 1.3, -12.3])
+def test_even_positions_of_few_digits_are_even(tmp_path, spacing):
+    heights = np.random.default_rng(0).normal(size=400).cumsum()
+    rows = [f"{1e-3 * (7.0 + spacing * i):.3f}\t{z:.5f}" for i, z in enumerate(heights)]
+    (tmp_path / "profile.txt").write_text("x [mm]\tz [um]\n" + "\n".join(rows))
+    found = make_surface({"surface": {"method": "measured", "file": str(tmp_path / "profile.txt"), "detrend": "mean"}})
+    assert float(found["x"][1]) == pytest.approx(1e-6 * abs(spacing), rel=2e-3)
+    expected = 1e-6 * (heights - heights.mean())[:: 1 if spacing > 0.0 else -1]
+    np.testing.assert_allclose(found["height"], expected, atol=1e-11)
+    assert "rounded to 0.001" in found.attrs["processing"]

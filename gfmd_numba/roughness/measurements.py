@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any, Literal
 
 import numpy as np
@@ -189,19 +190,13 @@ def laid_out(
     outside = np.flatnonzero(~(abs(x) <= LARGEST))
     if len(outside):
         raise ValueError(f"position {name} = {x[outside[0]]} at index {outside[0]}, not a finite number")
-    mean = (x[-1] - x[0]) / (len(x) - 1)
-    rounding = 4.0 * float(np.finfo(positions.dtype).eps) * abs(x).max() if positions.dtype.kind == "f" else 0.0
+    spacing, done = _spacing(x, positions.dtype, name)
+    if spacing > 0.0:
+        return heights, spacing * len(x), done
+    if spacing < 0.0:
+        turned = f"turned round along {name}, as its positions descend"
+        return np.flip(heights, axis), -spacing * len(x), (*done, turned)
     steps = np.diff(x)
-    off = abs(steps - mean) > UNEVEN * abs(mean) + rounding
-    even = x[0] + mean * np.arange(len(x))
-    if mean != 0.0 and (not off.any() or (abs(x - even) <= _ROUNDED * abs(mean)).all()):
-        if mean > 0.0:
-            return heights, mean * len(x), ()
-        return np.flip(heights, axis), -mean * len(x), (f"turned round along {name}, as its positions descend",)
-    if rounded := _rounded(x):
-        mean, digit = rounded
-        told = f"took positions {name} for even ones {abs(mean):.4g} apart, rounded to {digit:g}"
-        return heights if mean > 0.0 else np.flip(heights, axis), abs(mean) * len(x), (told,)
     of_map = heights.ndim == 2
     order = np.argsort(x, kind="stable")
     ascending = x[order]
@@ -222,6 +217,12 @@ def laid_out(
         apart = f"at most {steps.max() / mean:.4g} mean spacings apart"
         heights = _interpolated(ascending, heights[order])
         return heights, float(mean * len(x)), (f"interpolated linearly from uneven positions {name}, {apart}",)
+    raise _uneven(x, name, of_map)
+
+
+def _uneven(x: Reals, name: str, of_map: bool) -> ValueError:
+    """Error of positions along an axis that are not equidistant: where, and what to do."""
+    steps, mean = np.diff(x), (x[-1] - x[0]) / (len(x) - 1)
     if (steps > 0.0).all() or (steps < 0.0).all():
         worst = int(abs(steps - mean).argmax())
         wrong = f"a spacing of {steps[worst]:g} in {name} at index {worst}, where {mean:g} is the mean: not equidistant"
@@ -230,102 +231,31 @@ def laid_out(
         turn = int((sign != sign[0]).argmax()) if sign[0] != 0.0 else 0
         wrong = f"positions {name} that are in no order from index {turn} on"
     if len(np.unique(x)) < len(x):
-        raise ValueError(f"{wrong}, and some twice: keep one pass over the surface")
+        return ValueError(f"{wrong}, and some twice: keep one pass over the surface")
     remedy = (
         "interpolate the map to a regular grid"
         if of_map
         else f"`points: {len(x)}`, or twice as many with `periodic: mirror`, has them sorted and interpolated"
     )
-    raise ValueError(f"{wrong}; {remedy}")
+    return ValueError(f"{wrong}; {remedy}")
 
 
-def _interpolated(x: Reals, heights: Reals) -> Reals:
-    """Heights on as many even positions as those that rise, not-a-number in gaps between them."""
-    at, steps = np.linspace(x[0], x[-1], len(x)), np.diff(x)
-    found = np.interp(at, x, heights)
-    for i in np.flatnonzero(steps > _GAP * np.quantile(steps, 0.9)):
-        found[(at > x[i]) & (at < x[i + 1])] = np.nan
-    return found
-
-
-def are_even(heights: Reals) -> bool:
-    """Whether the heights of a profile are evenly spaced, as positions are."""
-    steps = np.diff(heights)
-    return heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
-
-
-def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
-    """Heights `[ny, nx]` of a table, and the positions along x and y if its first row and first column are axes.
-
-    An axis is strictly monotone and evenly spaced, and no neighbouring row goes on with its steps. The corner where
-    both meet may hold anything. Raises ValueError, with the `line` of the first row, for one axis without the other.
-    """
-    if min(values.shape) < _FEWEST:
-        return values, {}
-    along_x, along_y = _is_axis(values[:, 1:]), _is_axis(values.T[:, 1:])
-    both_even = _is_even(values[0, 1:]) and _is_even(values[1:, 0])
-    corner_fits = _is_even(values[0]) if along_x else _is_even(values[:, 0])  # the only axis, which then begins there
-    if (along_x and along_y) or ((along_x or along_y) and both_even and not corner_fits):
-        return values[1:, 1:], {"x": values[0, 1:], "y": values[1:, 0]}
-    for name, found in (("row", along_x or _is_axis(values)), ("column", along_y or _is_axis(values.T))):
-        if found:
-            where = f"a first row (line {line})" if name == "row" else f"a first column (from line {line} on)"
-            x, y, other = ("x", "y", "column") if name == "row" else ("y", "x", "row")
-            raise ValueError(
-                f"{where} of evenly spaced numbers, unlike the {name}s next to it: if they are positions along {x}, "
-                f"give those along {y} as the first {other}, evenly spaced too, or delete the {name}; if they are "
-                "heights, save the map as .npy"
-            )
-    return values, {}
-
-
-def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
-    """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
-
-    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile along x. Raises
-    ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
-    """
-    present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
-    x, y, z = x[present], y[present], z[present]
-    unknown = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
-    if len(unknown):
-        raise ValueError(f"a point without a finite x and y in row {unknown[0] + 1} of numbers")
-    (along_x, i), (along_y, j) = (np.unique(each, return_inverse=True) for each in (x, y))
-    cells = len(along_x) * len(along_y)
-    place = j * len(along_x) + i
-    order = np.argsort(place, kind="stable")
-    again = np.flatnonzero(np.diff(place[order]) == 0)
-    if len(again):
-        row = order[again[0] + 1]
-        raise ValueError(f"the point x = {x[row]:g}, y = {y[row]:g} twice, again in row {row + 1} of numbers")
-    if len(x) < _SCATTERED * cells:
-        raise ValueError(
-            f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
-            "y, which are no grid: interpolate them to one, or save the map as rows of heights"
-        )
-    along_x, of_x = _completed(along_x) or (along_x, np.arange(len(along_x)))
-    along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))
-    heights = np.full((len(along_y), len(along_x)), np.nan)
-    heights[of_y[j], of_x[i]] = z
-    if 1 in heights.shape:
-        return heights.ravel(), {"x": along_x if len(along_y) == 1 else along_y}
-    return heights, {"x": along_x, "y": along_y}
-
-
-def _rounded(positions: Reals) -> tuple[float, float] | None:
-    """Spacing of even positions of which those given are the rounded ones, and the digit; None for others.
-
-    Steps between them are then of two sizes, which mix evenly; a few long steps among others are missing positions.
-    """
+def _spacing(positions: Reals, of: np.dtype[Any], name: str) -> tuple[float, tuple[str, ...]]:
+    """Spacing of even positions, that were stored in numbers `of` a type, and what was done; 0 of uneven ones."""
+    mean, at = (positions[-1] - positions[0]) / (len(positions) - 1), np.arange(len(positions))
+    rounding = 4.0 * float(np.finfo(of).eps) * abs(positions).max() if of.kind == "f" else 0.0
+    is_even = (abs(np.diff(positions) - mean) <= UNEVEN * abs(mean) + rounding).all()
+    if is_even or (abs(positions - positions[0] - mean * at) <= _ROUNDED * abs(mean)).all():
+        return mean, ()
+    # The steps of positions of few digits are of two sizes, which mix evenly. A few long ones are missing positions.
     digits = (10.0**-k for k in range(10))
-    digit = next((d for d in digits if (abs(positions / d - np.round(positions / d)) < 1e-6).all()), None)
-    if digit is None:
-        return None
-    at = np.arange(len(positions))
-    mean = np.polyfit(at, positions, 1)[0]
-    short = np.round(np.diff(positions) / digit) == np.floor(mean / digit)
-    is_even = np.ptp(positions - mean * at) <= _WHOLE * digit
-    return (float(mean), digit) if is_even and _RARE < short.mean() < 1.0 - _RARE else None
+    digit = next((d for d in digits if (abs(positions / d - np.round(positions / d)) < 1e-6).all()), inf)
+    mean = float(np.polyfit(at, positions, 1)[0])
+    short = int((np.round(np.diff(positions) / digit) == np.floor(mean / digit)).sum())
+    rarer = min(short, len(positions) - 1 - short)
+    if not np.ptp(positions - mean * at) <= _WHOLE * digit < inf or rarer < max(_FEWEST, _RARE * len(positions)):
+        return 0.0, ()
+    return mean, (f"took positions {name} for even ones {abs(mean):.4g} apart, rounded to {digit:g}",)
 
 
 def _completed(positions: Reals) -> tuple[Reals, Indices] | None:

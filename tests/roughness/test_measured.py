@@ -6,6 +6,7 @@ import xarray as xr
 
 from gfmd_numba import make_surface
 from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.scene import InputError
 from gfmd_numba.scene.measured_record import Measured
 
 N, LENGTH = 64, 1e-4
@@ -116,11 +117,19 @@ def test_a_byte_order_mark_is_no_height(tmp_path):
 
 @pytest.mark.parametrize("spacing", [0.5, 0.61, 1.3, -12.3])
 def test_even_positions_of_few_digits_are_even(tmp_path, spacing):
-    heights = np.random.default_rng(0).normal(size=400).cumsum()
-    rows = [f"{1e-3 * (7.0 + spacing * i):.3f}\t{z:.5f}" for i, z in enumerate(heights)]
+    heights = np.random.default_rng(0).normal(size=400) * 1e-2
+    rows = [f"{1e-3 * (7.0 + spacing * i):.3f}\t{z:.7f}" for i, z in enumerate(heights)]
     (tmp_path / "profile.txt").write_text("x [mm]\tz [um]\n" + "\n".join(rows))
     found = make_surface({"surface": {"method": "measured", "file": str(tmp_path / "profile.txt"), "detrend": "mean"}})
     assert float(found["x"][1]) == pytest.approx(1e-6 * abs(spacing), rel=2e-3)
     expected = 1e-6 * (heights - heights.mean())[:: 1 if spacing > 0.0 else -1]
     np.testing.assert_allclose(found["height"], expected, atol=1e-11)
     assert "rounded to 0.001" in found.attrs["processing"]
+
+
+def test_missing_positions_are_not_taken_for_rounded_ones(tmp_path):
+    rows = [f"{0.01 * i:.2f}\t{z:.5f}" for i, z in enumerate(np.random.default_rng(0).normal(size=400)) if i % 30 != 7]
+    (tmp_path / "profile.txt").write_text("x [mm]\tz [um]\n" + "\n".join(rows))
+    surface = {"method": "measured", "file": str(tmp_path / "profile.txt")}
+    with pytest.raises(InputError, match="fill: interpolate"):
+        make_surface({"surface": surface})

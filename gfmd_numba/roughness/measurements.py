@@ -240,6 +240,79 @@ def _uneven(x: Reals, name: str, of_map: bool) -> ValueError:
     return ValueError(f"{wrong}; {remedy}")
 
 
+def _interpolated(x: Reals, heights: Reals) -> Reals:
+    """Heights on as many even positions as those that rise, not-a-number in gaps between them."""
+    at, steps = np.linspace(x[0], x[-1], len(x)), np.diff(x)
+    found = np.interp(at, x, heights)
+    for i in np.flatnonzero(steps > _GAP * np.quantile(steps, 0.9)):
+        found[(at > x[i]) & (at < x[i + 1])] = np.nan
+    return found
+
+
+def are_even(heights: Reals) -> bool:
+    """Whether the heights of a profile are evenly spaced, as positions are."""
+    steps = np.diff(heights)
+    return heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
+
+
+def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` of a table, and the positions along x and y if its first row and first column are axes.
+
+    An axis is strictly monotone and evenly spaced, and no neighbouring row goes on with its steps. The corner where
+    both meet may hold anything. Raises ValueError, with the `line` of the first row, for one axis without the other.
+    """
+    if min(values.shape) < _FEWEST:
+        return values, {}
+    along_x, along_y = _is_axis(values[:, 1:]), _is_axis(values.T[:, 1:])
+    both_even = _is_even(values[0, 1:]) and _is_even(values[1:, 0])
+    corner_fits = _is_even(values[0]) if along_x else _is_even(values[:, 0])  # the only axis, which then begins there
+    if (along_x and along_y) or ((along_x or along_y) and both_even and not corner_fits):
+        return values[1:, 1:], {"x": values[0, 1:], "y": values[1:, 0]}
+    for name, found in (("row", along_x or _is_axis(values)), ("column", along_y or _is_axis(values.T))):
+        if found:
+            where = f"a first row (line {line})" if name == "row" else f"a first column (from line {line} on)"
+            x, y, other = ("x", "y", "column") if name == "row" else ("y", "x", "row")
+            raise ValueError(
+                f"{where} of evenly spaced numbers, unlike the {name}s next to it: if they are positions along {x}, "
+                f"give those along {y} as the first {other}, evenly spaced too, or delete the {name}; if they are "
+                "heights, save the map as .npy"
+            )
+    return values, {}
+
+
+def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
+    """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
+
+    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile along x. Raises
+    ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
+    """
+    present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
+    x, y, z = x[present], y[present], z[present]
+    unknown = np.flatnonzero(~(np.isfinite(x) & np.isfinite(y)))
+    if len(unknown):
+        raise ValueError(f"a point without a finite x and y in row {unknown[0] + 1} of numbers")
+    (along_x, i), (along_y, j) = (np.unique(each, return_inverse=True) for each in (x, y))
+    cells = len(along_x) * len(along_y)
+    place = j * len(along_x) + i
+    order = np.argsort(place, kind="stable")
+    again = np.flatnonzero(np.diff(place[order]) == 0)
+    if len(again):
+        row = order[again[0] + 1]
+        raise ValueError(f"the point x = {x[row]:g}, y = {y[row]:g} twice, again in row {row + 1} of numbers")
+    if len(x) < _SCATTERED * cells:
+        raise ValueError(
+            f"{len(x)} points of three columns x, y and z at {len(along_x)} different x and {len(along_y)} different "
+            "y, which are no grid: interpolate them to one, or save the map as rows of heights"
+        )
+    along_x, of_x = _completed(along_x) or (along_x, np.arange(len(along_x)))
+    along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))
+    heights = np.full((len(along_y), len(along_x)), np.nan)
+    heights[of_y[j], of_x[i]] = z
+    if 1 in heights.shape:
+        return heights.ravel(), {"x": along_x if len(along_y) == 1 else along_y}
+    return heights, {"x": along_x, "y": along_y}
+
+
 def _spacing(positions: Reals, of: np.dtype[Any], name: str) -> tuple[float, tuple[str, ...]]:
     """Spacing of even positions, that were stored in numbers `of` a type, and what was done; 0 of uneven ones."""
     mean, at = (positions[-1] - positions[0]) / (len(positions) - 1), np.arange(len(positions))

@@ -500,7 +500,7 @@ def leakage(
     Examples
     --------
     >>> gfmd_numba.leakage(contact)["flow_factor"].values.round(2)
-    array([0.54, 0.65])
+    array([0.53, 0.62])
     """
     from gfmd_numba.analysis import leakage as leakage_of
     from gfmd_numba.simulate.materials_and_fluids import with_flow

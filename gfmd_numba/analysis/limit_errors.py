@@ -42,9 +42,6 @@ def inseparable(group: Group) -> str:
         return f"no realisation is good in all {group.n_cases} cases: run more, or repeat the failed ones"
     if (np.nan_to_num(group.values[group.complete]) == 0.0).all(axis=0).any():
         return "it is 0 in all realisations of a case: there is nothing to extrapolate"
-    least, most = np.nanmin(group.values[group.complete]), np.nanmax(group.values[group.complete])
-    if most - least <= 1e-12 * abs(most):
-        return f"it is {group.shown(most)} in all realisations of all cases: there is nothing to extrapolate"
     columns = [np.exp(0.7 * group.log_ratio(name)) for name in group.levels]
     if np.linalg.matrix_rank(np.column_stack([np.ones(group.n_cases), *columns])) <= len(columns):
         varied = ", ".join(group.levels)

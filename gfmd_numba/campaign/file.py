@@ -24,7 +24,7 @@ from gfmd_numba.campaign.limits import (
     first_levels,
     limits_around,
 )
-from gfmd_numba.campaign.output_directory import LABEL, home_of
+from gfmd_numba.campaign.output_directory import LABEL, check_label, home_of
 from gfmd_numba.contact.refusal import check_combination, check_where
 from gfmd_numba.scene import checks
 from gfmd_numba.scene import document as documents
@@ -283,7 +283,8 @@ def replaced(directory: Path, campaign: Campaign, target: Mapping[str, float] | 
     """
     label = directory / LABEL
     try:
-        before = load_campaign(label, target)[0] if label.is_file() else campaign
+        check_label(directory)
+        before = load_campaign(label, target)[0]
     except (InputError, OSError):
         return ""
     if before.name != campaign.name or before == campaign.model_copy(update={"realisations": before.realisations}):

@@ -23,7 +23,6 @@ from gfmd_numba.cli.terminal import say, say_doubts, tell, waiting, warn
 from gfmd_numba.text.input_error import InputError
 from gfmd_numba.text.numbers import with_prefix
 from gfmd_numba.text.printable import printable
-from gfmd_numba.text.recorded_scene import is_elastic_contact
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from gfmd_numba.scene import Document, SceneFile
 
 _MOST = 10_000
-_MAY_YIELD = 100e6  # Pa: few solids are softer that are no rubber
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
 _ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
 
@@ -88,11 +86,6 @@ def _tell(dataset: xr.Dataset) -> None:
     """Print what came out, what was done to measured surfaces, and the reasons to doubt it."""
     tell(of_results(dataset, None))
     _say_done(dataset)
-    in_si = "peak_pressure" in dataset and dataset["peak_pressure"].attrs["units"] == "Pa"
-    peak = float(dataset["peak_pressure"].max()) if in_si and is_elastic_contact(dataset.attrs["scene"]) else 0.0
-    if peak > _MAY_YIELD:
-        told = f"bodies are elastic here: if their hardness is below the largest pressure, {with_prefix(peak, 'Pa', 3)}"
-        say("note", f"{told}, give it as interface: {{hard_wall: {{hardness: ...}}}}")
 
 
 def _say_done(dataset: xr.Dataset) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error, with_prefix
-from gfmd_numba.text.recorded_scene import is_form_alone
+from gfmd_numba.text.recorded_scene import is_elastic_contact, is_form_alone
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,6 +53,7 @@ _IN_UNIT_OF_VARIABLE = [
     "interaction_error",
 ]
 MOST_ROWS = 200
+_MAY_YIELD = 100e6  # Pa: few solids are softer that are no rubber
 _MOST_EXPONENTS = 6
 _MOST_GROUPS = 3  # that a note names
 _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
@@ -460,6 +461,15 @@ def _with_errors(values: Any, errors: Any) -> list[str]:
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     """Yield what came out: of a campaign with its fit if it has limits; of what is no contact all single numbers."""
+    yield from _of_results(dataset, fitted)
+    if "peak_pressure" in dataset and dataset["peak_pressure"].attrs.get("units") == "Pa":
+        peak = float(dataset["peak_pressure"].max())
+        if peak > _MAY_YIELD and is_elastic_contact(dataset.attrs.get("scene", "{}")):
+            told = f"bodies are elastic here: if their hardness is below {with_prefix(peak, 'Pa', 3)}, the largest"
+            yield Line("note", f"{told} pressure, give it as interface: {{hard_wall: {{hardness: ...}}}}")
+
+
+def _of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     if "case" in dataset.dims:
         yield from of_campaign(dataset, fitted)
     elif "prescribed" in dataset.attrs:

@@ -128,7 +128,9 @@ def periodic_surface(
     heights, levelled = detrended(heights, record.detrend)
     ends = ends_of(periodic, heights.ndim)
     if np.ptp(heights) <= _FLAT * float(abs(found.heights[~np.isnan(found.heights)]).max()):
-        raise ValueError(f"a flat surface{'' if record.detrend == 'none' else ' once the trend is gone'}")
+        raise ValueError(
+            f"a flat surface{'' if record.detrend == 'none' else ' once the trend is gone'}, but for rounding"
+        )
     mirrored = field.fields == 2.0 and not any(ends)
     signs = plausibility.of_field(
         plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff)

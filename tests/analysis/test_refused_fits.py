@@ -152,12 +152,6 @@ def equal(cases, realisations=20):
     return dataset.assign(stick_fraction=(("case", "realisation"), share)).assign_coords(realisations=("case", counts))
 
 
-def test_what_does_not_vary_is_refused():
-    dataset = equal(100)
-    why = "it is 1 in all realisations of all cases: there is nothing to extrapolate"
-    assert_refused(fit_tfc(dataset, "stick_fraction", fixed=RANGES), why)
-
-
 @pytest.mark.parametrize("cases", [1, 5, 12])
 def test_values_that_are_equal_at_some_levels_have_an_error(cases):
     """One surface in n may have another value where none of n has."""

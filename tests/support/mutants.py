@@ -69,8 +69,8 @@ TEXTS = {
         (_RANDOM % ("psd", _ANISOTROPIC)).replace("128", "24") + "dimension: 2\n",
         _RANDOM % ("psd", _SELF_AFFINE),
         f"surface: {_RECURSIVE}\nlength: 1e-4\n",
-        "surface: {method: measured, file: p.csv, units: {z: um}, detrend: tilt, periodic: mirror, points: 100}\n"
-        "length: 1e-4\n",
+        "surface: {method: measured, file: p.csv, units: {z: um}, detrend: tilt, periodic: mirror, points: 100,\n"
+        "  spacing: 3e-6}\n",
     ],
 }
 KINDS = (*TEXTS, "npy", "csv", "nc", "table")

@@ -101,7 +101,7 @@ def test_a_path_has_one_identity_and_one_result(effect):
         assert (solved["status"] == 0).all()
         period, young, gradient = SYSTEMS[system]
         height, pressure = gradient * (period or 1.0), gradient * (1.0 if young is None else young / (1 - NU**2))
-        scale = {"pressure": pressure, "energy": height * pressure, "height": height, "1": 1.0}
+        scale = {"pressure": pressure, "energy": height * pressure, "height": height, "gradient": gradient, "1": 1.0}
         rows = {name: row.unit for name, row in PATH_OBSERVABLES.items() if name in solved}
         rows |= {name: OBSERVABLES[name].unit for name in ("mean_pressure", "mean_gap", "contact_area_fraction")}
         found[system] = (

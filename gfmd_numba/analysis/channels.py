@@ -273,7 +273,7 @@ def _through_nodes(one: Indices, other: Indices, flow: Reals, n: int) -> Reals:
 
 
 def _pressure(ends: tuple[Indices, Indices], conductance: Reals, fall: Reals, held: Indices) -> Reals:
-    """Pressure of each node, 0 at those held, for faces between whose ends it falls by `fall` beside its difference."""
+    """Pressure of each node, 0 at those held. From end to end of a face it falls by their difference and by `fall`."""
     one, other = ends
     n = int(max(one.max(), other.max())) + 1
     diagonal, leak = np.bincount(one, conductance, n) + np.bincount(other, conductance, n), np.zeros(n)

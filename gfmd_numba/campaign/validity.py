@@ -6,7 +6,6 @@ from math import pi
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact import law_resolution, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
@@ -81,8 +80,9 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
             largest += f", and the mean pressure {float(pressures.max()):.2g} E*"
         if strained.any():
             yield (
-                f"strains are no longer small in {_of_cases(strained)}, where {largest}: linear elasticity is wrong by "
-                "about these fractions; check load, moduli and heights"
+                f"strains are no longer small in {_of_cases(strained)}, where {largest} (small are up to "
+                f"{_MEAN_OF_SLOPES:.1g} and {_MEAN_OF_PRESSURES:.1g} E*): linear elasticity is wrong by about these "
+                "fractions; check load, moduli and heights"
             )
     has_limit_of_grids = "eps_c" in dataset["limit"].values  # that takes account of narrow contacts
     if scene.interface.hard_wall is not None and not has_limit_of_grids:
@@ -91,19 +91,20 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
 
 def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
     """Yield the sentences about all cases, with how many have each and at which steps."""
-    said = list(filter(None, reasons(_arrays(cases))))
     dims = [dim for dim in ("case", "step") if dim in cases.dims]
-    each = np.ndindex(*(cases.sizes[dim] for dim in dims)) if said else ()
-    found = {place: reasons(_arrays(cases.isel(dict(zip(dims, place, strict=True))))) for place in each}
+    shape = [cases.sizes[dim] for dim in dims]
+    own = [
+        each.transpose(*dims, ..., missing_dims="ignore") for each in cases.data_vars.values() if "case" in each.dims
+    ]
+    said = list(filter(None, reasons({str(each.name): each.values for each in own})))
+    arrays = [(str(each.name), each.values, 1 + ("step" in each.dims)) for each in own]  # numpy, as cases are many
+    lines = [
+        {validity.wording(line) for line in reasons({name: values[place[:axes]] for name, values, axes in arrays})}
+        for place in (np.ndindex(*shape) if said else ())
+    ]
     for sentence in said:
-        affected = xr.DataArray(np.zeros([cases.sizes[dim] for dim in dims], dtype=np.bool_), dims=dims)
-        for place, lines in found.items():
-            affected[place] = validity.wording(sentence) in map(validity.wording, lines)
-        yield f"in {_of_cases(affected)}: {sentence}"
-
-
-def _arrays(cases: xr.Dataset) -> dict[str, Reals]:
-    return {str(name): values.values for name, values in cases.data_vars.items()}
+        affected = np.array([validity.wording(sentence) in each for each in lines]).reshape(shape)
+        yield f"in {_of_cases(xr.DataArray(affected, dims=dims))}: {sentence}"
 
 
 def _narrow(cases: xr.Dataset) -> Iterator[str]:

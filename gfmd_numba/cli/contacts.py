@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -144,7 +145,7 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
     if option is None:
         return None
     *ends, count = option.split(":")
-    if not ends:
+    if not ends and not re.search(r"\d\s*-\s*\d", option):
         return [plain_scalar(text.strip()) for text in option.split(",")]
     many = count.strip()
     if len(ends) != 2 or not (many.isdecimal() and many.isascii() and len(many) < 6 and 2 <= int(many) <= _MOST):

@@ -109,7 +109,9 @@ def check_finite(heights: Reals) -> None:
     outside = np.argwhere(abs(heights) > LARGEST)
     if len(outside):
         first = heights[tuple(outside[0])]
-        allowed = f"at most {LARGEST:g} in size" if np.isfinite(first) else "a finite number"
+        allowed = "a finite number"
+        if np.isfinite(first):
+            allowed = f"at most {LARGEST:g} in size; if it marks a missing height, write nan, and fill: interpolate"
         raise ValueError(f"height {first} at {place(outside)}, not {allowed}")
     known = heights[~np.isnan(heights)]
     if known.size and 0.0 < np.ptp(known) < SMALLEST:

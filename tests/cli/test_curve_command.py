@@ -63,6 +63,7 @@ def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
     ("loads", "said"),
     [
         ("0.1:1", "you gave '0.1:1'; gfmd allows A:B:N with N from 2"),
+        ("0.1-1", "you gave '0.1-1'; gfmd allows A:B:N with N from 2"),
         ("0.1:1:1", "you gave '0.1:1:1'; gfmd allows A:B:N with N from 2"),
         ("0.1:1:3.5", "gfmd allows A:B:N with N from 2"),
         ("0.1:1:99999999999", "gfmd allows A:B:N with N from 2"),

@@ -133,3 +133,10 @@ def test_missing_positions_are_not_taken_for_rounded_ones(tmp_path):
     surface = {"method": "measured", "file": str(tmp_path / "profile.txt")}
     with pytest.raises(InputError, match="fill: interpolate"):
         make_surface({"surface": surface})
+
+
+def test_a_mark_beyond_all_heights_is_told_how_to_be_written(tmp_path):
+    rows = [f"{0.01 * i:.2f}\t{'1.70141e38' if i == 7 else 0.01 * (i % 5)}" for i in range(64)]
+    (tmp_path / "profile.txt").write_text("x [mm]\tz [um]\n" + "\n".join(rows))
+    with pytest.raises(InputError, match=r"height 1.70141e\+38 at index 7, .*write nan, and fill: interpolate"):
+        make_surface({"surface": {"method": "measured", "file": str(tmp_path / "profile.txt")}})

@@ -1,9 +1,15 @@
 """Linear algebra has one thread meanwhile: on a busy machine threads of small matrices wait for one another."""
 
+from contextlib import nullcontext
+
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import gfmd_numba
+from gfmd_numba.arrays import threads as thread_team
+from gfmd_numba.campaign.execution import compute, perform
+from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.provenance import versions
 from gfmd_numba.contact import solution
 from gfmd_numba.elasticity import fields
 from support.campaigns import campaign
@@ -38,3 +44,17 @@ def test_it_has_one_thread_wherever_contacts_are_solved(monkeypatch, tmp_path, d
         assert threads() == before
     assert seen
     assert all(found == {1} for found in seen)
+
+
+@pytest.mark.parametrize(
+    "solve", [lambda task, folder: perform(task, folder, None), lambda task, _: compute(task, "run", versions(), None)]
+)
+def test_its_libraries_are_looked_for_once_for_all_blocks_of_a_task(monkeypatch, tmp_path, solve):
+    """To find them takes as long as a small contact."""
+    looked = []
+    monkeypatch.setattr(thread_team, "threadpool_limits", lambda limits: looked.append(limits) or nullcontext())
+    task = tuple(plan(campaign(tmp_path)).blocks)
+    assert len(task) > 1
+    (tmp_path / "shards").mkdir()
+    solve(task, tmp_path)
+    assert looked == [1]

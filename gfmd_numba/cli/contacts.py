@@ -220,7 +220,7 @@ def curve(
     described, document = _with_threads(*load_scene(file), threads)
     units = [value.unit for _, value in given_with_units(described.scene.loading)]
     if units and loads and not any(isinstance(load, str) for load in loads):
-        written = ", ".join(f"{load:.6g}{units[0]}" for load in loads[:2])  # type: ignore[str-format]
+        written = ", ".join(f"{load:.6g}{units[0]}" for load in loads[:2])
         raise arguments.not_allowed("--loads without a unit", f"units, as loading has one in {file}: {written}, ...")
     check_output(output, file, *input_files(described))
     for path in (picture, table):

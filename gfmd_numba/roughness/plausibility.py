@@ -35,6 +35,7 @@ _STEP_STANDARDS = 8.0  # standard differences of such means
 _STEP_OVER_NEXT = 2.0  # the largest of all other differences: a surface made of walls has many
 _STEP_SHARE = 0.5  # of the rms height, which a step is at least
 _MOST_STEPS = 4  # steps
+_BACK = 0.25  # of the larger of two steps, by which the heights after them differ from those before
 _LASTS = 8  # points over which half of a step lasts
 _SAMPLES = 24  # independent differences, of which a standard one can be told
 _OFTEN = 4.0  # times as often as the heights next to it in size,
@@ -273,7 +274,7 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
 
 
 def _closes_not(heights: Reals, order: int) -> bool:
-    """Whether values (order 1) or slopes (2) at opposite ends differ as in the polynomial, which those of waves do not."""
+    """Whether values (order 1) or slopes (2) at opposite ends differ as in the polynomial; those of waves do not."""
     power = polynomial(heights, order) - polynomial(heights, order - 1)
     for axis, n in enumerate(heights.shape):
         of_power, of_heights = (
@@ -312,9 +313,15 @@ def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     if not found:
         return ""
     shown = ", ".join(
-        f"by {field.said(step, 'z')} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
+        f"by {field.said(step)} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
         for axis, i, step in found
     )
+    back = abs(sum(step for *_, step in found)) < _BACK * max(abs(step) for *_, step in found)
+    if len(found) == 2 and back and found[0][0] == found[1][0]:
+        return (
+            f"the heights step {shown}, and are back: if dust or a hole of the instrument lies between, write nan "
+            "there, and fill: interpolate"
+        )
     return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
 
 
@@ -359,9 +366,7 @@ def _slopes(heights: Reals, lengths: tuple[float, ...]) -> list[Reals]:
     return [np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
 
 
-def _seams(
-    heights: Reals, ends: tuple[bool, ...], cutoffs: list[float], units: Mapping[str, str]
-) -> Iterable[str]:
+def _seams(heights: Reals, ends: tuple[bool, ...], cutoffs: list[float], units: Mapping[str, str]) -> Iterable[str]:
     """Sentences about heights that jump where a period closes; a cutoff, in periods, spreads a jump over its half."""
     names = ("y", "x")[-heights.ndim :]
     for axis, name, end, cutoff in zip(range(-heights.ndim, 0), names, ends, cutoffs, strict=True):

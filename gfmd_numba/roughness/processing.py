@@ -147,7 +147,8 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
         raise ValueError(
             f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
         )
-    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {INTERPOLATED[heights.ndim]}"
+    how = INTERPOLATED[heights.ndim]
+    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {how}"
     return interpolated(heights, missing), (done,)
 
 

@@ -166,6 +166,15 @@ def test_a_step_is_told_with_its_place(shape):
         assert "um behind row 49, and stay there" in told(z.T)
 
 
+@pytest.mark.parametrize(
+    ("between", "said"), [(9, "and are back: if dust"), (400, "and are back"), (None, "and stay there")]
+)
+def test_a_plateau_is_told_from_a_step(between, said):
+    z = rough((N,))
+    z[300 : None if between is None else 300 + between] += 10 * z.std()
+    assert f"behind index {299 if between is None else 299 + between}, {said}" in told(z)
+
+
 def test_saturated_and_stuck_heights_and_marks_of_missing_ones_are_told():
     z = rough((N,))
     top = np.quantile(z, 0.95)

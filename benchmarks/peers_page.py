@@ -37,8 +37,8 @@ nodes.
 
 Stopping criteria of different codes are not comparable. So we compute one residual for all of them from the pressure
 alone: the largest traction that violates the contact conditions over the largest pressure, or the error of the load
-(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until this residual is at most {target}: the
-largest is {worst}. {agreement}
+(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}: the
+largest residual is {worst}. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 

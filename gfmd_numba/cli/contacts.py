@@ -211,12 +211,17 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.scene.units import given_with_units
         from gfmd_numba.simulate.curve import curve_dataset, one_of, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = _with_threads(*load_scene(file), threads)
+    units = [value.unit for _, value in given_with_units(described.scene.loading)]
+    if units and loads and not any(isinstance(load, str) for load in loads):
+        written = ", ".join(f"{load:.6g}{units[0]}" for load in loads[:2])
+        raise arguments.not_allowed("--loads without a unit", f"units, as loading has one in {file}: {written}, ...")
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])

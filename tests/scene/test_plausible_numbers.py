@@ -160,7 +160,7 @@ scene:
     for command in (
         ("check", "scene.yaml"),
         ("solve", "scene.yaml", "-o", tmp_path / "contact.nc"),
-        ("curve", "scene.yaml", "--loads", "1,2", "-o", tmp_path / "curve.nc"),
+        ("curve", "scene.yaml", "--loads", "1Pa,2Pa", "-o", tmp_path / "curve.nc"),
         ("check", "campaign.yaml"),
         ("plan", "campaign.yaml", "--pilot=0.1"),
     ):

@@ -37,6 +37,7 @@ FEWEST = 6  # nodes across a contact under a form: with 7 the radius of Hertz is
 NARROW, LEAST_OFF, LARGEST_OFF = 2.0, 0.1, 0.3
 # contacts of a measured field, unless as much of it touches, or Nayak's parameter is that of waves or noise
 FEW, _MOSTLY_CLOSED, _ROUGH = 5, 0.5, 5.0
+_OF_FEW = 0.5  # of areas, over the root of the mean number of contacts: 0.5 to 0.8 on lines (H = 0.3, 0.8; 3 to 50)
 NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
@@ -145,13 +146,14 @@ def _few_contacts(given: ContactInput, found: Found) -> str:
     scene, counts = given.file.scene, found["n_segments"]
     designs = [is_design(surface.heights) for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
-    least = _smallest(np.where(counts > 0, counts, nan)) / _copies(given)
+    touching = counts[counts > 0] / _copies(given)  # at the steps of a path, of which the first may be at first touch
+    average = float(touching.mean()) if touching.size else nan
     closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
-    if not is_rough or closed or scene.form is not None or scene.interface.hard_wall is None or not least < FEW:
+    if not is_rough or closed or scene.form is not None or scene.interface.hard_wall is None or not average < FEW:
         return ""
     return (
-        f"few asperities of the measured field touch, at the fewest {ceil(least)}: on another field area, gap, "
-        "conductance and leakage would differ by tens of per cent, so measure a larger one, or several"
+        f"few asperities of the measured field touch, {average:.2g} on average: on another field area, "
+        f"gap, conductance and leakage would differ by {_OF_FEW / sqrt(average):.0%} or more: measure a larger one"
     )
 
 

@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 import xarray as xr
 
+from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact import law_resolution, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
@@ -15,6 +16,7 @@ from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import steps_told
 
+_SINGLE_NODES = 1.25  # mean width in nodes of contacts of which few have a second node
 # Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
 # above `STEEPEST_SLOPE` where slopes have a normal one; those of a single wave are still below it
 _MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = validity.LARGEST_PRESSURE / 2.42, validity.STEEPEST_SLOPE / 1.5
@@ -84,9 +86,14 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
                 f"{_MEAN_OF_SLOPES:.1g} and {_MEAN_OF_PRESSURES:.1g} E*): linear elasticity is wrong by about these "
                 "fractions; check load, moduli and heights"
             )
-    has_limit_of_grids = "eps_c" in dataset["limit"].values  # that takes account of narrow contacts
-    if scene.interface.hard_wall is not None and not has_limit_of_grids:
+    if scene.interface.hard_wall is None:
+        return
+    if "eps_c" not in dataset["limit"].values:
         yield from _narrow(found)
+        return
+    # a limit in eps_c takes account of narrow contacts, but not of those of single nodes at a level that is fitted
+    fitted = dataset.isel(case=(dataset["is_reference"] | ~at_nyquist(dataset["eps_c"])).values)
+    yield from _narrow(fitted.where(fitted["status"] == Status.ok), of_limit=True)
 
 
 def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
@@ -107,7 +114,7 @@ def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str
         yield f"in {_of_cases(xr.DataArray(affected, dims=dims))}: {sentence}"
 
 
-def _narrow(cases: xr.Dataset) -> Iterator[str]:
+def _narrow(cases: xr.Dataset, of_limit: bool = False) -> Iterator[str]:
     """A warning about contacts that are hardly wider than a node, whose means differ by more than their errors say."""
     dimension = int(cases["dimension"].max())
     area = cases["contact_area_fraction"].sum("realisation")
@@ -116,11 +123,13 @@ def _narrow(cases: xr.Dataset) -> Iterator[str]:
     width = (counted / segments.where(segments > 0)) ** (1.0 / dimension)
     known = (cases["contact_area_fraction_error"] ** 2).sum("realisation") ** 0.5 / area.where(area > 0.0)
     off = known.fillna(0.0).where(~(width < validity.NARROW), np.maximum(known.fillna(0.0), validity.LARGEST_OFF))
-    narrow = off > validity.LEAST_OFF
+    narrow = width < _SINGLE_NODES if of_limit else off > validity.LEAST_OFF
     if narrow.any():
         narrowest = float(width.min())
         wrong = validity.off_by(narrowest, float(off.max()))
         finer = "a finer eps_c" if "eps_c" in cases.coords else "more points"
+        if of_limit:
+            wrong, finer = f"{wrong}, and a limit from them too", "finer levels, or a higher pressure"
         yield (
             f"{validity.NARROW_CONTACTS} in {_of_cases(narrow)}, {narrowest:.1f} nodes wide on average where they are "
             f"narrowest: the contact area, and kappa with it, {wrong}, whatever the printed errors say; take {finer}"

@@ -33,6 +33,7 @@ MODEL = (
     "contacts do not see"
 )
 _TAIL = 0.05  # beyond each end of an interval
+_BY_CHANCE = 0.1  # error of a limit over the results, up to which it may be at an end of what is possible
 _WORTH_A_NOTE = 1.01  # factor on errors
 
 
@@ -101,7 +102,7 @@ def _choices(groups: Sequence[Group], given: Given) -> list[Laws]:
 
 def _lacks(groups: Sequence[Group], variable: str, given: Given) -> list[str]:
     """Return what the cases of each of the groups that share their laws lack for a fit; nothing of those with all."""
-    lacks = [limit_errors.inseparable(group) for group in groups]
+    lacks = [limit_errors.inseparable(group) or limit_errors.single_hills(group) for group in groups]
     able = [group for group, lack in zip(groups, lacks, strict=True) if not lack]
     short = limit_errors.shortage(able, _choices(able, given)) if able else ""
     return [lack or short for lack in lacks]
@@ -186,7 +187,14 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     extrapolation_error = np.sqrt(weight @ by_limit)
     budget[SOURCES.index("extrapolation")] = np.sqrt((extrapolation_error**2).sum())
     budget[SOURCES.index("rivals")] = np.sqrt(by_rival)
-    notes = _notes(index, whole, others, left_out, error)
+    deviation = np.sqrt(variance[:, 0])
+    distance = np.sum([s @ limit_errors.distances(index, means, c) for c, s in zip(found, share, strict=True)], 0)
+    moments = _possible(group, (estimate[0], error[0]), weight, value[:, 0], deviation)
+    if moments is None:
+        reason = limit_errors.impossible(group, estimate[0], error[0], distance)
+        return _refused(group, reason) | {"extrapolation_error": extrapolation_error}
+    estimate[0], error[0] = moments
+    notes = [*_notes(index, whole, others, left_out, error), *limit_errors.too_far(group, estimate[0], distance)]
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
@@ -198,7 +206,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
             f"residuals, or divisions of time, may have put {group.variable}_tfc off by another {group.shown(loose)}: "
             "ask for a smaller numerics.residual, or time_tolerance"
         )
-    low, high = _interval(group, weight, value[:, 0], np.sqrt(variance[:, 0]))
+    low, high = _interval(group, weight, value[:, 0], deviation)
     rms_residual, chi2 = _misfit(group, means, found, share, index)
     return {
         "fit_status": "ok",
@@ -212,18 +220,17 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": [
-            " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) if name in group.levels else ""
-            for name in LIMITS
-        ],
+        "law": [_named_law(found, name) if name in group.levels else "" for name in LIMITS],
         **_curve(index, group, means, found, share),
-        "extrapolated": np.sum(
-            [s @ limit_errors.distances(index, means, c) for c, s in zip(found, share, strict=True)], 0
-        ),
+        "extrapolated": distance,
         "extrapolation_error": extrapolation_error,
         # what the value differs by where an asserted exponent may have its range
         "contradiction": [asserted.get(name, 0.0) if name in group.levels else np.nan for name in LIMITS],
     }
+
+
+def _named_law(found: Sequence[Choice], limit: str) -> str:
+    return " or ".join(dict.fromkeys(choice.laws[limit].name for choice in found))
 
 
 def _notes(
@@ -312,8 +319,35 @@ def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
     return table
 
 
+def _possible(
+    group: Group, moments: tuple[float, float], weight: Reals, value: Reals, deviation: Reals
+) -> tuple[float, float] | None:
+    """Return mean and standard deviation, the `moments` of a limit unless the variable cannot be this mean.
+
+    Surfaces may put a limit that is at an end of what is possible beyond it, if only by a small part of the results:
+    then the normal distributions of its values (node) are cut there. None where nothing possible is likely.
+    """
+    if group.possible[0] <= moments[0] <= group.possible[1]:
+        return moments
+    ends = np.array(group.possible)[:, np.newaxis]
+    low, high = (ends - value) / np.maximum(deviation, np.spacing(abs(value)))
+    share = weight * (scipy.special.ndtr(high) - scipy.special.ndtr(low))
+    likely = float(share.sum())
+    if likely < _TAIL or moments[1] > _BY_CHANCE * np.nanmean(abs(group.values)):
+        return None
+    of_low, of_high = (np.exp(-(each**2) / 2.0) / np.sqrt(2.0 * np.pi) * weight for each in (low, high))
+    mean = (share @ value + deviation @ (of_low - of_high)) / likely
+    slopes = [np.where(np.isfinite(end), end, 0.0) * of_end for end, of_end in ((low, of_low), (high, of_high))]
+    squares = share * (value - mean) ** 2 + 2.0 * (value - mean) * deviation * (of_low - of_high)
+    squares += deviation**2 * (share + slopes[0] - slopes[1])
+    return float(mean), float(np.sqrt(squares.sum() / likely))
+
+
 def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tuple[float, float]:
-    """Return the ends of the 90 % interval of a mixture of values (node) with Student's distribution around each."""
+    """Return the ends of the 90 % interval of a mixture of values (node) with Student's distribution around each.
+
+    It has what the variable can be alone, of which a value at an end is part if the interval would reach beyond it.
+    """
     if group.n_realisations < 2:
         return np.nan, np.nan
     freedom = group.n_realisations - 1
@@ -326,10 +360,11 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
     reach = abs(scipy.special.stdtrit(freedom, _TAIL / 100)) * deviation + 4.0 * np.spacing(abs(value))
     furthest = float((value - reach).min()), float((value + reach).max())
     width = furthest[1] - furthest[0]
-    low, high = (
-        scipy.optimize.brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in (_TAIL, 1.0 - _TAIL)
-    )
-    return low, high
+    least, most = group.possible
+    below, up_to = (beyond(end, 0.0) if np.isfinite(end) else float(end > 0.0) for end in (least, most))
+    shares = min(_TAIL, below + _TAIL * (up_to - below)), max(1.0 - _TAIL, up_to - _TAIL * (up_to - below))
+    low, high = (scipy.optimize.brentq(beyond, *furthest, args=(share,), xtol=1e-12 * width) for share in shares)
+    return max(low, least), min(high, most)
 
 
 def _misfit(

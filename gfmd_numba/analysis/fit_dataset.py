@@ -76,6 +76,7 @@ _VARIABLES = {  # dims, unit and long name
     "reference_eps": (_L, "1", "reference discretisation"),
     "n_cases": (_G, "1", "cases fitted"),
     "n_realisations": (_G, "1", "realisations that are good in every case fitted"),
+    "n_stretches": (_G, "1", "mean stretches of contact in a period where there are most; nan if mostly closed"),
     "n_excluded": (_G, "1", "results left out: not finite or status not ok"),
     "error_budget": (
         ("group", "source"),
@@ -113,6 +114,7 @@ def fit_dataset(dataset: xr.Dataset, variable: str, groups: Sequence[Group], fit
             "reference_eps": list(group.reference.values()),
             "n_cases": group.n_cases,
             "n_realisations": group.n_realisations,
+            "n_stretches": group.n_stretches,
             "n_excluded": group.n_excluded,
             "seconds": group.seconds,
         }

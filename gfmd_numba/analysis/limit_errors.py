@@ -6,7 +6,8 @@ exponents that nobody asserts, disagree with a fit, its laws do not hold.
 A law that fits the levels need not hold beyond them, so the error of a limit counts a part of the distance that the
 law bridges. A power is off in proportion to this distance: exponents drift, because a correction is a sum of several
 powers. The law of the unseen slope has no exponent that could drift. It errs by less where the distance is short, and
-never by more than a small part of the limit, where the finest level has enough waves.
+never by more than a small part of the limit, where the finest level has enough waves and the load is none of the
+lightest. A limit that is smaller than this distance has an error as large as that.
 """
 
 from collections.abc import Collection, Iterator, Sequence
@@ -19,8 +20,9 @@ import xarray as xr
 from gfmd_numba.analysis.exponent_posterior import Before, Choice, Laws, Means, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
-from gfmd_numba.analysis.selection import LIMITS, Group, fractions
+from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, Group, fractions, is_light
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.numbers import with_error
 from gfmd_numba.theory.exponent_ranges import exponent_ranges
 
 _PRESSED = 0.15  # of a range: the mean of an exponent that the data do not know lies in its middle
@@ -47,6 +49,41 @@ def inseparable(group: Group) -> str:
         varied = ", ".join(group.levels)
         return f"{group.n_cases} cases cannot tell {varied} apart: add cases in which only one of them differs"
     return ""
+
+
+def single_hills(group: Group) -> str:
+    """Return why the contacts of a group tell nothing of many hills, as there are where eps_t is 0; or nothing."""
+    if "eps_t" not in group.levels or not group.n_stretches < FEWEST_STRETCHES:
+        return ""
+    finest = fractions(group.levels["eps_t"].min(keepdims=True))
+    return (
+        f"the load is so light that only the highest hill of a period touches at eps_t = {finest}: contacts have "
+        f"{group.n_stretches:.2g} stretches on average where they have most, fewer than {FEWEST_STRETCHES}, and follow "
+        "no law of eps_t; take a finer eps_t, or a higher pressure"
+    )
+
+
+def impossible(group: Group, value: float, error: float, distance: Reals) -> str:
+    """Return why a limit that the variable cannot have is refused; `distance` is that of each limit's finest level."""
+    low, high = group.possible
+    least = f"below {group.shown(low)}" if value < low else f"above {group.shown(high)}"
+    widest = LIMITS[int(np.nanargmax(abs(distance)))]
+    return (
+        f"{group.variable}_tfc would be {with_error(value, error)}, and {group.variable} is never {least}: the laws of "
+        f"the limits do not hold so far from these levels; take finer levels, above all of {widest}"
+    )
+
+
+def too_far(group: Group, value: float, distance: Reals) -> list[str]:
+    """Return a note for each limit whose finest level is further from the limit than that is from 0."""
+    if not np.isfinite(group.possible).any():
+        return []
+    return [
+        f"the finest {name} is {abs(distance[column] / value):.0%} of {group.variable}_tfc away from the limit, where "
+        f"its law need not hold: the error has the whole distance; take a finer {name}"
+        for column, name in enumerate(LIMITS)
+        if abs(distance[column]) > abs(value)
+    ]
 
 
 def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
@@ -274,23 +311,27 @@ def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
     return found * most / (most + found)
 
 
-def _has_enough_waves(finest: Reals | float, dimension: int) -> Any:
-    """Whether eps_f is one for which the error of the law of the unseen slope was measured."""
-    return np.asarray(finest) <= _COARSEST[dimension]
+def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) -> Any:
+    """Whether eps_f and the reduced pressure are ones for which the error of the law of the unseen slope is known."""
+    return (np.asarray(finest) <= _COARSEST[dimension]) & ~is_light(load)
 
 
 def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
-    It is the whole distance if data press an exponent against an end of its range. Layers add to that in eps_t.
+    It is the whole distance if data press an exponent against an end of its range, or if the limit of what has one sign
+    is nearer to 0. Layers add to that in eps_t.
     """
-    found = abs(np.nan_to_num(distances(index, means, choice)))
-    limit = choice.fits[index].coefficients[:, 0]
+    far = abs(np.nan_to_num(distances(index, means, choice)))
+    limit, found = choice.fits[index].coefficients[:, 0], far.copy()
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            is_whole = choice.laws[name].whole and bool(_has_enough_waves(means.finest(name), group.dimension))
+            is_whole = choice.laws[name].whole and bool(_was_measured(means.finest(name), group.dimension, group.load))
             share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
             found[:, column] = share * doubt(found[:, column], limit, is_whole)
+    if np.isfinite(group.possible).any():
+        size = limit if group.possible[0] == 0.0 else -limit
+        found = np.where(far > size[:, np.newaxis], far, found)
     column = LIMITS.index("eps_t")
     found[:, column] = np.hypot(found[:, column], doubt_of_layers(group, means) * limit)
     return found
@@ -319,9 +360,10 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
     """Return the standard errors (group) of a fit by one distance where the finest level is a factor finer."""
     at, value = fitted.sel(limit=limit), in_the_limit(fitted)[0].values
     distance, finest = at["extrapolated"].values, at["finest_eps"].values
+    load = fitted["reduced_pressure"].values if "reduced_pressure" in fitted.coords else np.nan
 
     def at_factor(factor: float) -> Reals:
-        is_whole = (at["law"] == UNSEEN_SLOPE).values & _has_enough_waves(finest / factor, dimension)
+        is_whole = (at["law"] == UNSEEN_SLOPE).values & _was_measured(finest / factor, dimension, load)
         bridged = distance * factor ** -at["alpha"].values
         return np.where(is_whole, doubt(bridged, value, True), doubt(bridged, value, False))
 

@@ -17,6 +17,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import brief
 from gfmd_numba.text.numbers import si_prefix, with_error
 from gfmd_numba.text.printable import printable
+from gfmd_numba.theory.exponent_ranges import possible_values
 
 
 def has_names(parameter: xr.DataArray) -> bool:
@@ -64,9 +65,13 @@ def dimension_of(cases: xr.Dataset) -> int:
 
 def has_measured_slope_law(cases: xr.Dataset) -> bool:
     """Return whether the law of the unseen slope was measured for contacts of this kind and load; no if not known."""
-    low, high = _MEASURED_LOADS
     told = "has_measured_slope_law" in cases and bool(cases["has_measured_slope_law"].values.all())
-    return told and low <= round(load_of(cases), 9) <= high
+    return told and not is_light(load_of(cases)) and round(load_of(cases), 9) <= _MEASURED_LOADS[1]
+
+
+def is_light(load: Any) -> Any:
+    """Whether a reduced pressure is below those at which the law of the unseen slope was measured; no if not known."""
+    return np.round(load, 9) < _MEASURED_LOADS[0]
 
 
 def load_of(cases: xr.Dataset) -> float:
@@ -84,6 +89,9 @@ CROSS = "cross"  # in `limit` of a case that differs from the reference in sever
 # across a contact. On profiles the corrected area is 4 % off with 1.8 nodes a stretch and 1 % with 3 (README); on maps
 # 12 % with 2.7 nodes a patch, 2 to 7 % with 5 and 2 % with 8 (H = 0.3 and 0.8, p* = 1e-4 to 0.05)
 FEWEST_NODES = 2
+# Stretches or patches of contact in a period: with fewer, on average, the highest hill bears nearly all of the load,
+# and corrections in eps_t are not those of many hills, where less than this share of the surface touches
+FEWEST_STRETCHES, _MOSTLY_CLOSED = 3, 0.5
 
 # what a fit reads in addition to its variable and the coordinates
 _READ = (
@@ -115,6 +123,7 @@ class Group:
     reference_mean: float
     reference_error: float
     n_excluded: int
+    n_stretches: float  # of contact in a period on average, where there are most; nan if not known, or mostly closed
     residual_error: Reals  # of each case's mean by the solver's residual, nan if the dataset does not tell
     seconds: float  # of processor time that its cases took, nan likewise
     dimension: int  # of its surfaces
@@ -132,6 +141,14 @@ class Group:
     def n_cases(self) -> int:
         """Number of cases."""
         return int(self.values.shape[1])
+
+    @property
+    def possible(self) -> tuple[float, float]:
+        """Least and largest value that the variable can have, infinite if they are not known."""
+        found = self.values[np.isfinite(self.values)]
+        if (found < 0.0).any() and (found > 0.0).any():
+            return -inf, inf
+        return possible_values(self.variable, -1.0 if (found < 0.0).any() else 1.0)
 
     def shown(self, value: float) -> str:
         """Return a number in the unit of the variable for a sentence."""
@@ -299,6 +316,7 @@ def _collected(parameters: dict[str, float], cases: xr.Dataset, variable: str, o
         reference_mean=mean,
         reference_error=error,
         n_excluded=n_excluded,
+        n_stretches=_most_stretches(cases, variable),
         residual_error=residual_error(cases, variable)[kept],
         seconds=float(cases["case_seconds"].values[kept].sum()) if "case_seconds" in cases else nan,
         dimension=dimension_of(cases),
@@ -327,6 +345,15 @@ def _unresolved(cases: xr.Dataset) -> list[str]:
         f"{stretches} of contact have {nodes:.2g} nodes on average where they have most, fewer than {fewest}: "
         f"the area is that of the grid, not of the surface; take {finer} or a higher pressure"
     ]
+
+
+def _most_stretches(cases: xr.Dataset, variable: str) -> float:
+    """Return the mean number of stretches of contact in the case with most; nan if not known, or mostly closed."""
+    if not {"contact_area_fraction_counted", "n_segments"} <= set(map(str, cases.variables)):
+        return nan
+    there = cases[["contact_area_fraction_counted", "n_segments"]].where(cases[variable].notnull()).mean("realisation")
+    closed = (there["contact_area_fraction_counted"] > _MOSTLY_CLOSED).any()
+    return nan if closed else float(there["n_segments"].max())
 
 
 def _complete(values: Reals, asked: NDArray[np.bool_]) -> NDArray[np.bool_]:

@@ -21,7 +21,7 @@ from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.allocation import Pilot, Prediction
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.limit_errors import expected_doubts
-from gfmd_numba.analysis.selection import LIMITS, groups
+from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, groups
 from gfmd_numba.arrays import Reals
 from gfmd_numba.campaign.cost import price_of_transform
 from gfmd_numba.campaign.limits import MOST, STEP, Level, finer_levels, first_realisations, nodes_of
@@ -259,7 +259,9 @@ _SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open th
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws may not be those of the levels
 _FUTILE = 2  # rounds with finer levels, after which a law should describe the means
-_UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
+UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
+_CLOSER = 0.8  # times the relative error of _SOME rounds before: such a limit comes out of the errors
+_GROWING = 1.5  # stretches of contact in a period, that finer eps_t make enough
 _SOME = 2  # rounds after the pilot that do not tell a limit from 0, after which others hardly would
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
@@ -346,10 +348,13 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
         return state.ending(f"not {REACHED}: {said}")
     if may_refine and (why := _indescribable(state.rounds, fitted, doubts)):
         return state.ending(f"not {REACHED}: {why}")
-    if len(state.rounds) > _SOME and _UNKNOWN < furthest.found.error < inf:
-        said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
-        return state.ending(f"not {REACHED}: {said}")
     finer = _refined(state, furthest, large) if may_refine else None
+    comes_closer = finer is not None and furthest.found.error <= _CLOSER * _earlier_error(state, fit.variable)
+    if len(state.rounds) > _SOME and UNKNOWN < furthest.found.error < inf and not comes_closer:
+        said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
+        if (worst := max(doubts, key=lambda doubt: doubt.size)).size > UNKNOWN:
+            said = f"the limit of {fit.variable} is too far from the finest levels, above all that of {worst.limit}"
+        return state.ending(f"not {REACHED}: {said}")
     if finer is not None:
         return finer
     if not may_refine and (why := _hopeless(fitted, doubts, is_last, target)):
@@ -363,6 +368,18 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     return another if finer is None or _is_cheaper(another, finer, price) else finer
 
 
+def _earlier_error(state: Rounds, variable: str) -> float:
+    """Return the relative error of a variable that was found _SOME rounds before the last one, inf if it is unknown."""
+    found = state.rounds[-1 - _SOME].errors.get(variable) if len(state.rounds) > _SOME else None
+    return inf if found is None or found.error is None else found.error
+
+
+def _refusal(fitted: xr.Dataset) -> str:
+    """Return why a fit is refused; nothing if it is not."""
+    refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
+    return "; ".join(str(refused[0]).splitlines()) if len(refused) else ""
+
+
 def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequence[_Doubt]") -> str:
     """Return why even finer levels are not worth their price when no law describes the means; empty if they are."""
     latest = rounds[-1 - _FUTILE :]
@@ -371,8 +388,11 @@ def _indescribable(rounds: Sequence[Round], fitted: xr.Dataset, doubts: "Sequenc
         for group, doubt in enumerate(doubts)
         if doubt.size == inf
     )
-    if len(latest) <= _FUTILE or not any(refined):
+    stretches = fitted["n_stretches"].values
+    if len(latest) <= _FUTILE or not any(refined) or ((stretches >= _GROWING) & (stretches < FEWEST_STRETCHES)).any():
         return ""
+    if (stretches < FEWEST_STRETCHES).any():
+        return _refusal(fitted)
     misfit = float(fitted["misfit"].max())
     missed = f" (misfit {misfit:.2g})" if misfit > _MISFIT else ""
     return (
@@ -428,7 +448,11 @@ def _doubts(of_target: Fitted, n_groups: int, most: float) -> list[_Doubt]:
     found = []
     for group in range(n_groups):
         worst = group + n_groups * int(size.values[group::n_groups].argmax())
-        widest = "eps_f" if size[worst] == inf else str(by_limit["limit"].values[by_limit.values[worst].argmax()])
+        widest = str(by_limit["limit"].values[by_limit.values[worst].argmax()])
+        if fitted["fit_status"].values[worst] == "refused" and fitted["n_stretches"].values[worst] < FEWEST_STRETCHES:
+            widest = "eps_t"
+        elif size[worst] == inf:
+            widest = "eps_f"
         of_all = float(whole[group::n_groups].max())
         found.append(_Doubt(float(size[worst]), widest, float(of_half[worst]), of_all))
     return found
@@ -436,9 +460,10 @@ def _doubts(of_target: Fitted, n_groups: int, most: float) -> list[_Doubt]:
 
 def _hopeless(fitted: xr.Dataset, doubts: Sequence[_Doubt], is_last: bool, target: float) -> str:
     """Return why more surfaces do not reach a target at the present levels; empty if they may."""
-    refused = fitted["message"].values[fitted["fit_status"].values == "refused"]
-    if is_last and len(refused):
-        return f"the fit is refused, {'; '.join(str(refused[0]).splitlines())}"
+    if (refusal := _refusal(fitted)) and (fitted["n_stretches"] < FEWEST_STRETCHES).any():
+        return refusal
+    if is_last and refusal:
+        return f"the fit is refused, {refusal}"
     if is_last and any(doubt.size == inf for doubt in doubts):
         return "no law of the limits describes the means; gfmd needs finer levels"
     worst = max((doubt for doubt in doubts if doubt.size < inf), key=lambda doubt: doubt.size, default=None)
@@ -482,7 +507,9 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
         priced[problem] = max(priced.get(problem, 0.0), count * each)
     price, most_of_all = sum(priced.values()), _most(state)
     if price > most_of_all:
-        return state.ending(f"not {REACHED}: the budget is too small for the finer levels that the laws need")
+        refusal = _refusal(of_target.fitted)
+        said = f"{refusal and f'{refusal}: '}the budget is too small for the finer levels that the laws need"
+        return state.ending(f"not {REACHED}: {said}")
     more, added = _for_the_others(state, of_target, levels, most_of_all - price)
     counts = [max(count, more.get(case, 0)) for case, count in zip(another.cases, counts, strict=True)]
     another = another.model_copy(update={"realisations": tuple(counts), "price": price + added})

@@ -278,6 +278,7 @@ def of_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> Told:
 
 def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> Told:
     from gfmd_numba.analysis.fit_dataset import in_the_limit
+    from gfmd_numba.campaign.next_round import UNKNOWN
 
     known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
     for number in dataset["round"].values.tolist():
@@ -296,12 +297,12 @@ def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float
         yield Line("until", f"{name} to {target:.2%}: {'reached' if name in reached else dataset.attrs['ended']}")
     of_fitted = known.get(fitted.attrs["variable"])
     error = nan if of_fitted is None else float(of_fitted["round_error"][-1])
-    if isnan(error) or isnan(seconds):
+    digit = error / 10
+    if isnan(error) or isnan(seconds) or error > UNKNOWN or f"{digit:.2%}" == "0.00%":
         return
     # the largest relative error of a limit that its levels leave, however many surfaces there are
     parts = fitted["error_budget"].sel(source=["extrapolation", "rivals"]).fillna(0.0)
     left = float(((parts**2).sum("source") ** 0.5 / abs(in_the_limit(fitted)[0])).max())
-    digit = error / 10
     if left < digit:  # the rest of the error falls with the square root of time
         price = f"takes about {duration(100 * seconds)} of processor time for the contacts"
     else:

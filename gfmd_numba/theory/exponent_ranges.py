@@ -1,7 +1,7 @@
 """What is known of the laws of discretisation corrections before there are data."""
 
 from collections.abc import Mapping
-from math import isnan, nan
+from math import inf, isnan, nan
 
 _STEEPEST = 0.6  # exponent with which the part of a wave that contacts miss falls with its index, or more
 _SLACK = 0.75
@@ -9,6 +9,11 @@ _SLACK = 0.75
 
 OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
 AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
+SHARES = (*AT_ONE_LOAD, "plastic_area_fraction", "stick_fraction")  # which are at most 1
+OF_ONE_SIGN = (  # that of the load, or none: what is always above 0 in contacts that are pressed
+    *(*OF_THE_SLOPE, "kappa_r", "rms_gradient_contact", "contact_radius", "elastic_energy", "mean_gap"),
+    *("mean_plastic_depth", "mean_worn_depth"),
+)
 _COUNTED, _PLASTIC, _OF_GRADIENT, _OF_HEIGHTS = (0.75, 1.5), (0.5, 1.5), (1.25, 2.75), (1.5, 4.0)
 _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact lengths
     "kappa_counted": _COUNTED,
@@ -33,6 +38,14 @@ def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
     """
     known = variable in OF_THE_SLOPE or (variable in AT_ONE_LOAD and load > 0.0)
     return known and 0.0 <= hurst <= 1.0
+
+
+def possible_values(variable: str, sign: float = 1.0) -> tuple[float, float]:
+    """Return the least and the largest value that a variable can have whose results all have a sign, 1 or -1."""
+    if variable not in SHARES and variable not in OF_ONE_SIGN:
+        return -inf, inf
+    most = 1.0 if variable in SHARES else inf
+    return (0.0, most) if sign > 0.0 else (-most, 0.0)
 
 
 def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mapping[str, tuple[float, float]]:

@@ -10,6 +10,7 @@ from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.campaign import next_round
 from gfmd_numba.campaign.limits import finer_levels, nodes_of
 from gfmd_numba.campaign.next_round import Judgement, after, decide, judge
+from gfmd_numba.campaign.rounds import Round, TargetError
 from support.closed_form_rounds import HELD, LEVELS, VALUE, Pilot, fitted, known, state
 
 pytestmark = pytest.mark.usefixtures("in_closed_form")
@@ -149,6 +150,8 @@ def told(target=0.05, errors=(0.04,), groups=({},), laws=None, may_refine=False,
     found = known(groups, fixed={"eps_f": 0.7} if "contradiction" in more else None)
     spent = found.whole_price(found.held)
     texts = {name: np.full(len(errors), more.pop(name), object) for name in ("fit_status", "message") if name in more}
+    if "n_stretches" in more:
+        texts["n_stretches"] = np.full(len(errors), more.pop("n_stretches"))
     if "misfit" in more:
         texts["misfit"] = np.broadcast_to(more.pop("misfit"), len(errors))
     if "contradiction" in more:
@@ -199,6 +202,11 @@ def so(**given):
         (so(contradiction=(0.0, 0.04), **BOTH), "contradict the fixed eps_f: 0.7; gfmd allows the range"),
         (so(contradiction=0.03), 400),
         (so(errors=(0.6,), rounds=3), "the limit of kappa is 0 within two standard errors"),
+        (so(errors=(0.6,), rounds=3, laws={"eps_f": 0.55}), "too far from the finest levels, above all that of eps_f"),
+        (
+            so(fit_status="refused", message="one hill", n_stretches=2.0),
+            "not reached: one hill",
+        ),  # surfaces do not help
         (so(errors=(0.6,), rounds=2), 400),
         (so(errors=(0.4,), rounds=3), 400),
         (so(errors=(nan,), rounds=3), 400),
@@ -238,6 +246,11 @@ def test_a_run_with_levels_of_the_user(given, next_one):
         (so(misfit=2.0, residual=0.01), "reached"),
         (so(misfit=2.0, residual=0.01, groups=({"factor": 1.2},)), "eps_f"),
         (so(fit_status="refused", is_last=True), "eps_f"),
+        (so(fit_status="refused", n_stretches=2.0), "eps_t"),
+        (
+            so(fit_status="refused", n_stretches=2.0, message="one hill", budget=1.1),
+            "one hill: the budget is too small",
+        ),
         (so(errors=(0.11,), laws={"eps_c": 0.03}), "eps_c"),  # for less than half of the surfaces' price
         (so(target=0.1, errors=(0.11,), laws={"eps_c": 0.03}), 125),
         (so(target=0.1, errors=(0.11,)), 125),
@@ -402,3 +415,26 @@ def test_results_tell_of_each_target_what_was_expected_and_found(targets):
     assert np.isfinite(expected).tolist() == [[False] * len(targets), [name == [*targets][-1] for name in targets]]
     assert ("target" in told_of) is (len(targets) > 1)
     assert told_of["round_realisations"][1][0] == [HELD] * len(LEVELS)
+
+
+@pytest.mark.parametrize(
+    ("stretches", "earlier", "ended"),
+    [(1.1, None, "not reached: one hill"), (2.0, None, ""), (nan, 0.5, "too far from the finest"), (nan, 0.9, "")],
+)
+def test_levels_become_finer_as_long_as_that_brings_the_limit_nearer(stretches, earlier, ended):
+    """Contacts of one hill become those of more, or the error falls by a fifth in two rounds."""
+    levels = [LEVELS]
+    for _ in range(2):
+        levels.append(tuple(finer_levels(levels[-1], "eps_t", 2.0)))
+    refused = {"fit_status": ["refused"], "message": ["one hill"]} if earlier is None else {}
+    found = known(({"levels": levels[-1]},))
+    given = fitted(found, (0.6,), bridged={"eps_t": 0.55}, n_stretches=[stretches], **refused)
+    before = state(found, {"kappa": 0.05}, (levels[-1],))
+    errors = {"kappa": TargetError(error=earlier, factor=1.0, reached=False)}
+    rounds = [
+        Round(realisations=(HELD,) * len(each), is_last=False, levels=(each,), variable="kappa", errors=errors)
+        for each in levels
+    ]
+    done = after(before.model_copy(update={"rounds": tuple(rounds)}), [given], may_refine=True)
+    assert done.ended.startswith(ended) or ended in done.ended
+    assert bool(done.ended) == bool(ended)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba import fit_tfc
-from gfmd_numba.cli.tables import of_fit, of_target
+from gfmd_numba.cli.tables import of_fit, of_goal, of_target
 from gfmd_numba.cli.terminal import tell
 from support.command_line import unfolded
 from support.synthetic_campaigns import ALPHA, campaign, noisy
@@ -135,3 +135,17 @@ def test_an_energy_without_a_length_is_no_pressure(capsys):
     dataset["elastic_energy"].attrs["units"] = "Pa"
     tell(of_fit(fit_tfc(dataset, "elastic_energy", fixed=ALPHA)))
     assert "elastic_energy (Pa L_x) and its limit" in unfolded(capsys.readouterr().out)
+
+
+@pytest.mark.parametrize(
+    ("error", "told"), [(0.04, True), (0.6, False), (1e-10, False)], ids=["known", "no relative error", "exact"]
+)
+def test_a_tenth_of_an_error_has_a_price_where_that_makes_sense(error, told, capsys):
+    """A limit that may be 0 has no relative error, and that of full contact is exact."""
+    of_round = {"round_error": error, "round_error_factor": 1.0, "round_predicted_error": np.nan}
+    rounds = {name: ("round", [value]) for name, value in (of_round | {"round_cpu_seconds": 3.0}).items()}
+    results = xr.Dataset(rounds, {"round": [0]}, {"target": '{"kappa": 0.03}', "ended": "reached", "reached": "kappa"})
+    tell(of_goal(results, fitted(noisy(campaign(), np.random.default_rng(1)))))
+    said = unfolded(capsys.readouterr().out)
+    assert "until kappa to 3.00%: reached" in said
+    assert ("a tenth of this error" in said) == told

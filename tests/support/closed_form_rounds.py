@@ -100,6 +100,7 @@ def fitted(found, errors=(0.1,), variable="kappa", bridged=None, residual=0.1, *
         "misfit": ("group", np.ones(n)),
         "rms_residual": ("group", abs(value) * residual),
         "n_cases": ("group", np.full(n, 4)),
+        "n_stretches": ("group", np.full(n, np.nan)),
         "message": ("group", np.full(n, "", dtype=object)),
     }
     for name, given in more.items():

@@ -352,7 +352,7 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     comes_closer = finer is not None and furthest.found.error <= _CLOSER * _earlier_error(state, fit.variable)
     if len(state.rounds) > _SOME and UNKNOWN < furthest.found.error < inf and not comes_closer:
         said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
-        if (worst := max(doubts, key=lambda doubt: doubt.size)).size > UNKNOWN:
+        if UNKNOWN < (worst := max(doubts, key=lambda doubt: doubt.size)).size < inf:
             said = f"the limit of {fit.variable} is too far from the finest levels, above all that of {worst.limit}"
         return state.ending(f"not {REACHED}: {said}")
     if finer is not None:

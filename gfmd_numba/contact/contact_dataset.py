@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
-from gfmd_numba.contact.boundary_values import BoundarySolution
+from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord
@@ -209,14 +209,13 @@ def indexed(dataset: xr.Dataset) -> xr.Dataset:
     )
 
 
-def path_dataset(
-    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact]
-) -> xr.Dataset:
+def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
     The attribute `validity` holds the warnings about the result, one sentence a line.
     """
-    file, (steps, record) = given.file, _steps(given, problem, solved)
+    file, (problem, effects) = given.file, given.reduced
+    steps, record = _steps(given, problem, solved)
     del solved  # and with it the last contact: warnings need its memory
     joined = steps[0]
     if file.path:
@@ -476,12 +475,13 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     )
 
 
-def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
+def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Of a rough body also its topography, and what forms that. The attribute `validity` holds the warnings.
     """
-    file, deformed, scene = given.file, solved.deformed, given.file.scene
+    file, scene, solved = given.file, given.file.scene, solve_boundary_values(given)
+    deformed = solved.deformed
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
     found: dict[str, Any] = {}
     for kind, quantity, values in (

@@ -82,8 +82,13 @@ class ContactInput(Input):
         file = self.file
         return reduce(file.scene, self.surfaces, file.numerics, file.path, self.tractions, self.pattern)
 
+    @property
+    def task(self) -> tuple[Problem, int]:
+        """What is solved: the problem, and which of its realisations."""
+        return self.reduced[0], self.file.realisation
 
-def read(file: SceneFile, document: Document) -> Input:
+
+def read(file: SceneFile, document: Document) -> BoundaryInput | ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, measured = with_measured_surfaces(file, document)
     scene, dimension = file.scene, file.scene.dimension
@@ -121,7 +126,8 @@ def _on_a_body(document: Document, file: SceneFile, arrays: dict[str, Reals]) ->
     body = file.scene.body
     name, given = next(iter(arrays.items()))
     place = ("scene", "boundary", name) if body.roughness is None else ("scene", "body", "roughness")
-    check_nodes(document, place, given.size, arrays_of(file.scene, file.slope_order))
+    arrays_of_each = arrays_of(file.scene, file.slope_order)
+    check_nodes(document, place, given.size, arrays_of_each)
     is_rigid = body.is_incompressible and not body.is_half_space
     if is_rigid and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.refused(

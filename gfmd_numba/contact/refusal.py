@@ -145,9 +145,9 @@ def _give_way_alike(scene: Scene, grid: Grid) -> bool:
         return False
     if all(body.is_half_space and body.layers is None for body in scene.deformable):
         return True
-    from gfmd_numba.contact.scales import elastic_body, in_own_units  # numbers, which the tables do without
+    from gfmd_numba.contact.scales import scales_of  # numbers, which the tables do without
 
-    one, other = (elastic_body(in_own_units(body, scene.length)) for body in scene.deformable)
+    one, other = scales_of(scene).bodies
     return one == other and not any(axis in grid for axis in _POISSONS_RATIO.values())
 
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.campaign.goal import Goal
-    from gfmd_numba.scene import Document, SceneFile
+    from gfmd_numba.scene import SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
 
 __version__ = "0.1.0"
@@ -83,7 +83,8 @@ def solve(
     from gfmd_numba import simulate
     from gfmd_numba.scene import load_scene
 
-    return _warned(simulate.solve(*load_scene(scene, heights)))
+    file, document = load_scene(scene, heights)
+    return _warned(simulate.solve(file, document))
 
 
 def load_curve(
@@ -142,8 +143,8 @@ def load_curve(
     from gfmd_numba.scene import load_scene
     from gfmd_numba.simulate.curve import curve_of
 
-    asked = {"loads": loads, "times": times, "speeds": speeds}
-    return _warned(curve_of(*load_scene(scene, heights), asked, realisations))
+    file, document = load_scene(scene, heights)
+    return _warned(curve_of(file, document, {"loads": loads, "times": times, "speeds": speeds}, realisations))
 
 
 def body_fields(

@@ -22,10 +22,10 @@ from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.execution import watched
 from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.storage import cache, json_file
 from gfmd_numba.text.input_error import InputError
 

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import Table, read_table
+from gfmd_numba.roughness.surface_text import Table, read_rows, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -44,7 +44,7 @@ def read_values(path: Path, dimension: int) -> Reals:
     Any of them may be not-a-number.
     """
     is_text = path.suffix != ".npy"
-    values = read_table(path).values if is_text else read_npy(path)
+    values = read_rows(path).values if is_text else read_npy(path)
     if is_text and dimension == 1:
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")

@@ -23,7 +23,7 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     if isinstance(given, BoundaryInput):
         return boundary_dataset(given)
     problem, realisation = given.task
-    with shared_by(file.numerics.threads):
+    with shared_by(problem.numerics.threads):
         return path_dataset(given, solve_path(problem, realisation, tell))
 
 

@@ -109,10 +109,10 @@ def gradient_over_height(generator: Generator, shape: Shape) -> float:
     return float(np.sqrt(second / zeroth))
 
 
-def band(record: PowerLaw, discretisation: Discretisation | None, period: float) -> tuple[float, float]:
+def band(record: PowerLaw, discretisation: Discretisation | None) -> tuple[float, float]:
     """Wave indices of the longest and the shortest wavelength: those of the record, or of the discretisation."""
     if record.cut_on is not None and record.roll_off is not None:
-        return period / record.roll_off, period / record.cut_on
+        return 1.0 / record.roll_off, 1.0 / record.cut_on
     assert discretisation is not None  # the loader's promise
     return float(discretisation.cut_on_index), discretisation.cut_off_index
 
@@ -134,7 +134,7 @@ def random_surface(
         nx *= periods
     make: Callable[..., Generator] = resolve_name(record.implementation)
     surface = RandomSurface(
-        make(record, discretisation, 1.0, dimension, nx),
+        make(record, discretisation, dimension, nx),
         nx // periods,
         seed,
         dimension,

@@ -225,9 +225,9 @@ def expand(
             if scene.follows_topography or scene.roughness is None:
                 pressed = summed_of(scene, level.discretisation, found)
             else:
-                own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
-                own = own or random_surface_of(scene.roughness, level.discretisation)
-                pressed = FacingSurfaces(on_its_form(scene, *own), own[1])
+                punch = None if found is None else found.punch
+                rough, gradient = punch or random_surface_of(scene.roughness, level.discretisation)
+                pressed = FacingSurfaces(on_its_form(scene, rough, gradient), gradient)
             tractions, shape = None, pressed.surface.shape
             if boundary is not None:
                 arrays = arrays_of(boundary, scene.dimension, shape)

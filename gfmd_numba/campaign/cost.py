@@ -308,7 +308,7 @@ def _spectrum(surface: Surface) -> tuple[float, float, float, float]:
         rough = [part for part in surface.parts if not isinstance(part.surface, SmoothSurface)] or surface.parts
         one = max(rough, key=lambda part: part.rms_gradient).surface
     if not isinstance(one, RandomSurface):
-        return 1.0, one.nx / 8, 0.5, 1.0
+        return 1.0, one.shape[-1] / 8, 0.5, 1.0
     generator = one.generator
     return *generator.band, generator.hurst, getattr(generator, "anisotropy", 1.0)
 

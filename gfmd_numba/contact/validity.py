@@ -174,9 +174,8 @@ def coarse_times(numerics: Numerics, found: Found) -> str:
 def _coarse_steps(given: ContactInput, found: Found) -> str:
     laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
-    if jump is None or np.ndim(found[jump]) == 0:  # one step tells nothing of the way to it
-        return ""
-    if loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
+    # one step alone tells nothing of the way to it
+    if jump is None or np.ndim(found[jump]) == 0 or loses or laws.hardness is not None:
         return ""
     lost = np.nan_to_num(found["energy_lost"])
     without = np.where(np.isnan(found[jump]), lost, 0.0)

@@ -119,10 +119,7 @@ class Recursion:
 
 
 def generator(
-    record: MidpointDisplacement | SuccessiveAddition,
-    discretisation: Discretisation | None,
-    dimension: int,
-    nx: int,
+    record: MidpointDisplacement | SuccessiveAddition, discretisation: Discretisation | None, dimension: int, nx: int
 ) -> Recursion:
     """Subdivision of a record between its wavelengths, or those of the discretisation."""
     longest, shortest = band(record, discretisation)

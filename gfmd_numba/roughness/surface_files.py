@@ -43,8 +43,7 @@ def read_values(path: Path, dimension: int) -> Reals:
 
     Any of them may be not-a-number.
     """
-    is_text = path.suffix != ".npy"
-    values = read_rows(path).values if is_text else read_npy(path)
+    is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
     if is_text and dimension == 1:
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
@@ -114,9 +113,10 @@ def _sized(table: Table, heights: Reals) -> Content:
     if along_x is None or (heights.ndim == 1 and not along_x.of_points):
         return Content(heights, units=_stated(z=table.units[0]), done=table.done)
     sizes = {"x": along_x.of_field(heights.shape[-1])}
-    ratio = 1.0 if heights.ndim == 1 else heights.shape[0] / heights.shape[1]
     along_y = table.sizes.get("y")
-    sizes["y"] = sizes["x"] * ratio if along_y is None else along_y.of_field(heights.shape[0])
+    sizes["y"] = (
+        sizes["x"] * (heights.shape[0] / heights.shape[-1]) if along_y is None else along_y.of_field(heights.shape[0])
+    )
     units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
     return Content(
         heights,
@@ -193,3 +193,4 @@ _READERS: dict[str, Callable[[Path], Content]] = {
     ".dat": _read_dat,
     ".nc": _read_netcdf,
 }
+_VALUES: dict[str, Callable[[Path], npt.NDArray[Any]]] = {".npy": read_npy, ".csv": lambda path: read_rows(path).values}

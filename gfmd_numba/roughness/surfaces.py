@@ -61,11 +61,6 @@ class SmoothSurface:
     middle: tuple[float, ...] = (0.5, 0.5)
 
     @property
-    def nx(self) -> int:
-        """Number of grid points over the period."""
-        return self.shape[-1]
-
-    @property
     def heights(self) -> Reals:
         """Heights `[(y,) x]`, 0 at the summit."""
         return self.moved((0.0, 0.0))
@@ -187,11 +182,7 @@ def random_surface(
 
 
 def surface_of_the_punch(
-    scene: Scene,
-    discretisation: Discretisation | None,
-    seed: int,
-    measured: MeasuredSurfaces,
-    document: Document,
+    scene: Scene, discretisation: Discretisation | None, seed: int, measured: MeasuredSurfaces, document: Document
 ) -> tuple[RandomSurface | GivenSurface, float] | None:
     """Roughness of a rigid punch in units of its rms gradient, and that; None without, InputError if it is unusable."""
     record = scene.roughness
@@ -224,11 +215,7 @@ def _smooth_part(scene: Scene, shape: tuple[int, ...] | None) -> Topography:
 
 
 def sum_of_surfaces(
-    scene: Scene,
-    discretisation: Discretisation | None,
-    seed: int,
-    measured: MeasuredSurfaces,
-    document: Document,
+    scene: Scene, discretisation: Discretisation | None, seed: int, measured: MeasuredSurfaces, document: Document
 ) -> SummedSurface:
     """All surfaces of a scene, in its order, and its form; raises InputError for unusable ones.
 

@@ -39,12 +39,13 @@ def content_of(given: Heights) -> Content:
 
 
 def read_values(path: Path, dimension: int) -> Reals:
-    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column; raises ValueError.
+    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column or row; raises ValueError.
 
     Any of them may be not-a-number.
     """
     is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
     if is_text and dimension == 1:
+        values = values.T if len(values) == 1 else values
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
         values = values[:, 0]

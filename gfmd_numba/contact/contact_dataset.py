@@ -231,7 +231,7 @@ def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
         "scene": file.model_dump_json(),
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
-        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
+        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.outcome),
         "validity": "\n".join(filter(None, (*given.implausible, warned))),
     }
     return dataset
@@ -509,6 +509,6 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     if given.bodies:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
         sentences.append(rough_body_warnings(given.bodies, file.slope_order, dataset, "normal_displacement"))
-        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.outcome)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -21,12 +21,12 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.table import Options
 
 RESIDUAL, FIRST_TOLERANCE, TRIES = 1e-8, 1e-7, 8

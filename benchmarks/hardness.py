@@ -12,15 +12,14 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import Contact, LoadStep
-from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import GivenSurface, given_surface
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate
 from gfmd_numba.solvers.table import Options
 

@@ -9,8 +9,8 @@ import xarray as xr
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact import law_resolution, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
-from gfmd_numba.contact.scales import scales_of
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.elasticity.scales import scales_of
+from gfmd_numba.roughness.surfaces import SummedSurface
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import steps_told

@@ -50,7 +50,7 @@ Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are t
 
 def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the warnings about the steps of a path, one sentence a line, and behind it the steps that have it."""
-    bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
+    known, few = input_warnings(given), _few_nodes(given, _arrays(dataset))
     own = (
         _coarse_flow,
         _beyond_small_strains,
@@ -62,16 +62,20 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
         _overlap,
         _closer_than_known,
     )
+
+    def held_against(reason: Callable[[ContactInput, Found], str]) -> Callable[[xr.Dataset], str]:
+        return lambda steps: reason(given, _arrays(steps))
+
     each: list[Callable[[xr.Dataset], str]] = [
-        lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
+        lambda steps: "" if not given.bodies else rough_body_warnings(given.bodies, given.surfaces.order, steps),
         lambda steps: coarse_times(given.file.numerics, _arrays(steps)),
-        *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
+        *map(held_against, own),
         lambda steps: at_the_edge(_arrays(steps)),
         lambda steps: past_asperities(_arrays(steps)),
         lambda steps: _short_stretches(problem, _arrays(steps)),
+        held_against(_coarse_steps),
     ]
-    told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
-    return "\n".join([*input_warnings(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
+    return "\n".join([*known, *(line for reason in each for line in _by_step(reason, dataset, len(given.file.path)))])
 
 
 def _arrays(dataset: xr.Dataset) -> Found:
@@ -170,7 +174,8 @@ def coarse_times(numerics: Numerics, found: Found) -> str:
 def _coarse_steps(given: ContactInput, found: Found) -> str:
     laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
-    if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
+    # one step alone tells nothing of the way to it
+    if jump is None or np.ndim(found[jump]) == 0 or loses or laws.hardness is not None:
         return ""
     lost = np.nan_to_num(found["energy_lost"])
     without = np.where(np.isnan(found[jump]), lost, 0.0)

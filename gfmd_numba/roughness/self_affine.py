@@ -121,11 +121,9 @@ class SelfAffineWaves:
         return np.asarray(power / statistics.moment_of_power(power, shape, 0, (1.0,) * len(shape)))
 
 
-def generator(
-    record: SelfAffine, discretisation: Discretisation | None, period: float, dimension: int, nx: int
-) -> SelfAffineWaves:
+def generator(record: SelfAffine, discretisation: Discretisation | None, dimension: int, nx: int) -> SelfAffineWaves:
     """Waves of a record between its wavelengths, or those of the discretisation."""
-    longest, shortest = band(record, discretisation, period)
+    longest, shortest = band(record, discretisation)
     anisotropy = record.anisotropy or 1.0
     cut_off, by_theory = int(shortest * (1.0 + 1e-9)), record.scaling == "ensemble"
     return SelfAffineWaves(record.hurst, longest, cut_off, anisotropy, record.plateau, by_theory)

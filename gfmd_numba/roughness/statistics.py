@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Iterator
+from math import frexp, ldexp
 from typing import Any
 
 import numpy as np
@@ -50,10 +51,16 @@ def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 
 def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Reals:
     """Root-mean-square gradient `[...]` (thesis (4.2), corrected); heights may end along some axes (y,) x."""
-    if not any(ends):
-        return np.sqrt(spectral_moment(heights, 2, lengths))
-    squares = sum(each**2 for each in gradients(heights, lengths, ends))
-    return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+    if any(ends):
+        squares = sum(each**2 for each in gradients(heights, lengths, ends))
+        return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+    return np.sqrt(spectral_moment(heights, 2, lengths))
+
+
+def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
+    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
+    scale = ldexp(1.0, frexp(np.abs(heights).max())[1] - 1)
+    return scale, float(rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
 def rms_curvature(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:

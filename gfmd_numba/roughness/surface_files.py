@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import Table, read_table
+from gfmd_numba.roughness.surface_text import Table, read_rows, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -39,13 +39,13 @@ def content_of(given: Heights) -> Content:
 
 
 def read_values(path: Path, dimension: int) -> Reals:
-    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column; raises ValueError.
+    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column or row; raises ValueError.
 
     Any of them may be not-a-number.
     """
-    is_text = path.suffix != ".npy"
-    values = read_table(path).values if is_text else read_npy(path)
+    is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
     if is_text and dimension == 1:
+        values = values.T if len(values) == 1 else values
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
         values = values[:, 0]
@@ -114,9 +114,10 @@ def _sized(table: Table, heights: Reals) -> Content:
     if along_x is None or (heights.ndim == 1 and not along_x.of_points):
         return Content(heights, units=_stated(z=table.units[0]), done=table.done)
     sizes = {"x": along_x.of_field(heights.shape[-1])}
-    ratio = 1.0 if heights.ndim == 1 else heights.shape[0] / heights.shape[1]
     along_y = table.sizes.get("y")
-    sizes["y"] = sizes["x"] * ratio if along_y is None else along_y.of_field(heights.shape[0])
+    sizes["y"] = (
+        sizes["x"] * (heights.shape[0] / heights.shape[-1]) if along_y is None else along_y.of_field(heights.shape[0])
+    )
     units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
     return Content(
         heights,
@@ -193,3 +194,4 @@ _READERS: dict[str, Callable[[Path], Content]] = {
     ".dat": _read_dat,
     ".nc": _read_netcdf,
 }
+_VALUES: dict[str, Callable[[Path], npt.NDArray[Any]]] = {".npy": read_npy, ".csv": lambda path: read_rows(path).values}

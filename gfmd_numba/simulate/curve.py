@@ -225,9 +225,9 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
 
 def _solved(curve: LoadCurve, given: ContactInput, tell: Tell) -> Iterator[tuple[Problem, Contact]]:
     """The problem and the contact at each step of the path of a realisation."""
-    whole, _ = given.reduced
+    whole, realisation = given.task
     share = len(curve.loads) / whole.n_loads  # loads of the curve in a step of the path
-    contacts = solve_path(whole, given.file.realisation, lambda steps: tell(share * steps))
+    contacts = solve_path(whole, realisation, lambda steps: tell(share * steps))
     return zip(whole.at_each_load, contacts, strict=True)
 
 

@@ -8,16 +8,15 @@ from scipy.stats import norm
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
-from gfmd_numba.contact.rough_surfaces import usable
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
-from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface, usable
 from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Random
-from gfmd_numba.scene.units import given_with_units
+from gfmd_numba.scene.units import given_with_units, in_reduced_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
 
@@ -36,7 +35,7 @@ def make(file: SurfaceFile) -> Made:
 
 def _random(file: SurfaceFile, record: Random) -> Made:
     period, dimension = file.length or 1.0, file.dimension or 1
-    surface, gradient = random_surface(record, None, period, dimension, file.seed)
+    surface, gradient = random_surface(in_reduced_units(record, period, 1.0), None, dimension, file.seed)
     drawn = surface.heights(range(file.realisation, file.realisation + 1))[0]
     heights = gradient * period * drawn
     lengths = (period,) * dimension

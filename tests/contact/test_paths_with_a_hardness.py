@@ -9,11 +9,11 @@ from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.table import Options
 

@@ -14,7 +14,6 @@ from gfmd_numba.contact import time_steps
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.validity import FEWEST
@@ -23,6 +22,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene.scene_file import load_scene
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options

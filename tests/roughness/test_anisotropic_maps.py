@@ -9,12 +9,12 @@ from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.generators import RandomSurface, random_surface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene import Discretisation, InputError, Scene, load_scene
 from gfmd_numba.solvers.table import Options
 from support.campaigns import MAPS, campaign
@@ -75,7 +75,7 @@ def test_one_is_the_isotropic_map_and_problem():
                 "loading": {"reduced_pressure": 0.01},
             }
         )
-        surfaces[a] = random_surface(scene.roughness, scene, eps, 1)
+        surfaces[a] = random_surface(scene.in_periods.roughness, eps, scene.dimension, 1)
     assert surfaces[None] == surfaces[1.0] != surfaces[2.0]
 
 

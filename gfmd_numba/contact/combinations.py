@@ -3,6 +3,7 @@
 Importing it compiles nothing.
 """
 
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -438,7 +439,8 @@ def _section(reason: str) -> str:
     pairs: dict[str, list[tuple[str, str]]] = {}
     for row in REFUSALS:
         if row.because == reason:
-            allowed = f" Allowed: {row.told()}.".replace("*", r"\*") if has_substitute(row) else ""
+            told = re.sub(r"--\w+", r"`\g<0>`", row.told().replace("*", r"\*"))  # an option is code, and has no dash
+            allowed = f" Allowed: {told}." if has_substitute(row) else ""
             pairs.setdefault(allowed, []).append((row.present, row.refused))
     entries = (_item(f"{entry}.{allowed}") for allowed, features in pairs.items() for entry in _entries(features))
     return "\n".join((_REASONS[reason], *entries, ""))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -118,7 +117,6 @@ def _default(value: dict[str, Any]) -> str:
 
 def _text(text: str) -> str:
     text = text.replace("None:", "left out:").replace("\n", " ")
-    text = re.sub(r"--\w\S*", r"`\g<0>`", text)  # an option is code, and has no dash
     return text.replace("|", "\\|").replace("*", "\\*").replace("<", "&lt;")
 
 

@@ -3,7 +3,6 @@
 Importing it compiles nothing.
 """
 
-import re
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -228,9 +227,9 @@ def _in_time() -> Iterator[Refusal]:
 
 def _of_processes() -> Iterator[Refusal]:
     """What several processes and threads do not share yet, or do without, and where a file of nodes has no grid."""
-    yield from _each("processes", "not built yet", " with --mpi: the rest is not built yet", _OF_PROCESSES)
-    yield Refusal("processes", "named solver", "auto with --mpi, which has a solver of its own", "without effect")
-    yield Refusal("processes", "threads", "1 with --mpi: start more processes instead", "without effect")
+    yield from _each("processes", "not built yet", " with `--mpi`: the rest is not built yet", _OF_PROCESSES)
+    yield Refusal("processes", "named solver", "auto with `--mpi`, which has a solver of its own", "without effect")
+    yield Refusal("processes", "threads", "1 with `--mpi`: start more processes instead", "without effect")
     told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
     yield Refusal("accuracy", "pattern", told, "physics")
     yield from _not_built("hardness", "", {"pattern": "no pattern with a hardness"})
@@ -439,8 +438,7 @@ def _section(reason: str) -> str:
     pairs: dict[str, list[tuple[str, str]]] = {}
     for row in REFUSALS:
         if row.because == reason:
-            told = re.sub(r"--\w+", r"`\g<0>`", row.told().replace("*", r"\*"))  # an option is code, and has no dash
-            allowed = f" Allowed: {told}." if has_substitute(row) else ""
+            allowed = f" Allowed: {row.told()}.".replace("*", r"\*") if has_substitute(row) else ""
             pairs.setdefault(allowed, []).append((row.present, row.refused))
     entries = (_item(f"{entry}.{allowed}") for allowed, features in pairs.items() for entry in _entries(features))
     return "\n".join((_REASONS[reason], *entries, ""))

@@ -25,7 +25,8 @@ onload = () => {
         for (const box of inside.querySelectorAll("article pre, article .table-wrapper, article .formula"))
             if (box.scrollWidth > box.clientWidth + 1) fault(`cuts off ${box.innerText.slice(0, 60)}`);
         for (const box of inside.querySelectorAll("article pre, article td"))
-            if (box.innerText && parseFloat(getComputedStyle(box).fontSize) < 6.4) fault(`has tiny ${box.innerText.slice(0, 60)}`);
+            if (box.innerText && parseFloat(getComputedStyle(box).fontSize) < 6.4)
+                fault(`has tiny ${box.innerText.slice(0, 60)}`);
         const texts = inside.createTreeWalker(inside.body, NodeFilter.SHOW_TEXT);
         while (texts.nextNode()) {
             const text = texts.currentNode, range = inside.createRange();

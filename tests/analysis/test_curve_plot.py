@@ -31,6 +31,19 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         assert len(axis.collections) == 1
 
 
+@pytest.mark.parametrize("width", [None, "single"])
+def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found, width):
+    figure = plot_curve(found, width)
+    figure.draw_without_rendering()
+    said, box = figure.get_suptitle(), figure._suptitle.get_window_extent()
+    assert said.replace("\n", " ").startswith("Rough profile, Hurst exponent 0.8, 100 µm long, on a ")
+    assert "Young's modulus 70 GPa" in said.replace("\n", " ")
+    assert said.endswith("Mean of 3 surfaces, band: standard error")
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y0 > figure.axes[0].get_window_extent().y1
+
+
 def test_loads_without_a_result_are_left_out(found):
     failed = found.copy(deep=True)
     failed["n_realisations"][1] = 0

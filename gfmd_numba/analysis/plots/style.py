@@ -114,8 +114,9 @@ def sheet(
         if title:
             em = scale * _POINTS / 72.0
             wide = int(figure.get_figwidth() / (_EM_OF_LETTER * em))
-            lines = [line for each in title.splitlines() for line in textwrap.wrap(each, wide)]
-            figure.suptitle("\n".join(lines), x=0.01, ha="left")
+            tied = re.sub(r"(?<=\d) (?=[^\W\d])", "\xa0", title)  # a number stays with its unit
+            lines = [line for each in tied.splitlines() for line in textwrap.wrap(each, wide)]
+            figure.suptitle("\n".join(lines).replace("\xa0", " "), x=0.01, ha="left")
             _grow(figure, (0.3 + 1.3 * len(lines)) * em)
         yield figure, axes[:count]
         for bins in (4, 4, 3, 3, 2, 2) if width is not None else ():

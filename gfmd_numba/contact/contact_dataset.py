@@ -509,7 +509,8 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
     sentences = implausible(scene)
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement"))
+        warned = rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement")
+        sentences += [sentence for _, sentence in warned]
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -1,7 +1,14 @@
-"""Electrical or thermal conductance of a solved contact, from which of its nodes touch."""
+"""What crosses a solved contact: current or heat where its nodes touch, and a flow of a fluid that is known."""
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from math import inf
+from typing import Annotated
 
 import numpy as np
 import xarray as xr
+from pydantic import BaseModel, Field
+from pydantic_core import PydanticCustomError
 from scipy.sparse.linalg import LinearOperator, cg
 
 from gfmd_numba.arrays import Flags, Reals
@@ -9,7 +16,10 @@ from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WI
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
-from gfmd_numba.scene import InputError
+from gfmd_numba.scene import Document, InputError, validate
+from gfmd_numba.scene.quantities import RECORD, Length, Pressure, Size
+from gfmd_numba.scene.units import ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY, VISCOSITY, WithUnit
+from gfmd_numba.text.input_error import brief
 
 _RESIDUAL = 1e-10
 _OF_RIDGES = (
@@ -18,9 +28,10 @@ _OF_RIDGES = (
 )
 _OF_NOTHING = "Nothing touches, so that the bodies conduct nothing to each other"
 _ALLOWED = "what `gfmd solve` leaves of a contact"
+_RESISTANCES = {ELECTRICAL_CONDUCTIVITY: "ohm", THERMAL_CONDUCTIVITY: "K W-1"}
 
 
-def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
+def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.Dataset:
     """Conductance of what `gfmd solve` leaves of contacts, for the current or the heat that crosses touching nodes.
 
     Two half-spaces of conductivities s_1 and s_2 meet in the touching nodes, which are at one potential. With
@@ -32,8 +43,13 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
     2003). It is 0 without contact and infinite in full contact with a period. `current_density` is the current through
     a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
     along y, which the attribute `validity` says after the warnings about the contact.
-    Raises InputError for a dataset that no contact was solved for, or a run that is not ok.
+
+    The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the `resistance`
+    R = 1 / (G s A) of the nominal area A too, of a profile `resistance_times_width`, along y. Raises InputError for
+    other conductivities, a contact whose length they need, a dataset that no contact was solved for, or a run that is
+    not ok.
     """
+    material = None if conductivity is None else _material(contact, conductivity)
     nodes = _nodes(contact)
     touching, ends = contact["gap"] <= 0.0, tuple(POINTS_OF_WINDOW in contact[dim].attrs for dim in nodes)
     reduced, density = xr.apply_ufunc(
@@ -58,7 +74,38 @@ def contact_conductance(contact: xr.Dataset) -> xr.Dataset:
         + [_OF_NOTHING] * (not touching.any())
     )
     result.attrs["validity"] = "\n".join(warnings)
-    return result
+    return result if material is None else result.assign(_resistance(result["conductance"], *material))
+
+
+def _material(contact: xr.Dataset, conductivity: object) -> tuple[list[WithUnit], dict[str, float]]:
+    """Return the conductivities of the bodies, and the lengths in m of a contact."""
+    each = conductivity if isinstance(conductivity, Sequence) and not isinstance(conductivity, str) else [conductivity]
+    known = [_conductivity(one) for one in each]
+    if len(known) not in (1, 2) or len({one.quantity for one in known}) > 1:
+        raise InputError.of(
+            "conductivity", brief(conductivity), "one conductivity, or two of a kind: one for each body"
+        )
+    return known, _lengths(contact, "conductivity", conductivity)
+
+
+def _conductivity(given: object) -> WithUnit:
+    for quantity in _RESISTANCES:
+        with suppress(PydanticCustomError):
+            value = quantity.read(given)
+            if isinstance(value, WithUnit) and 0.0 < value < inf:
+                return value
+    raise InputError.of("conductivity", brief(given), " or ".join(each.allowed for each in _RESISTANCES))
+
+
+def _resistance(conductance: xr.DataArray, known: list[WithUnit], lengths: dict[str, float]) -> dict[str, xr.DataArray]:
+    """Return the resistance of the nominal area, by its name."""
+    mean, area = len(known) / sum(1.0 / one for one in known), lengths["x"] * lengths.get("y", 1.0)
+    unit, long_name = _RESISTANCES[known[0].quantity], "resistance of the touching spots of the nominal area"
+    name = "resistance"
+    if "y" not in lengths:
+        name, unit = f"{name}_times_width", unit.replace("ohm", "ohm m").replace("K ", "K m ")
+        long_name = f"{long_name}, times its width along y"
+    return {name: (1.0 / (conductance * mean * area)).assign_attrs(cf_attributes(long_name, unit))}
 
 
 def _reduced(touching: Flags, ends: tuple[bool, ...]) -> tuple[float, Reals]:
@@ -118,3 +165,47 @@ def _nodes(contact: xr.Dataset) -> list[str]:
             given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
             raise InputError.of("contact", given, "all nodes of the period, or the window")
     return nodes
+
+
+class _Fluid(BaseModel):
+    model_config = RECORD
+    viscosity: Annotated[Size, VISCOSITY]
+    pressure: Pressure
+    seal: tuple[Length, ...] | None = Field(None, min_length=2, max_length=2)
+
+
+def with_flow(
+    measure: Callable[[xr.Dataset], xr.Dataset],
+    contact: xr.Dataset,
+    viscosity: object = None,
+    pressure: object = None,
+    seal: object = None,
+) -> xr.Dataset:
+    """Leakage that `measure` finds, and of a fluid the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
+
+    The pressure falls by P over the length L of a seal, whose width is W: `seal` gives both, else they are those of the
+    map. Numbers are in SI units, texts like `1 mPa s` have units. Raises InputError for others, or a contact without a
+    length.
+    """
+    pair = tuple(seal) if isinstance(seal, list) else seal
+    asked = {"viscosity": viscosity, "pressure": pressure, "seal": pair}
+    given = {name: each for name, each in asked.items() if each is not None}
+    if not given:
+        return measure(contact)
+    fluid = validate(Document(None, "", given), _Fluid)
+    lengths = _lengths(contact, "viscosity", viscosity)
+    if fluid.seal is None and "y" not in lengths:
+        raise InputError.of("seal", "nothing", "the length and the width of a seal, as a profile has no width")
+    along, width = (lengths["x"], lengths["y"]) if fluid.seal is None else fluid.seal
+    shape = xr.DataArray([width / along, along / width if fluid.seal is None else width / along], dims="direction")
+    found = measure(contact)
+    flow = found["hydraulic_gap"] ** 3 * fluid.pressure / (12.0 * fluid.viscosity) * shape
+    whole = "map" if fluid.seal is None else "seal"
+    return found.assign(flow=flow.assign_attrs(cf_attributes(f"flow through the {whole}", "m3 s-1")))
+
+
+def _lengths(found: xr.Dataset, argument: str, given: object) -> dict[str, float]:
+    """Lengths in m of what was solved, along x and of maps along y; raises InputError for those in L_x."""
+    if "x" not in found.coords or found["x"].attrs.get("units", "1") == "1":
+        raise InputError.of(argument, brief(given), "nothing for a contact without a length: give one in the scene")
+    return {dim: float(found[dim][1] - found[dim][0]) * found.sizes[dim] for dim in ("x", "y") if dim in found.dims}

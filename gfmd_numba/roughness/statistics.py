@@ -89,25 +89,16 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
 def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Iterator[Reals]:
     """Derivatives along each axis from the last, spectral, or of a spline along (y,) x where that `ends`.
 
-    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends. Slopes
-    per node are s_(i-1) + 4 s_i + s_(i+1) = 3 (h_(i+1) - h_(i-1)), and s_0 + 2 s_1 = (h_2 + 4 h_1 - 5 h_0) / 2.
+    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends.
     """
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
         if not (ends and ends[axis]):
             yield gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1)
             continue
-        from scipy.linalg import solve_banded  # it takes longer to import than most contacts to solve
+        from scipy.interpolate import make_interp_spline  # it takes longer to import than most contacts to solve
 
-        along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
-        h = along.reshape(len(along), -1)
-        bands = np.repeat([[1.0], [4.0], [1.0]], len(h), axis=1)  # above the diagonal, on it and below
-        bands[1, [0, -1]], bands[0, 1], bands[2, -2] = 1.0, 2.0, 2.0
-        right = np.empty(h.shape)
-        right[1:-1] = 3.0 * (h[2:] - h[:-2])
-        right[0] = 0.5 * (h[2] + 4.0 * h[1] - 5.0 * h[0])
-        right[-1] = 0.5 * (5.0 * h[-1] - 4.0 * h[-2] - h[-3])
-        slopes = np.asarray(solve_banded((1, 1), bands, right)).reshape(along.shape)
-        yield np.moveaxis(slopes, 0, axis) * (len(along) / length)
+        nodes = np.arange(heights.shape[axis])
+        yield make_interp_spline(nodes, heights, axis=axis)(nodes, 1) * (len(nodes) / length)
 
 
 def bends(heights: Reals, ends: tuple[bool, ...]) -> tuple[Reals, Reals]:

@@ -502,10 +502,9 @@ def leakage(
     >>> gfmd_numba.leakage(contact)["flow_factor"].values.round(2)
     array([0.53, 0.62])
     """
-    from gfmd_numba.analysis import leakage as leakage_of
-    from gfmd_numba.simulate.transport import with_flow
+    from gfmd_numba.simulate.transport import leakage as leakage_of
 
-    return _warned(with_flow(leakage_of, _dataset("dataset", dataset, "solve"), viscosity, pressure, seal))
+    return _warned(leakage_of(_dataset("dataset", dataset, "solve"), viscosity, pressure, seal))
 
 
 def contact_conductance(

@@ -352,9 +352,8 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
     FILE is a contact that `gfmd solve` wrote. The command solves the Reynolds equation along x and along y, and prints
     hydraulic gap and flow factor. The picture shows the channels. The grooves of a profile go on without end along y.
     """
-    from gfmd_numba.analysis import leakage as leakage_of
     from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.simulate.transport import with_flow
+    from gfmd_numba.simulate.transport import leakage as leakage_of
 
     given = {
         name: [plain_scalar(each) for each in value] if isinstance(value, tuple) else plain_scalar(value)
@@ -362,7 +361,7 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
         if value
     }
 
-    _measure(file, output, lambda contact: with_flow(leakage_of, contact, **given), "computing the flow", as_json)
+    _measure(file, output, lambda contact: leakage_of(contact, **given), "computing the flow", as_json)
 
 
 @main.command()

@@ -1,6 +1,6 @@
 """What crosses a solved contact: current or heat where its nodes touch, and a flow of a fluid that is known."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from math import inf
 from typing import Annotated
@@ -11,8 +11,10 @@ from pydantic import BaseModel, Field
 from pydantic_core import PydanticCustomError
 from scipy.sparse.linalg import LinearOperator, cg
 
+from gfmd_numba.analysis import channels
+from gfmd_numba.analysis.forms import SOLVED, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, cf_attributes
+from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.transform import Transform
@@ -27,7 +29,6 @@ _OF_RIDGES = (
     "spots of a rough surface, solve a scene with `dimension: 2`"
 )
 _OF_NOTHING = "Nothing touches, so that the bodies conduct nothing to each other"
-_ALLOWED = "what `gfmd solve` leaves of a contact"
 _RESISTANCES = {ELECTRICAL_CONDUCTIVITY: "ohm", THERMAL_CONDUCTIVITY: "K W-1"}
 
 
@@ -50,8 +51,9 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     not ok.
     """
     material = None if conductivity is None else _material(contact, conductivity)
-    nodes = _nodes(contact)
-    touching, ends = contact["gap"] <= 0.0, tuple(POINTS_OF_WINDOW in contact[dim].attrs for dim in nodes)
+    contact = SOLVED.checked(contact, "contact")
+    nodes = check_fields(contact, ("gap",), whole=True)
+    touching, ends = contact["gap"] <= 0.0, tuple(not around for around in goes_around(contact))
     reduced, density = xr.apply_ufunc(
         _reduced,
         touching,
@@ -146,27 +148,6 @@ def _reduced(touching: Flags, ends: tuple[bool, ...]) -> tuple[float, Reals]:
     return float("nan") if failed else 0.5 * float(current.sum()) / touching.size, density
 
 
-def _nodes(contact: xr.Dataset) -> list[str]:
-    """Return the dims of the nodes, `[x]` or `[y, x]`; raises InputError for what is no contact in equilibrium."""
-    if not {"x", "gap", "status"} <= contact.variables.keys():
-        raise InputError.of("contact", "no results of a contact", _ALLOWED)
-    nodes = ["y", "x"] if "y" in contact.dims else ["x"]
-    x, gap, status = (contact[name] for name in ("x", "gap", "status"))
-    numbers = all(each.dtype.kind in "fiu" and bool(np.isfinite(each).all()) for each in (x, gap, status))
-    laid_out = x.dims == ("x",) and set(nodes) <= set(gap.dims) and set(status.dims) <= set(gap.dims) - set(nodes)
-    if not (numbers and laid_out and min(gap.shape, default=0) > 0 and x.size >= 4 and float(x[1] - x[0]) > 0.0):
-        raise InputError.of("contact", "an altered one", _ALLOWED)
-    if (status != 0).any():
-        raise InputError.of("contact", "a run that is not ok", "contacts in equilibrium, whose status is 0")
-    for dim in nodes:
-        attributes = contact[dim].attrs if dim in contact.coords else {POINTS: "unknown"}
-        points = attributes.get(POINTS, attributes.get(POINTS_OF_WINDOW, contact.sizes[dim]))
-        if str(points) != str(contact.sizes[dim]):
-            given = f"{contact.sizes[dim]} of the {points} nodes along {dim}"
-            raise InputError.of("contact", given, "all nodes of the period, or the window")
-    return nodes
-
-
 class _Fluid(BaseModel):
     model_config = RECORD
     viscosity: Annotated[Size, VISCOSITY]
@@ -174,14 +155,8 @@ class _Fluid(BaseModel):
     seal: tuple[Length, ...] | None = Field(None, min_length=2, max_length=2)
 
 
-def with_flow(
-    measure: Callable[[xr.Dataset], xr.Dataset],
-    contact: xr.Dataset,
-    viscosity: object = None,
-    pressure: object = None,
-    seal: object = None,
-) -> xr.Dataset:
-    """Leakage that `measure` finds, and of a fluid the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
+def leakage(contact: xr.Dataset, viscosity: object = None, pressure: object = None, seal: object = None) -> xr.Dataset:
+    """Leakage of a contact, and of a fluid the `flow` d^3 P / (12 eta) W / L in m^3/s along x and along y.
 
     The pressure falls by P over the length L of a seal, whose width is W: `seal` gives both, else they are those of the
     map. Numbers are in SI units, texts like `1 mPa s` have units. Raises InputError for others, or a contact without a
@@ -191,14 +166,14 @@ def with_flow(
     asked = {"viscosity": viscosity, "pressure": pressure, "seal": pair}
     given = {name: each for name, each in asked.items() if each is not None}
     if not given:
-        return measure(contact)
+        return channels.leakage(contact)
     fluid = validate(Document(None, "", given), _Fluid)
     lengths = _lengths(contact, "viscosity", viscosity)
     if fluid.seal is None and "y" not in lengths:
         raise InputError.of("seal", "nothing", "the length and the width of a seal, as a profile has no width")
     along, width = (lengths["x"], lengths["y"]) if fluid.seal is None else fluid.seal
     shape = xr.DataArray([width / along, along / width if fluid.seal is None else width / along], dims="direction")
-    found = measure(contact)
+    found = channels.leakage(contact)
     flow = found["hydraulic_gap"] ** 3 * fluid.pressure / (12.0 * fluid.viscosity) * shape
     whole = "map" if fluid.seal is None else "seal"
     return found.assign(flow=flow.assign_attrs(cf_attributes(f"flow through the {whole}", "m3 s-1")))

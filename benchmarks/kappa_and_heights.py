@@ -11,6 +11,7 @@ Usage: kappa_and_heights.py [SURFACES AT EPS_T = 1]
 import sys
 
 import numpy as np
+from scipy.stats import kurtosis, skew
 
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.state import Contact
@@ -18,7 +19,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import self_affine, statistics
+from gfmd_numba.roughness import self_affine
 from gfmd_numba.roughness.amplitudes import complex_gaussian
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
@@ -65,7 +66,7 @@ def pairs(make, periods, surfaces):
     for first in range(0, surfaces, BLOCK // nx):
         block = range(first, min(first + BLOCK // nx, surfaces))
         heights = make(HURST, periods, cut_off, nx, SEED, block)
-        moments = statistics.skewness(heights), statistics.kurtosis(heights)
+        moments = skew(heights, axis=-1), kurtosis(heights, axis=-1, fisher=False)
         rows.append([kappa(heights), kappa(-heights), *moments])
     return np.concatenate(rows, axis=1)
 

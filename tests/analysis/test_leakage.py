@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import scipy
 
 import gfmd_numba
 from gfmd_numba.analysis import UnusableDataError, channels, leakage
@@ -220,6 +221,23 @@ def test_the_flow_through_a_profile_needs_the_width_of_a_seal():
     with pytest.warns(UserWarning, match="that of a profile"):
         found = gfmd_numba.leakage(grooves, 1e-3, "2 bar", ("1 mm", "10 mm"))["flow"]
     np.testing.assert_allclose(found, 2.7e-17 * 2e5 / 12e-3 * 10.0)
+
+
+def test_both_directions_of_a_period_share_what_is_factored_and_those_of_a_window_do_not(monkeypatch):
+    factored, factor = [], scipy.sparse.linalg.splu
+
+    def counted(matrix, **options):
+        factored.append(matrix.shape[0])
+        return factor(matrix, **options)
+
+    monkeypatch.setattr(scipy.sparse.linalg, "splu", counted)
+    leakage(made(OPEN, 0.3))
+    assert factored == [OPEN.size]
+    window = made(OPEN, 0.3)
+    for dim in ("x", "y"):
+        window[dim].attrs = {POINTS_OF_WINDOW: 32}
+    leakage(window)
+    assert factored[1:] == [OPEN.size + 1] * 2  # and the room at both ends
 
 
 def test_the_flow_through_nodes_is_that_of_the_channel_they_are_in():

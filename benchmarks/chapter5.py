@@ -70,7 +70,7 @@ def triangle(slope):
 
 
 def rough(gradient, hurst=0.8, thickness=1.0, longest=2, shortest=32):
-    heights = gradient * self_affine.profiles(hurst, longest, shortest, NX, 2018, range(1))[0]
+    heights = gradient * self_affine.SelfAffineWaves(hurst, longest, shortest).heights((NX,), 2018, range(1))[0]
     return Case(f"self-affine, H = {hurst:g}, g = {gradient:g}, a = {thickness:g}", heights, 0.1 * gradient, thickness)
 
 

@@ -41,7 +41,7 @@ Solve = Callable[[Reals, float, float], Reals]  # heights, mean pressure and a t
 def surface(n: int, least: int, most: int, curved: bool) -> Reals:
     """Heights `[y, x]` of a rough ball, or a rough flat, on n nodes a side: on finer grids the same ones in between."""
     finest = max(2048, n)
-    rough = self_affine.maps(HURST, least, most, finest, SEED, range(1))[0]
+    rough = self_affine.SelfAffineWaves(HURST, least, most).heights((finest, finest), SEED, range(1))[0]
     x = np.arange(n) / n - 0.5
     ball = -(x**2 + x[:, np.newaxis] ** 2) / (2.0 * RADIUS)
     heights = (ball if curved else 0.0) + RMS / rough.std() * rough[:: finest // n, :: finest // n]

@@ -506,11 +506,9 @@ def leakage(
     >>> gfmd_numba.leakage(contact)["flow_factor"].values.round(2)
     array([0.53, 0.62])
     """
-    from gfmd_numba.analysis import leakage as leakage_of
-    from gfmd_numba.simulate.materials_and_fluids import with_flow
+    from gfmd_numba.simulate.transport import leakage as leakage_of
 
-    contact, fluid = _dataset("dataset", dataset, "solve"), (viscosity, pressure, seal)
-    return _warned(leakage_of(contact) if fluid == (None, None, None) else with_flow(leakage_of, contact, *fluid))
+    return _warned(leakage_of(_dataset("dataset", dataset, "solve"), viscosity, pressure, seal))
 
 
 def contact_conductance(
@@ -543,13 +541,9 @@ def contact_conductance(
     >>> round(gfmd_numba.contact_conductance(contact)["conductance"].item(), 2)
     2.0
     """
-    from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
-    from gfmd_numba.simulate.materials_and_fluids import with_resistance
+    from gfmd_numba.simulate.transport import contact_conductance as conductance_of
 
-    solved = _dataset("contact", contact, "solve")
-    return _warned(
-        conductance_of(solved) if conductivity is None else with_resistance(conductance_of, solved, conductivity)
-    )
+    return _warned(conductance_of(_dataset("contact", contact, "solve"), conductivity))
 
 
 def _goal(

@@ -508,7 +508,8 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     sentences = given.implausible
     if given.bodies:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(rough_body_warnings(given.bodies, file.slope_order, dataset, "normal_displacement"))
+        warned = rough_body_warnings(given.bodies, file.slope_order, dataset, "normal_displacement")
+        sentences += [sentence for _, sentence in warned]
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.outcome)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

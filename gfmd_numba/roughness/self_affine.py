@@ -127,21 +127,3 @@ def generator(record: SelfAffine, discretisation: Discretisation | None, dimensi
     anisotropy = record.anisotropy or 1.0
     cut_off, by_theory = int(shortest * (1.0 + 1e-9)), record.scaling == "ensemble"
     return SelfAffineWaves(record.hurst, longest, cut_off, anisotropy, record.plateau, by_theory)
-
-
-def profiles(hurst: float, cut_on_index: float, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
-    """Heights `[realisation, nx]` of `SelfAffineWaves`."""
-    return SelfAffineWaves(hurst, cut_on_index, cut_off_index).heights((nx,), seed, realisations)
-
-
-def maps(
-    hurst: float,
-    cut_on_index: float,
-    cut_off_index: int,
-    nx: int,
-    seed: int,
-    realisations: range,
-    anisotropy: float = 1.0,
-) -> Reals:
-    """Heights `[realisation, nx, nx]` of `SelfAffineWaves`."""
-    return SelfAffineWaves(hurst, cut_on_index, cut_off_index, anisotropy).heights((nx, nx), seed, realisations)

@@ -375,9 +375,7 @@ def _load_attributes(curve: LoadCurve) -> dict[str, str]:
 def _standard_error(values: xr.DataArray) -> xr.DataArray:
     """Standard error of the mean over realisations; nan of one value, and of infinite ones."""
     finite = values.where(np.isfinite(values.mean("realisation")))
-    count = finite.count("realisation")
-    squares = ((finite - finite.mean("realisation")) ** 2).sum("realisation")
-    error: xr.DataArray = (squares / (count - 1).where(count > 1) / count) ** 0.5
+    error: xr.DataArray = finite.std("realisation", ddof=1) / finite.count("realisation") ** 0.5
     return error
 
 

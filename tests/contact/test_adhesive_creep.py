@@ -84,7 +84,7 @@ def test_the_faster_it_is_drawn_off_the_more_it_sticks():
 
 def adhesive_problem(path, series=STANDARD, load=0.05, tolerance=1e-3, n=64, seed=3, duration=0.0):
     """A relaxing slab under a rough profile that attracts it, by prescribed displacements."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, seed, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), seed, range(1))[0])[0]
     laws = Interactions(True, ExponentialLaw(2e-3, 0.01))
     memory, options = PronySeries(*zip(*series, strict=True)), Options("truncated_newton")
     slab = ElasticBody(0.3, 0.5)

@@ -23,8 +23,8 @@ EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
 
 def rough(shape=(64,), hurst=0.8, seed=3):
     """Heights of rms gradient 1."""
-    make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-    return given_surface(make(hurst, 2, shape[0] // 4, shape[0], seed, range(1))[0])[0].heights
+    waves = self_affine.SelfAffineWaves(hurst, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, seed, range(1))[0])[0].heights
 
 
 def steps(heights, loads, hardness, body=SLAB, displaced=False, solver="active_set_newton"):

@@ -252,7 +252,7 @@ def test_a_ball_is_unloaded_as_ting_says():
 
 def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e-10, **more):
     """A relaxing body under a rough profile."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, 3, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), 3, range(1))[0])[0]
     numerics, memory = Options("active_set_newton", residual=residual), PronySeries(*zip(*series, strict=True))
     body, laws = ElasticBody(None, None), Interactions(True)
     return Problem(surface, body, laws, load, None, numerics, relaxation=memory, time_tolerance=tolerance, **more)

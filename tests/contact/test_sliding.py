@@ -160,7 +160,7 @@ def test_a_slow_map_finds_an_elastic_body():
 
 def rough_problem(series, speed, load=0.05, n=256, seed=3, **more):
     """A rough profile that slides over a body that creeps."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, seed, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), seed, range(1))[0])[0]
     memory = PronySeries(*zip(*series, strict=True))
     options = Options("sliding_newton", residual=1e-10)
     laws, body = Interactions(True), ElasticBody(None, None)

@@ -33,8 +33,9 @@ def wear():
 
 def rough(dimension):
     """A random surface."""
-    make, n = (self_affine.profiles, 128) if dimension == 1 else (self_affine.maps, 32)
-    return given_surface(make(0.8, 2, n // 4, n, 3, range(1))[0])[0]
+    shape = {1: (128,), 2: (32, 32)}[dimension]
+    waves = self_affine.SelfAffineWaves(0.8, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, 3, range(1))[0])[0]
 
 
 def sliding(dimension, loads, ways):

@@ -26,8 +26,8 @@ ATTRACTS, REPELS = ExponentialLaw(2e-4, 0.02), ExponentialLaw(-1e-3, 0.02)
 
 
 def rough(shape=(64,), seed=3):
-    make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-    return given_surface(make(0.8, 2, shape[0] // 4, shape[0], seed, range(1))[0])[0].heights
+    waves = self_affine.SelfAffineWaves(0.8, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, seed, range(1))[0])[0].heights
 
 
 def stiff(shape, body=SLAB):

@@ -180,7 +180,7 @@ def test_few_contacts_take_few_transforms_on_any_grid(hurst):
     """Where they touch less than a quarter of the tiles: on 128 nodes a side they touch more at H = 0.3."""
     taken = []
     for nx in (256, 512):
-        heights = self_affine.maps(hurst, 2, nx // 4, nx, 5, range(1))
+        heights = self_affine.SelfAffineWaves(hurst, 2, nx // 4).heights((nx, nx), 5, range(1))
         taken.append(press(heights.max() - heights, 0.005).n_transforms[0])
     assert max(taken) < 40
 

@@ -55,6 +55,7 @@ METRES = {
     "uin": 0.0254e-6,
 }
 PERIOD = "L_x"  # the unit of lengths that count in periods of the result
+COUNTS = ("points", "point", "pixels", "pixel", "px")  # in place of a unit, of positions that are numbers of points
 LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}, or a number of one, as 0.5 nm"])
 _OF_A_UNIT = re.compile(rf"\s*({_DIGITS}(?:[eE][-+]?\d+)?)\s*([^\d\s].*)")
 _PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}

@@ -138,7 +138,7 @@ def _read_by_content(path: Path) -> Content:
         raise ValueError(f"a {path.suffix.lower()} file, which gfmd does not open: export the heights as text")
     with open(path, "rb") as file:
         begin = file.read(2**16)
-    is_text = begin[:2] in BYTE_ORDER_MARKS or not _CONTROL.intersection(begin)
+    is_text = begin[:2] in BYTE_ORDER_MARKS or not (_CONTROL.intersection(begin) or begin.startswith(_SDF))
     return _read_text(path) if begin and is_text else _read_instrument(path)
 
 
@@ -189,6 +189,7 @@ def _read_instrument(path: Path) -> Content:
     return Content(heights.T, positions, sizes, units)
 
 
+_SDF = b"aBCR-"  # begins files of ISO 25178-71 in letters
 _CONTROL = {*range(32)} - {*b"\t\n\v\f\r\x1a"}  # characters that no text has
 _OF_NO_SURFACES = {
     *(".zip", ".gz", ".bz2", ".xz", ".7z", ".npz", ".xls", ".xlsx", ".ods", ".doc", ".docx", ".pdf", ".html"),

@@ -359,12 +359,12 @@ def read_table(path: Path) -> Table:
         done += ("took rows for columns",)
     columns = values.shape[1]
     chosen, units = columns_of(header, columns)
-    if scale := stated_scale(header):
+    begins = [line[:_LOOKED_AT] for line in header]
+    if scale := stated_scale(begins):
         if units[-1] is None or length_unit(units[-1]) is None:
             units = (*units[:-1], scale)
         else:
             done += (f"did not use the scale {scale} of the header, as it states the unit of heights too",)
-    begins = [line[:_LOOKED_AT] for line in header]
     if columns == 1 and (of_map := _line_of_a_map(begins, len(values))) is not None:
         raise ValueError(
             f"{len(values)} heights in one column under a header that says {_short(of_map)}, so that they may be a "
@@ -372,7 +372,7 @@ def read_table(path: Path) -> Table:
         )
     if chosen == list(range(columns)):
         about = next((_short(line) for line in begins if _speaks_of_a_length(line)), None)
-        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header), about)
+        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
     if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     elif len(chosen) < columns:
@@ -579,7 +579,8 @@ def _text(path: Path) -> str:
         text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # of instruments that write µ in one byte
-    return _NO_DATA.sub("nan", text.replace("\r\n", "\n").replace("\r", "\n"))
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return _NO_DATA.sub("nan", text) if "data" in text.lower() else text
 
 
 def _is_comment(line: str) -> bool:

@@ -1,5 +1,7 @@
 """Files as instruments and their software write them: what they hold, or what to do with them."""
 
+import time
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -137,6 +139,19 @@ def test_a_spacing_next_to_positions_is_left_out(tmp_path, header, x):
     np.savetxt(tmp_path / "p.csv", np.column_stack([x, Z]), delimiter=";", header=header, comments="", fmt="%.17g")
     with pytest.raises(ValueError, match="spacing has to be left out"):
         field(tmp_path / "p.csv", spacing=1e-6)
+
+
+def test_a_format_in_letters_of_instruments_is_theirs(tmp_path):
+    (tmp_path / "m.sdf").write_text("aBCR-1.0\nNumPoints = 4\nXscale = 1e-6\n*\n1 2 3 4\n*\nend\n")
+    with pytest.raises(ValueError, match="SurfaceTopography"):
+        read_content(tmp_path / "m.sdf")
+
+
+def test_a_header_of_many_digits_is_read_in_time(tmp_path):
+    (tmp_path / "p.txt").write_text("# " + 5000 * "1" + "\n" + FILE)
+    begin = time.process_time()
+    assert read_content(tmp_path / "p.txt").heights.shape == Z.shape
+    assert time.process_time() - begin < 5.0
 
 
 @pytest.mark.parametrize(

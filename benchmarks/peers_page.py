@@ -10,8 +10,8 @@ import numpy as np
 PAGE = """\
 # Compared with other codes
 
-This page is for whoever has to choose a code for frictionless contacts of rough surfaces. The command
-`python benchmarks/peers.py --page docs/peers.md` measured everything and wrote the page.
+How fast codes solve frictionless contacts of rough surfaces, and what each of them can do. The command
+`python benchmarks/peers.py --page docs/peers.md` measured everything and wrote this page.
 
 ## How long they take
 
@@ -24,37 +24,31 @@ the median, and in brackets the range over the {surfaces} surfaces of a row. p\\
 are self-affine with a Hurst exponent H. Their longest wavelength is half the period, and the shortest one has four
 nodes.
 
-- **Task.** From the heights and the load to the pressure, one surface at a time. Setting up grids and transforms
-  counts; importing and compiling do not.
+- **Task.** From the heights and the load to the pressure, one surface at a time. The time includes setting up grids and
+  transforms, but not importing and compiling.
 - **Clock.** Processor time of one thread, on a machine ({processor}) that other processes
   used as well. Each solve of another code stands between two solves of gfmd-numba, and its ratio is to their mean.
 - **Methods.** The other codes use the constrained conjugate gradients of Polonsky and Keer, ASPHER from coarse grids to
-  fine ones. Their iterations grow with the nodes in contact and the load. gfmd-numba uses an active-set Newton method,
-  which needs few transforms.
+  fine ones. They need more iterations for more nodes in contact and higher loads. gfmd-numba uses an active-set Newton
+  method, which needs few transforms.
 - **Versions.** {versions}, Python {python}.
 
 ## Equal accuracy
 
 Stopping criteria of different codes are not comparable. So we compute one residual for all of them from the pressure
 alone: the largest traction that violates the contact conditions over the largest pressure, or the error of the load
-(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}. The largest
-that is left is {worst}. {agreement}
+(`residual` in `benchmarks/peers.py`). We tighten the tolerance of every code until it is at most {target}: the
+largest residual is {worst}. {agreement}
 
 ## What the others can do and gfmd-numba cannot
 
 - **Tamaas**: many machines (MPI) when built from source.
-- **ASPHER**: single precision, and few bytes a node.
+- **ASPHER**: single precision, and little memory per node.
 - **ContactMechanics**: many machines (MPI). Its companions are Adhesion, for adhesive contacts, and SurfaceTopography,
   which analyses measured surfaces.
 
-In turn they have no campaigns of many surfaces, no limits of fine grids with error bars, and no layers of several
-materials. [Contacts without a period](free_contacts.md#other-codes) are compared elsewhere
-(`python benchmarks/free_peers.py`).
-
-## Programs that stop at an error
-
-QMCPy and drivers of multilevel Monte Carlo also add samples, and finer levels, until a tolerance is met. gfmd-numba
-knows more of its three limits: their laws, their interactions, and the distance from the finest level.
+None of these codes has campaigns of many surfaces, limits with error bars, or layers of several materials. [Contacts
+without a period](free_contacts.md#other-codes) are compared elsewhere (`python benchmarks/free_peers.py`).
 """
 
 

@@ -40,6 +40,14 @@ def _written_without_waiting():
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _no_pilot():
+    """Runs of tests that are not about time measure nothing beforehand."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
+        yield
+
+
 @pytest.fixture(scope="module")
 def undrawn():
     """Write an empty picture for every one: to draw takes longer than to solve, and other tests look at pictures."""

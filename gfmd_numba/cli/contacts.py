@@ -211,12 +211,17 @@ def curve(
     """
     with without_collections():
         from gfmd_numba.scene import input_files, load_scene
+        from gfmd_numba.scene.units import given_with_units
         from gfmd_numba.simulate.curve import curve_dataset, one_of, read_curve, solve_curve
         from gfmd_numba.storage.atomic_file import write_table
 
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = _with_threads(*load_scene(file), threads)
+    units = [value.unit for _, value in given_with_units(described.scene.loading)]
+    if units and loads and not any(isinstance(load, str) for load in loads):
+        written = ", ".join(f"{load:.6g}{units[0]}" for load in loads[:2])
+        raise arguments.not_allowed("--loads without a unit", f"units, as loading has one in {file}: {written}, ...")
     check_output(output, file, *input_files(described))
     for path in (picture, table):
         check_output(path, file, *input_files(described), suffixes=[path.suffix])
@@ -356,11 +361,13 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
     from gfmd_numba.scene.document import plain_scalar
     from gfmd_numba.simulate.materials_and_fluids import with_flow
 
-    given = {
-        name: [plain_scalar(each) for each in value] if isinstance(value, tuple) else plain_scalar(value)
-        for name, value in fluid.items()
-        if value
-    }
+    given = {name: value for name, value in fluid.items() if value}
+    for name, value in given.items():
+        for text in value if isinstance(value, tuple) else (value,):
+            if isinstance(plain_scalar(text), int | float):
+                raise arguments.not_allowed(
+                    f"{text} for --{name}", "a value with its unit, like '1 mPa s', '2 bar', 1mm"
+                )
 
     def compute(contact: xr.Dataset) -> xr.Dataset:
         return with_flow(leakage_of, contact, **given) if given else leakage_of(contact)
@@ -438,11 +445,11 @@ def _measure(
 
 
 def place(contact: xr.Dataset, option: str, text: str) -> float:
-    """Return a length like `-5um` or `-5e-6` in the unit of x of a contact; raises InputError for anything else."""
+    """Return a length like `-5um` in the unit of x of a contact; raises InputError for anything else."""
     in_metres = "x" not in contact.variables or contact["x"].attrs.get("units") != "1"
     number, unit = _with_si_unit(text)
-    if number is None or unit not in ("", "m" if in_metres else "") or not isfinite(number):
-        allowed = "a length like 5um, or a number in m" if in_metres else "a number in L_x, as the scene has no length"
+    if number is None or unit != ("m" if in_metres else "") or not isfinite(number):
+        allowed = "a length with its unit, like 5um" if in_metres else "a number in L_x, as the scene has no length"
         raise InputError.of(f"--{option}", repr(text), allowed)
     return number
 

@@ -232,7 +232,7 @@ def path_dataset(
         "scene": file.model_dump_json(),
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
-        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.done),
+        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.outcome),
         "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), warned))),
     }
     return dataset
@@ -510,6 +510,6 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
     if given.rough is not None:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
         sentences.append(rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement"))
-        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.done)
+        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.outcome)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -13,6 +13,7 @@ from gfmd_numba.arrays import Reals
 
 HIGHEST = {1: 64, 2: 24}  # power by dimension, unless there are too few points
 FEWEST = 24  # points in each direction
+_MOST = 4096  # means along an axis, to which more heights are reduced: the highest power has 64 a half wave
 WAVY = 8  # power, up to which polynomials follow waves of two and a half periods
 _FLAT = 0.1  # of the larger curvature of a map, below which the other one is none
 
@@ -63,7 +64,8 @@ def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
 def form(heights: Reals) -> Form:
     """Form of a field `[nx]` or `[ny, nx]` of at least 24 points in each direction."""
     highest = min(HIGHEST[heights.ndim], min(heights.shape) // 2)
-    squares = orthogonal(heights, highest)[0] ** 2
+    means = _means(heights)
+    squares = orthogonal(means, highest)[0] ** 2 * (heights.size / means.size)
     power = np.arange(highest + 1)
     total = np.add.reduce(np.indices(squares.shape))
     of = np.array([squares[total == k].sum() for k in power])
@@ -79,6 +81,16 @@ def form(heights: Reals) -> Form:
         Part(_ratio(waves, levelled), _ratio(mean[2 : WAVY + 1].mean(), _expected(mean))),
         max(levelled - waves, 0.0) / heights.size,
     )
+
+
+def _means(heights: Reals) -> Reals:
+    """Heights, or means of neighbours where there are far more than `_MOST` along an axis."""
+    for axis, n in enumerate(heights.shape):
+        if n > 4 * _MOST:
+            begins = np.arange(_MOST) * n // _MOST
+            sums = np.moveaxis(np.add.reduceat(heights, begins, axis), axis, -1)
+            heights = np.moveaxis(sums / np.diff(begins, append=n), -1, axis)
+    return heights
 
 
 def _expected(mean: Reals) -> float:

@@ -20,6 +20,7 @@ from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
+from gfmd_numba.text.numbers import with_prefix
 
 Reader = Callable[[Path], Content]
 
@@ -52,6 +53,14 @@ class MeasuredSurface:
     def in_periods(self) -> Reals:
         """Heights in L_x."""
         return self.heights / self.lengths[-1]
+
+    @property
+    def outcome(self) -> tuple[str, ...]:
+        """What was done, and the size of the surface that came out."""
+        height = float(statistics.rms_height(self.heights, self.lengths))
+        gradient = float(statistics.rms_gradient(self.heights, self.lengths))
+        size = with_prefix(height, "m") if self.unit == "m" else f"{height:.4g} L_x"
+        return *self.done, f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
 
 
 @dataclass(frozen=True)
@@ -138,7 +147,9 @@ def periodic_surface(
         plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff)
     )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
-    doubts = signs.sentences + plausibility.of_surface(made.heights, made.lengths, signs, ends)
+    doubts = signs.sentences + plausibility.of_surface(
+        made.heights, made.lengths, signs, ends, found.units, record.cutoff or 0.0
+    )
     if made.heights.size < heights.size * field.fields**heights.ndim:
         whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
         doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)

@@ -6,6 +6,7 @@ The thresholds are far beyond what random self-affine surfaces reach, so that a 
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -20,8 +21,8 @@ from gfmd_numba.scene.units import METRES, PERIOD
 SEAM = 5.0  # rms steps: one Gaussian step in two million is larger
 SEAM_OVER_LARGEST = 1.5  # of the largest step: a surface made of walls may have one of them at its seam
 TILT = 0.9  # of the mean square height: a sine over the whole period has 6/pi^2 = 0.61, a sawtooth 1
+TILTED = 0.2  # of the mean square height, of a tilt that does not close a period: every instrument has one
 FORM = 0.5  # of the mean square height: less of it changes the contact less than another piece of the surface would
-BOTH = {1: 0.95, 2: 0.8}  # by dimension, of the mean square height for tilt and curvature together
 WAVES = 0.9  # of the mean square height without a tilt
 STANDS_OUT = {1: 20.0, 2: 8.0}  # by dimension, times the square that higher powers lead one to expect
 LONGEST = 10.0  # m: of profilometers and microscopes none sees as far
@@ -34,6 +35,7 @@ _STEP_STANDARDS = 8.0  # standard differences of such means
 _STEP_OVER_NEXT = 2.0  # the largest of all other differences: a surface made of walls has many
 _STEP_SHARE = 0.5  # of the rms height, which a step is at least
 _MOST_STEPS = 4  # steps
+_BACK = 0.25  # of the larger of two steps, by which the heights after them differ from those before
 _LASTS = 8  # points over which half of a step lasts
 _SAMPLES = 24  # independent differences, of which a standard one can be told
 _OFTEN = 4.0  # times as often as the heights next to it in size,
@@ -49,6 +51,8 @@ _BEYOND = 0.1  # of the range of all other heights, by which a mark of missing h
 _FAR = {1: 100.0, 2: 1.0}  # the same of a single height and of a few equal ones, which then are no spikes
 _NEXT = 8  # heights above and below, with which one is compared
 _RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
+_PARTS = {1: 256, 2: 8}  # of a field, of which the outer ones tell the values and the slopes at its ends
+_ACROSS = {1: 1.6, 2: 1.2}  # standard deviations of a tilt and a curvature, by which these differ along one axis
 _DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
 
 Cause = Literal["top", "bottom", "mark", "stuck"]
@@ -69,10 +73,9 @@ class Field:
     mirrored: bool = False
     cutoff: float | None = None
 
-    def said(self, length: float, axis: str, digits: int = 3) -> str:
+    def said(self, length: float, axis: str = "z", digits: int = 3) -> str:
         """Return a length in the user's unit of x or z."""
-        name = self.units.get(axis) or self.units.get("z") or PERIOD
-        return f"{length / METRES.get(name, 1.0):.{digits}g} {name}"
+        return said(self.units, length, axis, digits)
 
 
 @dataclass(frozen=True)
@@ -94,6 +97,12 @@ class Repeated:
     at: Flags
 
 
+def said(units: Mapping[str, str], length: float, axis: str = "z", digits: int = 3) -> str:
+    """Return a length in the user's unit of x or z."""
+    name = units.get(axis) or units.get("z") or PERIOD
+    return f"{length / METRES.get(name, 1.0):.{digits}g} {name}"
+
+
 def of_field(field: Field) -> Signs:
     """Signs of form, spikes, steps and heights that are none, of a field before it is made periodic."""
     again = repeated(field.as_measured)
@@ -108,7 +117,8 @@ def of_field(field: Field) -> Signs:
     deep = bool((raised[spikes] < heights[spikes]).all())
     formed, order = _form(field, heights)
     level = heights - polynomial(heights, order)
-    steps = [each for each in offsets(level) if abs(each[2]) > 2.0 * step]
+    rounding = _EXACT * float(np.ptp(heights))
+    steps = [each for each in offsets(level) if abs(each[2]) > max(2.0 * step, rounding)]
     share = float(np.isnan(field.as_measured).mean())
     filled = (
         f"{100 * share:.3g} % of the heights were missing and filled: measure again, or cut out a part without gaps"
@@ -117,7 +127,7 @@ def of_field(field: Field) -> Signs:
     sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
         level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
-    if not sentences:
+    if not sentences or np.ptp(level) <= rounding:
         level = field.heights
     # the median is no matter of single heights that are left, but in a field of few digits it may be 0
     slopes = _slopes(level, field.lengths)
@@ -128,14 +138,20 @@ def of_field(field: Field) -> Signs:
 
 
 def of_surface(
-    heights: Reals, lengths: tuple[float, ...], signs: Signs | None = None, ends: tuple[bool, ...] = ()
+    heights: Reals,
+    lengths: tuple[float, ...],
+    signs: Signs | None = None,
+    ends: tuple[bool, ...] = (),
+    units: Mapping[str, str] = MappingProxyType({}),
+    cutoff: float = 0.0,
 ) -> tuple[str, ...]:
     """Sentences about a surface, whose size is not blamed on units if the signs of its field explain it.
 
-    It is periodic but for axes along which it `ends`.
+    It is periodic but for axes along which it `ends`, and has no wave shorter than a `cutoff`. `units` are the user's
+    for x and z.
     """
     named = signs if signs is not None and signs.sentences else None
-    found = [*_seams(heights, ends or (False,) * heights.ndim)]
+    found = [*_seams(heights, ends or (False,) * heights.ndim, [cutoff / length for length in lengths], units)]
     blamed = named is None or named.rms_gradient > GRADIENT
     if blamed and (gradient := float(statistics.rms_gradient(heights, lengths, ends))) > GRADIENT:
         found.append(
@@ -236,9 +252,10 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
         return [_tilted(share)] if share > TILT else [], 2
     found, stands_out, order = form(heights), STANDS_OUT[heights.ndim], 2
     sentences = []
-    if found.tilt.share > TILT or (found.tilt.share > FORM and found.tilt.over_expected > stands_out):
+    if found.tilt.share > TILTED and (found.tilt.over_expected > stands_out or _closes_not(heights, 1)):
         sentences.append(_tilted(found.tilt.share))
-    if found.curvature.share > FORM and found.curvature.over_expected > stands_out:
+    opens = field.mirrored and _closes_not(heights, 2)
+    if found.curvature.share > FORM and (opens or found.curvature.over_expected > stands_out):
         shown = " and ".join(
             f"{field.said(abs(radius), 'x')} ({'convex' if radius > 0.0 else 'concave'})"
             for radius in radii(heights, field.lengths)
@@ -253,13 +270,24 @@ def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
             f"waves longer than two fifths of the field make up {_percent(found.waves.share)} % of the mean square "
             "height: filter the waviness out, as ISO 16610-21 does; leave it only if it is to be pressed too"
         )
-    together = found.tilt.share + (1.0 - found.tilt.share) * found.curvature.share
-    if not sentences and field.mirrored and together > BOTH[heights.ndim]:
-        sentences.append(
-            f"a tilt and a curvature make up {_percent(together)} % of the mean square height, as a form does, or "
-            "waves longer than the field: detrend: curvature subtracts them; leave them only if they are to be pressed"
-        )
     return sentences, order
+
+
+def _closes_not(heights: Reals, order: int) -> bool:
+    """Whether values (order 1) or slopes (2) at opposite ends differ as in the polynomial; those of waves do not."""
+    power = polynomial(heights, order) - polynomial(heights, order - 1)
+    for axis, n in enumerate(heights.shape):
+        of_power, of_heights = (
+            [float(part.mean()) for part in np.array_split(np.moveaxis(each, axis, 0), min(_PARTS[order], n))]
+            for each in (power, heights)
+        )
+        apart, across = (
+            each[-1] - each[0] if order == 1 else each[-1] - each[-2] - each[1] + each[0]
+            for each in (of_heights, of_power)
+        )
+        if abs(across) > _ACROSS[order] * float(power.std()) and apart / across > 0.5:
+            return True
+    return False
 
 
 def _percent(share: float) -> str:
@@ -278,16 +306,22 @@ def _spikes(found: Flags, deep: bool) -> str:
     index = ", ".join(map(str, np.argwhere(found)[0]))
     what = f"a spike at index {index}" if count == 1 else f"{count} heights in spikes, the first at index {index}"
     kept = "; as all lie below these, leave them if the surface has such grooves" if deep and count > 1 else ""
-    return f"{what}: despike: true replaces them by the median of the heights around{kept}"
+    return f"{what}: despike: true interpolates the heights there{kept}"
 
 
 def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     if not found:
         return ""
     shown = ", ".join(
-        f"by {field.said(step, 'z')} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
+        f"by {field.said(step)} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
         for axis, i, step in found
     )
+    back = abs(sum(step for *_, step in found)) < _BACK * max(abs(step) for *_, step in found)
+    if len(found) == 2 and back and found[0][0] == found[1][0]:
+        return (
+            f"the heights step {shown}, and are back: if dust or a hole of the instrument lies between, write nan "
+            "there, and fill: interpolate"
+        )
     return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
 
 
@@ -332,20 +366,24 @@ def _slopes(heights: Reals, lengths: tuple[float, ...]) -> list[Reals]:
     return [np.diff(heights, axis=axis) / spacing for axis, spacing in enumerate(spacings)]
 
 
-def _seams(heights: Reals, ends: tuple[bool, ...]) -> Iterable[str]:
-    for axis, name, end in zip(range(-heights.ndim, 0), ("y", "x")[-heights.ndim :], ends, strict=True):
+def _seams(heights: Reals, ends: tuple[bool, ...], cutoffs: list[float], units: Mapping[str, str]) -> Iterable[str]:
+    """Sentences about heights that jump where a period closes; a cutoff, in periods, spreads a jump over its half."""
+    names = ("y", "x")[-heights.ndim :]
+    for axis, name, end, cutoff in zip(range(-heights.ndim, 0), names, ends, cutoffs, strict=True):
         if end:
             continue
         lines = np.moveaxis(heights, axis, -1)
-        inner = _rms(np.diff(lines, axis=-1))
-        jump = float(_rms(lines[..., :1] - lines[..., -1:])[0])
+        lag = max(1, min(round(cutoff * lines.shape[-1] / 2.0), lines.shape[-1] // 8))
+        inner = _rms(lines[..., lag:] - lines[..., :-lag])
+        jump = float(_rms(lines[..., :lag] - lines[..., -lag:]).max())
         rms, largest = float(np.sqrt((inner**2).mean())), float(inner.max())
         if jump > SEAM * rms and jump > SEAM_OVER_LARGEST * largest:
             yield (
-                f"the heights jump by {jump:.3g} where the period along {name} closes, {jump / rms:.3g} rms steps "
-                "between neighbours: periodic: mirror makes the ends meet, detrend: tilt removes a slope"
+                f"the heights jump by {said(units, jump)} where the period along {name} closes, {jump / rms:.3g} rms "
+                f"steps between {'neighbours' if lag == 1 else 'points half a cutoff apart'}: periodic: mirror makes "
+                "the ends meet, detrend: tilt removes a slope"
                 if rms > 0.0
-                else f"the heights jump by {jump:.3g} where the period along {name} closes, and nowhere else"
+                else f"the heights jump by {said(units, jump)} where the period along {name} closes, and nowhere else"
             )
 
 

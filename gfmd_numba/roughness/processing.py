@@ -20,6 +20,7 @@ Fill = Literal["refuse", "interpolate"]
 
 _ORDER = {"mean": 0, "tilt": 1, "curvature": 2}
 MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
+INTERPOLATED = {1: "linearly", 2: "by a harmonic function"}  # of profiles and maps
 _EQUAL = 1e-3  # by which sizes of the square may differ without a word: positions and sizes in files are rounded
 _WHOLE = 1e-6  # of a spacing, likewise
 
@@ -63,7 +64,11 @@ def made_periodic(
         repeats = tuple(not end for end in ends)
         heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
         times = 2 ** sum(repeats)
-        done.append(f"mirrored at its ends, which doubles the period: it has {times} times the contacts of the field")
+        extent = "length" if heights.ndim == 1 else "area"
+        done.append(
+            f"mirrored at its ends, which doubles the period: contacts, and their {extent}, are {times} times those of "
+            "the field"
+        )
     if periodic == "window":
         heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
@@ -142,9 +147,14 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
         raise ValueError(
             f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
         )
-    fill_in, kind = {1: (_linear, "linearly"), 2: (_harmonic, "by a harmonic function")}[len(heights.shape)]
-    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {kind}"
-    return fill_in(heights, missing), (done,)
+    how = INTERPOLATED[heights.ndim]
+    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {how}"
+    return interpolated(heights, missing), (done,)
+
+
+def interpolated(heights: Reals, missing: Flags) -> Reals:
+    """Heights `[nx]` or `[ny, nx]` in which each that is missing is the mean of its neighbours."""
+    return (_linear if heights.ndim == 1 else _harmonic)(heights, missing)
 
 
 def largest_square(found: Measurement) -> Measurement:

@@ -1,8 +1,9 @@
-"""Spikes of an instrument: single heights that stand far out of a measured field, found and replaced by medians.
+"""Spikes of an instrument: single heights that stand far out of a measured field, found and replaced.
 
 The filter is Hampel's with a recursion, as Pearson, Neuvo, Astola and Gabbouj describe it (EURASIP Journal on Advances
 in Signal Processing 2016:87, doi 10.1186/s13634-016-0383-6): a height that lies too far from the median of a window
-about it is replaced by that median, until none does. Three things fit it to surfaces. The form is subtracted first. The
+about it is replaced by that median, until none does. What it finds is then interpolated, as a median would stick out of
+a slope or a crest by itself. Three things fit it to surfaces. The form is subtracted first. The
 scale is that of the steps between neighbours, by their median absolute value, as a surface has no scale of heights. And
 a spike is small: what extends over more than three points is an edge, a scratch or a piece of the surface.
 """
@@ -12,6 +13,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.roughness.form import polynomial
+from gfmd_numba.roughness.processing import INTERPOLATED, interpolated
 
 STEPS = 8.0  # standard steps between neighbours by which a spike is off the median of the heights around it
 NEARBY = 5.0  # rms steps around it, likewise: where a surface is rough, its steps are large
@@ -20,24 +22,23 @@ NEIGHBOUR = 0.4  # of a spike, by which no point next to it is off: the flanks o
 MOST = 3  # points of a spike
 FEWEST = 24  # points in each direction, on which steps have a scale
 _HALF = {1: (3, 6), 2: (2, 3)}  # half widths of the windows of the median and of the steps around, by dimension
-_ROUNDING = 1e-9  # of the largest height, below which differences are rounding
+_ROUNDING = 1e-9  # of the range of heights, below which differences are rounding
 _AGAIN = 1e-3  # of all heights
 _ROUNDS = 8
 _SHOWN = 20
 
 
 def without_spikes(heights: Reals) -> tuple[Reals, tuple[str, ...]]:
-    """Heights `[nx]` or `[ny, nx]` with medians in place of spikes, and what was done and where."""
-    cleaned, found = despiked(heights)
+    """Heights `[nx]` or `[ny, nx]` interpolated where they had spikes, and what was done and where."""
+    _, found = despiked(heights)
     indices = np.argwhere(found)
     if not len(indices):
         return heights, ("found no spikes",)
     shown = "; ".join(", ".join(map(str, index)) for index in indices[:_SHOWN].tolist())
     more = f" and {len(indices) - _SHOWN} more" if len(indices) > _SHOWN else ""
-    many = "spike by the median" if len(indices) == 1 else "heights in spikes by the medians"
-    return cleaned, (
-        f"replaced {len(indices)} {many} of the heights around, of {heights.size} heights, at index {shown}{more}",
-    )
+    many = "height in a spike" if len(indices) == 1 else "heights in spikes"
+    done = f"interpolated {len(indices)} {many} {INTERPOLATED[heights.ndim]}, of {heights.size}, at index {shown}{more}"
+    return interpolated(heights, found), (done,)
 
 
 def despiked(heights: Reals, step: float = 0.0) -> tuple[Reals, Flags]:
@@ -48,7 +49,8 @@ def despiked(heights: Reals, step: float = 0.0) -> tuple[Reals, Flags]:
     found = np.zeros(heights.shape, dtype=bool)
     if min(heights.shape) < FEWEST:
         return heights, found
-    cleaned, finest = heights, QUANTA * max(step, quantum(heights))
+    cleaned = heights
+    finest = max(QUANTA * max(step, quantum(heights)), _ROUNDING * float(np.ptp(heights)))
     for _ in range(_ROUNDS):
         form = polynomial(cleaned, 2)
         level = cleaned - form
@@ -66,7 +68,7 @@ def _spikes(level: Reals, finest: float) -> tuple[Indices, Reals]:
     """Indices `[spike, axis]` of the spikes of level heights, none as small as the finest, and the medians around."""
     steps = [np.diff(level, axis=axis) for axis in range(level.ndim)]
     standard = 1.4826 * float(np.median(np.concatenate([abs(each).ravel() for each in steps])))
-    least = max(STEPS * standard, _ROUNDING * float(abs(level).max()), finest)
+    least = max(STEPS * standard, finest)
     suspects = np.zeros(level.shape, dtype=bool)  # next to a large step
     for axis, each in enumerate(steps):
         along, large = np.moveaxis(suspects, axis, 0), np.moveaxis(abs(each) > least / 2.0, axis, 0)

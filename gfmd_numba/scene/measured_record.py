@@ -147,7 +147,7 @@ class Measured(BaseModel):
         "none", description="What is cut out of a map before all else: the largest square about its centre"
     )
     fill: Literal["refuse", "interpolate"] = Field("refuse", description="Treatment of missing heights")
-    despike: bool = Field(False, description="Whether medians of the heights around take the place of spikes")
+    despike: bool = Field(False, description="Whether heights in spikes are interpolated from those around")
     detrend: Literal["none", "mean", "tilt", "curvature"] = Field("none", description="What is subtracted")
     periodic: Literal["none", "mirror", "window"] = Field(
         "none", description="Treatment of the ends, so that they meet"

@@ -13,6 +13,7 @@ from gfmd_numba.text.numbers import with_prefix
 LOADS = {"pressure": ("MPa", "kPa", "GPa"), "line_load": ("N/mm", "kN/m"), "force": ("kN",)}
 _LIGHTEST = 1e-7  # E*: less presses so little into contact that no grid resolves it
 _WITH_UNIT = 1e5  # times further off, as a unit was written
+_ROUNDING = 1e-9  # of the largest of a path: less is a 0 that was computed
 _LIKELY_LOADS = (1e-6, 0.3)  # E*
 
 
@@ -84,7 +85,10 @@ def implausible(file: Scene | SurfaceFile, path: Sequence[Step] = ()) -> list[st
     Without a length, or with a length of 1, numbers without units are in units of their own: they only have to fit
     together.
     """
-    given = [*_numbers(file), *_numbers(path, ("path",))]
+    steps, largest = [*_numbers(path, ("path",))], dict[str, float]()
+    for place, value, _ in steps:
+        largest[str(place[-1])] = max(abs(value), largest.get(str(place[-1]), 0.0))
+    given = [*_numbers(file), *(step for step in steps if abs(step[1]) > _ROUNDING * largest[str(step[0][-1])])]
     scales = _scales(file)
     bare = not any(isinstance(value, WithUnit) for _, value, _ in given)
     of_its_own = bare and file.length in (None, 1.0)

@@ -360,7 +360,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
         "Conventions": CONVENTIONS,
         "title": _TITLES.get(curve.prescribed, "load curve"),
         "scene": curve.given.file.model_dump_json(),
-        "processing": "\n".join(sentence for surface in curve.given.measured for sentence in surface.done),
+        "processing": "\n".join(sentence for surface in curve.given.measured for sentence in surface.outcome),
         "prescribed": curve.prescribed,
     }
     if len(solved) < len(curve.loads) * curve.realisations:

@@ -20,9 +20,3 @@ def finished(tmp_path_factory):
 def empty_cache(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.storage.cache.directory", lambda: tmp_path / "cache")
     (tmp_path / "cache").mkdir()
-
-
-@pytest.fixture(autouse=True)
-def _no_pilot(monkeypatch):
-    """Runs of tests that are not about time measure nothing beforehand."""
-    monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)

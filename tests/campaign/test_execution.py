@@ -107,9 +107,9 @@ def test_a_time_out_does_not_end_the_process_of_the_user(tmp_path, sound):
 
 @pytest.mark.long
 def test_a_full_disk_is_one_message_and_loses_nothing(tmp_path):
-    """A limit to the size of files stops workers as a full disk would; without them a small disk stops a run."""
+    """A limit to the size of files stops a worker as a full disk would; without them a small disk stops a run."""
     path, out = campaign(tmp_path), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1"]
 
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))

@@ -26,19 +26,19 @@ from support.campaigns import TINY, campaign, numbers
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("workers", [0, 2])
+@pytest.mark.parametrize("workers", [0, 1])
 def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
-    """SIGKILL as soon as the first shards are there; what is finished is not computed again."""
+    """SIGKILL as soon as the first shards are there; what is finished is not computed again, whoever goes on."""
     path, out = campaign(tmp_path), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), f"--workers={workers}"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
     while process.poll() is None and len(list(out.glob("shards/*.shard"))) < 3:
-        time.sleep(0.001)
+        time.sleep(0.01)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     left = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
     assert len(left) >= 3
-    result = gfmd_numba.run(path, out, workers)
+    result = gfmd_numba.run(path, out, 0)
     xr.testing.assert_identical(numbers(result), numbers(finished))
     assert {shard: shard.stat().st_mtime_ns for shard in left} == left
 
@@ -47,14 +47,14 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path, workers):
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 @pytest.mark.parametrize(("send", "which"), [(os.killpg, signal.SIGINT), (os.kill, signal.SIGTERM)])
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path, send, which):
-    """Ctrl-C reaches the workers, too, at any moment after the first shard; a queue terminates the command alone."""
+    """Ctrl-C reaches the worker, too, at any moment after the first shard; a queue terminates the command alone."""
     path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_heeding
     )
     while process.poll() is None and not list(out.glob("shards/*.shard")):
-        time.sleep(0.001)
+        time.sleep(0.01)
     time.sleep(np.random.default_rng().uniform(0, 0.2))
     send(process.pid, which)
     said = [line for line in process.communicate()[0].decode().splitlines() if not line.startswith("busy ")]

@@ -160,7 +160,7 @@ def test_a_path_resumes_with_one_digest(dragged, tmp_path):
 def test_a_killed_path_resumes_to_the_same_digest(dragged, tmp_path):
     """SIGKILL after the first of two shards."""
     path, out = campaign(tmp_path, yaml.safe_dump(DRAGGED)), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1"]
     silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
     process = subprocess.Popen(command, **silent, start_new_session=True)
     while process.poll() is None and not list(out.glob("shards/*.shard")):

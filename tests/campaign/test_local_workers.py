@@ -1,7 +1,9 @@
-"""Local workers: nobody else can use them, and one that freezes does not stall a run."""
+"""Local workers: nobody else can use them, they keep their memory, and one that freezes does not stall a run."""
 
 import asyncio
 import os
+import platform
+import resource
 import signal
 import subprocess
 import sys
@@ -10,6 +12,7 @@ import urllib.error
 import urllib.request
 
 import dask
+import numpy as np
 import psutil
 import pytest
 from distributed.comm import connect
@@ -62,26 +65,47 @@ def says_nothing(port):
     return True
 
 
+@pytest.fixture(scope="module")
+def client():
+    with cluster.local(1) as client:
+        yield client
+
+
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere sockets of processes are hard to see")
 @pytest.mark.filterwarnings("ignore")
-def test_a_client_without_the_key_of_a_run_is_refused_everywhere(tmp_path):
-    with cluster.local(2) as client:
-        assert client.submit(sum, [1, 2]).result() == 3
-        found = {address for member in family(psutil.Process()) for address in ports(member)}
-        assert len(found) >= 5  # a scheduler and two nannies with their workers
-        assert {address.ip for address in found} == {"127.0.0.1"}
-        assert all(says_nothing(address.port) for address in found)
-        stranger = Security.temporary().get_connection_args("client")  # TLS, but with a key of its own
+def test_a_client_without_the_key_of_a_run_is_refused_everywhere(client):
+    assert client.submit(sum, [1, 2]).result() == 3
+    found = {address for member in family(psutil.Process()) for address in ports(member)}
+    assert len(found) >= 3  # a scheduler and a nanny with its worker
+    assert {address.ip for address in found} == {"127.0.0.1"}
+    assert all(says_nothing(address.port) for address in found)
+    stranger = Security.temporary().get_connection_args("client")  # TLS, but with a key of its own
 
-        async def attempts():
-            addresses = [f"127.0.0.1:{address.port}" for address in found]
-            plain = [admitted(f"tcp://{address}") for address in addresses]
-            return await asyncio.gather(*plain, *(admitted(f"tls://{address}", **stranger) for address in addresses))
+    async def attempts():
+        addresses = [f"127.0.0.1:{address.port}" for address in found]
+        plain = [admitted(f"tcp://{address}") for address in addresses]
+        return await asyncio.gather(*plain, *(admitted(f"tls://{address}", **stranger) for address in addresses))
 
-        assert not any(asyncio.run(attempts()))
-        friend = client.security.get_connection_args("client")
-        assert asyncio.run(admitted(client.scheduler.address, **friend))  # who has the key gets in by the same way
+    assert not any(asyncio.run(attempts()))
+    friend = client.security.get_connection_args("client")
+    assert asyncio.run(admitted(client.scheduler.address, **friend))  # who has the key gets in by the same way
+
+
+def faults():
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
+    for _ in range(100):
+        np.ones(2**17), np.ones(2**19)
+    return resource.getrusage(resource.RUSAGE_SELF).ru_minflt - before
+
+
+@pytest.mark.long
+@pytest.mark.skipif(platform.libc_ver()[0] != "glibc", reason="other libraries know no such thresholds")
+@pytest.mark.filterwarnings("ignore")
+def test_arrays_of_a_worker_are_made_of_kept_pages(client):
+    """A worker makes its arrays of memory that it has, not of new pages of the system."""
+    client.submit(faults, pure=False).result()
+    assert client.submit(faults, pure=False).result() < 256  # of 100 * 256 pages of the smaller array
 
 
 @pytest.mark.long

@@ -142,7 +142,7 @@ def test_a_run_killed_between_bundles_resumes_to_the_same_numbers(finished, tmp_
     command = [sys.executable, "-c", FEW_FILES, "run", str(path), "-o", str(out), "--workers=0"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     while process.poll() is None and len(list(out.glob("shards/*.bundle"))) < 2:
-        time.sleep(0.001)
+        time.sleep(0.01)
     process.kill()
     process.wait()
     left = {bundle: bundle.stat().st_mtime_ns for bundle in out.glob("shards/*.bundle")}

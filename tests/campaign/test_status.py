@@ -104,7 +104,6 @@ def test_fail_fast_stops_at_the_first_failure(tmp_path, monkeypatch):
 
     monkeypatch.setattr(execution, "measured", fails)
     monkeypatch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
-    monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
     out = tmp_path / "out"
     ran = gfmd("run", campaign(tmp_path), "-o", out, "--workers=0", "--fail-fast")
     assert ran.exit_code == 3

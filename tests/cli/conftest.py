@@ -11,9 +11,3 @@ from support.campaigns import campaign
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     return run_campaign(campaign(folder), folder / "out", Workers(0))[0]
-
-
-@pytest.fixture(autouse=True)
-def _no_pilot(monkeypatch):
-    """Runs of tests that are not about time measure nothing beforehand."""
-    monkeypatch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)

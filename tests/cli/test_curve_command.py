@@ -201,3 +201,20 @@ def test_speeds_over_a_creeping_body_are_written_printed_and_drawn(tmp_path):
 )
 def test_a_curve_is_over_loads_times_or_speeds(scene, tmp_path, options):
     assert "gfmd allows" in unfolded(refused("curve", scene, *options, "-o", tmp_path / "c.nc"))
+
+
+@pytest.mark.parametrize(
+    ("loads", "told"), [("5:300:15", "5MPa, "), ("5,50", "5MPa, 50MPa, ..."), ("1e6:1e9:3", "MPa")]
+)
+def test_loads_without_a_unit_are_refused_where_the_loading_has_one(tmp_path, loads, told):
+    file = tmp_path / "steel.yaml"
+    file.write_text(
+        "scene:\n  length: 1 mm\n  body: {youngs_modulus: 105 GPa, poissons_ratio: 0.3}\n"
+        "  roughness: {method: psd, hurst: 0.8, rms_height: 1 um}\n"
+        "  interface: {hard_wall: {}}\n  loading: {pressure: 10 MPa}\n"
+        "discretisation: {eps_c: 1/8, eps_f: 1/8, eps_t: 1/2}\n"
+    )
+    said = refused("curve", file, "--loads", loads, "-o", tmp_path / "c.nc")
+    assert "--loads without a unit" in said
+    assert told in said
+    assert not (tmp_path / "c.nc").exists()

@@ -72,10 +72,9 @@ def world(tmp_path_factory):
 
 @pytest.fixture(scope="module", autouse=True)
 def _quick():
-    """Nothing is timed or compiled beforehand, and git is not asked."""
+    """Nothing is compiled beforehand, and git is not asked."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("gfmd_numba.campaign.run.compile_kernels", lambda problems: None)
-        patch.setattr("gfmd_numba.campaign.run._PILOT_SECONDS", 0.0)
         patch.setattr(collection, "git_commit", str)
         yield
 

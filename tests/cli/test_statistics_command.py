@@ -53,7 +53,7 @@ def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
 
 @pytest.mark.filterwarnings("ignore:The flow factor")
 def test_flow_and_resistance_are_printed_in_units_of_engineers(folder):
-    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP", "--pressure", "2e5", "--seal", "1mm", "0.3")
+    done = gfmd("leakage", folder / "map.nc", "--viscosity", "1 cP", "--pressure", "2 bar", "--seal", "1mm", "0.3 m")
     found = gfmd_numba.leakage(folder / "map.nc", 1e-3, 2e5, ("1 mm", 0.3))["flow"]
     for along, flow in zip("xy", found.values.tolist(), strict=True):
         assert f"flow along {along}                {flow:.3g} m^3/s = {3.6e6 * flow:.3g} L/h\n" in done.stdout
@@ -188,3 +188,17 @@ def test_a_curve_is_told_how_its_loads_become_contacts(folder, tmp_path):
         assert done.exit_code == 2
         assert "a curve, which has no fields" in unfolded(done.stderr)
         assert "`gfmd solve` leaves of a scene that has these loads in its `path`" in unfolded(done.stderr)
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("leakage", "--viscosity", "46", "--pressure", "2 bar"),
+        ("leakage", "--viscosity", "1 mPa s", "--pressure", "2"),
+        ("leakage", "--viscosity", "1 mPa s", "--pressure", "2 bar", "--seal", "1", "300mm"),
+    ],
+)
+def test_plain_numbers_of_a_fluid_are_refused(folder, arguments):
+    said = gfmd(arguments[0], folder / "map.nc", *arguments[1:])
+    assert said.exit_code == 2
+    assert "a value with its unit" in unfolded(said.output)

@@ -102,9 +102,10 @@ def test_fit_shows_the_rounds_again(reached):
 
 @pytest.mark.long
 def test_a_target_out_of_reach_exits_with_3_and_the_best_estimate(tmp_path, monkeypatch):
+    monkeypatch.setattr("gfmd_numba.campaign.cost.remembered", dict)  # of contacts on a machine that is busy
     path = campaign(tmp_path, **FINER)
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", "--until=kappa=0.7%", "--budget=1 s")
-    assert done.exit_code == 3
+    assert done.exit_code == 3, done.output
     said = unfolded(done.stdout)
     assert "kappa to 0.70%: not reached: the budget is too small for" in said
     assert "limit" in said
@@ -150,9 +151,9 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
 def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path):
-    """With two workers, in the first round after the pilot."""
+    """With a worker, in the first round after the pilot."""
     path, out = campaign(tmp_path, **FINER), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--until=0.1%"]
+    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1", "--until=0.1%"]
     process = subprocess.Popen(
         command,
         stdout=subprocess.PIPE,

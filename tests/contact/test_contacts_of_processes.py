@@ -9,6 +9,7 @@ from gfmd_numba.contact import distributed
 from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError, load_scene
+from gfmd_numba.solvers.distributed_newton import halvings
 from gfmd_numba.solvers.status import Status
 from support.team_of_threads import together
 
@@ -57,6 +58,16 @@ def test_processes_find_the_nodes_and_numbers_of_one(tmp_path, old, new):
         np.testing.assert_array_equal(first[name], found[name])
     assert set(found.variables) == set(expected.variables)
     assert found.attrs["validity"] == expected.attrs["validity"]
+
+
+@pytest.mark.parametrize(
+    ("ny", "nx", "processes", "times"),
+    [(64, 512, 1, 0), (512, 512, 1, 3), (512, 384, 1, 3), (768, 729, 1, 0), (729, 768, 1, 0), (512, 512, 64, 1)],
+)
+def test_a_grid_is_halved_while_it_is_even_and_large_and_each_process_keeps_rows_for_its_neighbours(
+    ny, nx, processes, times
+):
+    assert halvings(ny, nx, processes) == times
 
 
 def test_a_run_without_iterations_enough_says_so(tmp_path):

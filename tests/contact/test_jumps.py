@@ -96,11 +96,11 @@ def test_paths_without_attraction_are_not_divided(tmp_path):
 @pytest.mark.filterwarnings("ignore:waves longer than two fifths")
 def test_a_wall_that_nothing_reaches_changes_no_jump():
     """Under a law that leaves a gap a hard wall is never touched, so the work of adhesion gained is the law's own."""
-    x = np.arange(128) / 128
+    x = np.arange(112) / 112
     heights = 2e-3 * np.cos(2 * np.pi * x) + 2e-4 * np.cos(18 * np.pi * x + 1)
     law = {"lennard_jones": {"work_of_adhesion": 2.6e-7, "range": 1e-4}}
     body = {"poissons_ratio": 0.3, "aspect_ratio": 1}
-    path = [2e-3, 1e-3, 0.0, -1e-3, -2e-3]
+    path = [2e-3, 0.0, -2e-3]
     without, with_a_wall = (
         gfmd_numba.solve(
             {

@@ -152,3 +152,5 @@ def test_a_loss_where_nothing_jumps_is_warned_of():
     given = read_contact(*load_scene({"scene": scene}))
     assert "lies in steps without a jump" in _coarse_steps(given, spoilt)
     assert _coarse_steps(given, spoilt | {"jump_displacement": np.array([np.nan, 0.0])}) == ""
+    unfelt = {name: np.zeros(2) for name in ("energy_lost", "mean_pressure")}  # the surfaces are too far apart
+    assert _coarse_steps(given, spoilt | unfelt) == ""

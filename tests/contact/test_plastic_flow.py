@@ -6,6 +6,7 @@ from plastic_flow import elements, first_yield, parabola, pressed, random_scene,
 
 from gfmd_numba.contact import evaluation, plastic_measures
 from gfmd_numba.contact.plastic_flow import Mixing
+from gfmd_numba.contact.state import relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.kernels import Hardening
@@ -57,6 +58,14 @@ def test_errors_fall_with_the_increments_and_are_told():
     for each, error in zip(found, errors, strict=True):
         assert plastic_measures.flow_of(each).error > 0.8 * error
     assert np.isnan(plastic_measures.flow_of(cylinder([1.0], 2)[0]).error)
+
+
+def test_the_error_told_knows_no_unit():
+    coarse, fine = np.array([1.0, 2.0, 0.0]), np.array([1.0, 2.5, 0.5])
+    for unit in (1e-9, 1.0, 1e9):
+        assert relative_difference(unit * coarse, unit * fine) == pytest.approx(0.25, rel=1e-14)
+    assert relative_difference(coarse, fine, 8.0) == 0.125
+    assert relative_difference(0.0 * coarse, 0.0 * fine) == 0.0
 
 
 def test_more_load_flows_deeper_than_the_first_step_of_a_path_alone_would_ask_for():

@@ -64,6 +64,11 @@ def site(tmp_path_factory):
 
 
 @pytest.mark.long
+def test_the_site_is_built_without_a_warning(site):
+    assert (site / "index.html").is_file()
+
+
+@pytest.mark.long
 @pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
 def test_a_reader_sees_all_of_every_page_and_finds_it(site):
     pages = sorted(str(path.relative_to(site)) for path in site.rglob("*.html") if "_modules" not in path.parts)

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+from gfmd_numba.roughness.form import form
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.scene.measured_record import FileUnits, Measured
 
@@ -38,6 +39,23 @@ def read(z, **more):
 
 def told(z, **more):
     return "\n".join(read(z, **more).doubts)
+
+
+def waves_of_a_quarter(shape):
+    """A field of a rough surface whose longest waves are a quarter of it."""
+    longer = tuple(3 * n for n in shape)
+    q = np.sqrt(sum(k**2 for k in np.meshgrid(*[np.fft.fftfreq(n, 1 / n) for n in longer], indexing="ij")))
+    amplitude = np.where(q > 11, np.maximum(q, 1.0) ** -(0.8 + len(shape) / 2), 0.0)
+    noise = np.fft.fftn(np.random.default_rng(5).normal(size=longer))
+    z = np.fft.ifftn(noise * amplitude).real[tuple(slice(0, n) for n in shape)]
+    return 2e-7 * z / z.std()
+
+
+def waves_in_a_period():
+    q = np.fft.rfftfreq(N, 1 / N)
+    waves = np.exp(2j * np.pi * np.random.default_rng(7).random(q.size)) * np.maximum(q, 4.0) ** -1.3 * (q > 0)
+    z = np.fft.irfft(waves, N)
+    return 2e-7 * z / z.std()
 
 
 def test_a_measurement_that_is_not_spoilt_has_no_signs():
@@ -83,13 +101,60 @@ def test_all_spikes_are_counted_despite_a_form_and_replaced(shape, radius):
     cured = read(spoilt, despike=True)
     assert "spike" not in "\n".join(cured.doubts)
     first = ", ".join(map(str, np.unravel_index(min(at), shape)))
-    assert (
-        f"replaced 25 heights in spikes by the medians of the heights around, of {z.size} heights, at index {first}"
-        in (cured.done[0])
-    )
+    how = "linearly" if len(shape) == 1 else "by a harmonic function"
+    assert f"interpolated 25 heights in spikes {how}, of {z.size}, at index {first}" in cured.done[0]
     mended = read(spoilt, despike=True, periodic="none").heights
     np.testing.assert_allclose(np.delete(mended, at), np.delete(z, at), rtol=1e-15)
-    assert abs(mended - z).max() < rough(shape).std()
+    steps = [abs(mended - np.roll(mended, k, axis)) for axis in range(len(shape)) for k in (1, -1)]
+    usual = np.median(steps[0])
+    assert max(np.min(steps, axis=0).flat[at]) < 4 * usual  # none sticks out of its neighbours
+    assert abs(mended - z).max() < 0.5 * rough(shape).std()
+
+
+@pytest.mark.parametrize("shape", [(N,), (96, 96)])
+@pytest.mark.parametrize("share", [0.35, 0.6, 0.85, 0.92])
+def test_a_tilt_is_told_wherever_the_ends_are_apart(shape, share):
+    z = waves_of_a_quarter(shape)
+    tilt = np.linspace(-1.0, 1.0, shape[-1]) * np.ones(shape)
+    tilted = z + tilt * z.std() / tilt.std() * np.sqrt(share / (1 - share))
+    for periodic in ("mirror", "none"):
+        assert "a tilt makes up" in told(tilted, periodic=periodic)
+        assert "a tilt" not in told(z, periodic=periodic)
+
+
+@pytest.mark.parametrize("shape", [(N,), (96, 96)])
+@pytest.mark.parametrize("share", [0.6, 0.85, 0.92])
+@pytest.mark.parametrize("sign", [-1, 1])
+def test_a_bow_is_told_in_a_field_that_is_mirrored(shape, share, sign):
+    z, x = waves_of_a_quarter(shape), np.linspace(-1.0, 1.0, shape[-1])
+    bow = sign * (x**2 - (x**2).mean()) * np.ones(shape)
+    assert "a curvature of radius" in told(z + bow * z.std() / bow.std() * np.sqrt(share / (1 - share)))
+    assert "a curvature" not in told(z)
+
+
+@pytest.mark.parametrize("cutoff", [None, 8e-6, 20e-6])
+def test_a_cutoff_does_not_hide_where_the_ends_of_a_period_are_apart(cutoff):
+    z = waves_of_a_quarter((N,))
+    z += 8 * z.std() * (X > 0.9 * LENGTH) * (X / LENGTH - 0.9) * 10  # a tilt of the last tenth alone
+    assert "where the period along x closes" in told(z, periodic="none", cutoff=cutoff)
+    assert "where the period along x closes" not in told(waves_in_a_period(), periodic="none", cutoff=cutoff)
+
+
+@pytest.mark.parametrize("n", [128, 256, 257, 512, 1000])
+@pytest.mark.parametrize("radius", [0.02, 0.1])
+def test_rounding_of_a_parabola_is_no_sign(n, radius):
+    x = (np.arange(n) - n / 2) * LENGTH / N
+    assert told(-(x**2) / 2 / radius) == ""
+
+
+def test_the_form_of_many_points_is_that_of_all():
+    """The means that it is found from leave the least-squares shares as they are."""
+    z = np.cumsum(np.random.default_rng(3).normal(size=70_001))
+    x = np.linspace(-1.0, 1.0, z.size)
+    left = [z - np.polynomial.Polynomial.fit(x, z, order)(x) for order in (0, 1, 2)]
+    found = form(z)
+    assert found.tilt.share == pytest.approx(1 - left[1].var() / left[0].var(), abs=1e-4)
+    assert found.curvature.share == pytest.approx(1 - left[2].var() / left[1].var(), abs=1e-4)
 
 
 @pytest.mark.parametrize("shape", [(N,), (96, 96)])
@@ -99,6 +164,15 @@ def test_a_step_is_told_with_its_place(shape):
     assert "um behind index 49, and stay there" in told(z)
     if len(shape) == 2:
         assert "um behind row 49, and stay there" in told(z.T)
+
+
+@pytest.mark.parametrize(
+    ("between", "said"), [(9, "and are back: if dust"), (400, "and are back"), (None, "and stay there")]
+)
+def test_a_plateau_is_told_from_a_step(between, said):
+    z = rough((N,))
+    z[300 : None if between is None else 300 + between] += 10 * z.std()
+    assert f"behind index {299 if between is None else 299 + between}, {said}" in told(z)
 
 
 def test_saturated_and_stuck_heights_and_marks_of_missing_ones_are_told():

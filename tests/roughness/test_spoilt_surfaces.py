@@ -76,12 +76,12 @@ def test_a_seam_is_told_and_mirrored(tmp_path):
     piece = slice(0, 200)
     file = columns(tmp_path, X[piece], Z[piece])
     jump = abs(Z[0] - Z[199])
-    assert f"the heights jump by {jump:.3g} where the period along x closes" in told(read(file))
+    assert f"the heights jump by {1e6 * jump:.3g} um where the period along x closes" in told(read(file))
     found = read(file, periodic="mirror")
-    assert found.doubts == ()
+    assert "closes" not in told(found)
     np.testing.assert_allclose(found.heights, np.concatenate([Z[piece], Z[piece][::-1]]), rtol=1e-14)
     assert found.lengths == pytest.approx((2 * 200 / N * LENGTH,))
-    assert read(file, periodic="window").doubts == ()
+    assert "closes" not in told(read(file, periodic="window"))
 
 
 def test_a_header_is_no_height(tmp_path):

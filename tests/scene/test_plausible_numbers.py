@@ -81,6 +81,12 @@ def test_a_step_of_a_path_and_a_layer_are_named_by_their_places():
         assert place in sentence
 
 
+def test_the_rounding_of_a_path_is_no_length():
+    circle = [{"sliding": 1e-6 * np.sin(angle)} for angle in np.pi * np.arange(5) / 2]
+    assert said(path=circle) == []
+    assert len(said(path=[*circle, {"sliding": 1.0}])) == 1
+
+
 @pytest.mark.parametrize(
     "changes",
     [
@@ -154,7 +160,7 @@ scene:
     for command in (
         ("check", "scene.yaml"),
         ("solve", "scene.yaml", "-o", tmp_path / "contact.nc"),
-        ("curve", "scene.yaml", "--loads", "1,2", "-o", tmp_path / "curve.nc"),
+        ("curve", "scene.yaml", "--loads", "1Pa,2Pa", "-o", tmp_path / "curve.nc"),
         ("check", "campaign.yaml"),
         ("plan", "campaign.yaml", "--pilot=0.1"),
     ):

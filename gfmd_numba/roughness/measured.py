@@ -14,7 +14,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility, statistics
-from gfmd_numba.roughness.measurements import Content, Measurement, measurement
+from gfmd_numba.roughness.measurements import Content, Measurement, at_spacing, counts_points, measurement
 from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
@@ -152,7 +152,9 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
     if np.ndim(content.heights) == 2 and 1 in content.heights.shape and not (content.positions or content.sizes):
         content = replace(content, heights=content.heights.ravel())  # one row, or one column
-    if record.spacing is not None:
+    if record.spacing is not None and counts_points(content):
+        content = at_spacing(content, float(record.spacing))
+    elif record.spacing is not None:
         if content.positions or (content.sizes and not content.rounded):
             raise ValueError("positions or sizes in the file, so that spacing has to be left out")
         points = dict(zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True))
@@ -247,7 +249,8 @@ def _sizes(
     if found.lengths is None:
         if found.unit == "m" and length is None:
             raise ValueError(
-                "heights without positions: give spacing, the distance of neighbouring points, or length, the period"
+                f"{'a profile' if len(shape) == 1 else 'a map'} of {' x '.join(map(str, shape))} heights without "
+                "positions: give spacing, the distance of neighbouring points, or length, the period"
             )
         if length is not None and field.fields == 2.0 and told_by == "length":
             field_of, period_of = (in_unit_of(length, length / part / shape[-1], "m") for part in (1.0, 2.0))

@@ -51,7 +51,7 @@ def rigid(work, length):
 
 def rough(nodes):
     """Transforms of both solvers for one more load on adhesive surfaces with x = 0.1."""
-    heights = self_affine.profiles(0.8, 2, nodes // 16, nodes, 4, range(10))
+    heights = self_affine.SelfAffineWaves(0.8, 2, nodes // 16).heights((nodes,), 4, range(10))
     punch, body = heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(nodes))
     law = Interactions(True, ExponentialLaw(0.1 * np.pi * nodes / 2 * 1e-6, 1e-3))
     spent = []

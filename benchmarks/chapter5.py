@@ -7,7 +7,6 @@ import slab_stiffness
 from finite_elements import Body, graded
 from inner_fields import inside
 
-from gfmd_numba.contact import rough_surfaces
 from gfmd_numba.contact import two_step as rough_bodies
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
@@ -19,6 +18,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
 
@@ -70,7 +70,7 @@ def triangle(slope):
 
 
 def rough(gradient, hurst=0.8, thickness=1.0, longest=2, shortest=32):
-    heights = gradient * self_affine.profiles(hurst, longest, shortest, NX, 2018, range(1))[0]
+    heights = gradient * self_affine.SelfAffineWaves(hurst, longest, shortest).heights((NX,), 2018, range(1))[0]
     return Case(f"self-affine, H = {hurst:g}, g = {gradient:g}, a = {thickness:g}", heights, 0.1 * gradient, thickness)
 
 
@@ -85,7 +85,7 @@ class Surface:
 
 def two_step(case, order):
     """Surface `[NX]`, what was solved, and the surface from which fields inside follow."""
-    profile, gradient = rough_surfaces.given_surface(case.topography)
+    profile, gradient = given_surface(case.topography)
     asked = Problem(profile, case.elastic, Interactions(hard_wall=True), None, case.displacement / gradient, NUMERICS)
     slopes = Slopes(asked, (RoughBody(case.elastic, 1.0, heights=case.topography),), gradient, order, None)
     pressed = rough_bodies.solve(asked, State.untouched(profile.heights[np.newaxis], (slopes,)))

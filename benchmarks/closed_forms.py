@@ -74,7 +74,7 @@ table(
 )
 print("\nFull contact, self-affine: largest error of the pressure over its rms fluctuation")
 for nx in (256, 1024, 4096):
-    heights = self_affine.profiles(0.8, 2, nx // 8, nx, 1, range(5))
+    heights = self_affine.SelfAffineWaves(0.8, 2, nx // 8).heights((nx,), 1, range(5))
     linear = grid.signal(stiffness.half_space(grid.wavenumbers(nx)) * grid.coefficients(heights), nx)
     computed = press(heights, 5.0)
     print(f"{nx:7}  {abs(computed - 5.0 - linear).max() / linear.std():8.1e}")

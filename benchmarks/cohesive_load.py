@@ -19,7 +19,7 @@ RANGE, SURFACES = 1e-3, 6
 
 def compare(nodes, hard_wall):
     """Transforms of the first load and of the next, and processor time of both, by each solver."""
-    heights = self_affine.profiles(0.8, 2, nodes // 16, nodes, 4, range(SURFACES))
+    heights = self_affine.SelfAffineWaves(0.8, 2, nodes // 16).heights((nodes,), 4, range(SURFACES))
     punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((nodes,))
     work = 0.1 * np.pi * nodes / 2 * RANGE**2 * np.e**2  # x = 0.1
     laws, start = Interactions(hard_wall, cohesive=XuNeedlemanLaw(work, RANGE, 3 * RANGE)), None

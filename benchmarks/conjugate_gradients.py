@@ -38,8 +38,8 @@ def seconds(call):
 def measured(shape, hurst, load):
     """Seconds of a solve, microseconds of a pair of transforms, and solves over their transforms."""
     nodes, row = math.prod(shape), np.arange(1)
-    make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-    heights = make(hurst, 2, shape[-1] // 4, shape[-1], SEED, range(max(1, SAMPLES // nodes)))
+    waves = self_affine.SelfAffineWaves(hurst, 2, shape[-1] // 4)
+    heights = waves.heights(shape, SEED, range(max(1, SAMPLES // nodes)))
     punch = heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
     body, field = stiffness.half_space(grid.magnitudes(shape)), Transform(1, *shape)
     field.sources[0][:, :nodes] = heights[:1].reshape(1, -1)

@@ -35,7 +35,9 @@ grid:
 def rms_heights(case, surfaces):
     """Rms height of each surface of a case, in L_x."""
     cut_on = round(1 / float(case.eps_t))
-    profiles = self_affine.profiles(float(case.hurst), cut_on, SHORTEST * cut_on, int(case.nx), SEED, range(surfaces))
+    profiles = self_affine.SelfAffineWaves(float(case.hurst), cut_on, SHORTEST * cut_on).heights(
+        (int(case.nx),), SEED, range(surfaces)
+    )
     return GRADIENT * statistics.rms_height(profiles)
 
 

@@ -18,13 +18,13 @@ import gfmd_numba
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_radius
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene.form_record import Form
 from gfmd_numba.solvers.table import Options
 

@@ -21,12 +21,12 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.area_correction import HALF_SPACE
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.table import Options
 
 RESIDUAL, FIRST_TOLERANCE, TRIES = 1e-8, 1e-7, 8
@@ -41,7 +41,7 @@ Solve = Callable[[Reals, float, float], Reals]  # heights, mean pressure and a t
 def surface(n: int, least: int, most: int, curved: bool) -> Reals:
     """Heights `[y, x]` of a rough ball, or a rough flat, on n nodes a side: on finer grids the same ones in between."""
     finest = max(2048, n)
-    rough = self_affine.maps(HURST, least, most, finest, SEED, range(1))[0]
+    rough = self_affine.SelfAffineWaves(HURST, least, most).heights((finest, finest), SEED, range(1))[0]
     x = np.arange(n) / n - 0.5
     ball = -(x**2 + x[:, np.newaxis] ** 2) / (2.0 * RADIUS)
     heights = (ball if curved else 0.0) + RMS / rough.std() * rough[:: finest // n, :: finest // n]

@@ -20,7 +20,7 @@ BODIES = {"half-space, nu = 0.3": (0.3, None), "half-space, nu = 0": (0.0, None)
 
 
 def punches(hurst, surfaces):
-    heights = self_affine.profiles(hurst, 2, NX // 8, NX, 1, range(surfaces))
+    heights = self_affine.SelfAffineWaves(hurst, 2, NX // 8).heights((NX,), 1, range(surfaces))
     return heights.max(axis=1, keepdims=True) - heights
 
 

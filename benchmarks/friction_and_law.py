@@ -21,7 +21,7 @@ LOADS = ((0.3, 0.05), (0.8, 0.05), (0.8, 0.3))  # Hurst exponent, reduced pressu
 
 def steps(solver, nx, surfaces, law, friction, hurst, load):
     """First load and half of it, on a half-space whose surface moves sideways."""
-    heights = self_affine.profiles(hurst, 2, nx // 8, nx, 1, range(surfaces))
+    heights = self_affine.SelfAffineWaves(hurst, 2, nx // 8).heights((nx,), 1, range(surfaces))
     punch, stiffness = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((nx,))
     before = None
     for pressure in (load, 0.5 * load):

@@ -42,7 +42,7 @@ def random_path(seed):
     nu = float(rng.choice([rng.uniform(-0.9, 0.5), rng.uniform(0.0, 0.5), 0.5, 0.3, 0.0]))
     height = rng.choice([np.inf, 10 ** rng.uniform(-2.0, 0.6)])
     friction = float(10 ** rng.uniform(-2.0, 0.35))
-    heights = self_affine.profiles(hurst, 2, waves, nx, int(rng.integers(1e6)), range(1))
+    heights = self_affine.SelfAffineWaves(hurst, 2, waves).heights((nx,), int(rng.integers(1e6)), range(1))
     punch = heights.max(axis=1, keepdims=True) - heights
     loaded = rng.choice(["load", "displacement"]) == "load" if np.isfinite(height) else True
     load = 10 ** rng.uniform(-3.0, 0.3)

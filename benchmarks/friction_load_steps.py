@@ -9,7 +9,7 @@ from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.table import Options
 
 NX, LOAD, FINEST = 1024, 0.05, 256
-HEIGHTS = self_affine.profiles(0.8, 2, NX // 8, NX, 3, range(6))
+HEIGHTS = self_affine.SelfAffineWaves(0.8, 2, NX // 8).heights((NX,), 3, range(6))
 PUNCH = HEIGHTS.max(axis=1, keepdims=True) - HEIGHTS
 
 

@@ -16,8 +16,10 @@ if __name__ == "__main__":
     print("| case | a plain code | this one | error | cost |\n|---|---|---|---|---|")
     with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
         warnings.simplefilter("ignore")
-        contacts.certified(self_affine.profiles(0.8, 2, 16, 64, 1, range(1)), 0.1)  # compiles
-        contacts.certified(self_affine.profiles(0.8, 2, 16, 64, 1, range(1)), 0.1, "conjugate_gradients")
+        contacts.certified(self_affine.SelfAffineWaves(0.8, 2, 16).heights((64,), 1, range(1)), 0.1)  # compiles
+        contacts.certified(
+            self_affine.SelfAffineWaves(0.8, 2, 16).heights((64,), 1, range(1)), 0.1, "conjugate_gradients"
+        )
         for part in (
             formulae.slabs,
             contacts.stepping,

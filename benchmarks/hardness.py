@@ -12,15 +12,14 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import contact_area_fraction, contact_area_fraction_counted
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import Contact, LoadStep
-from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import GivenSurface, given_surface
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate
 from gfmd_numba.solvers.table import Options
 
@@ -49,8 +48,7 @@ def costs() -> None:
         for hardness in HARDNESSES:
             seconds, transforms, failed = [], [], 0
             for hurst in (0.3, 0.8):
-                make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-                heights = make(hurst, 4, shape[0] // 16, shape[0], 1, range(1))
+                heights = self_affine.SelfAffineWaves(hurst, 4, shape[0] // 16).heights(shape, 1, range(1))
                 punch = heights.max() - heights
                 for share in SHARES:
                     started = time.perf_counter()
@@ -90,8 +88,8 @@ def paths() -> None:
     draw = np.random.default_rng(0)
     for seed in range(400):
         n, is_map = int(draw.choice([32, 64, 256])), draw.random() < 0.4
-        make = self_affine.maps if is_map else self_affine.profiles
-        heights = make(float(draw.choice([0.3, 0.8])), 2, n // 4, n, seed, range(1))[0]
+        waves = self_affine.SelfAffineWaves(float(draw.choice([0.3, 0.8])), 2, n // 4)
+        heights = waves.heights((n, n) if is_map else (n,), seed, range(1))[0]
         body = ElasticBody(float(draw.choice([0.3, 0.45, 0.5])), float(draw.choice([0.5, 0.05])))
         hardness, displaced = 10.0 ** draw.uniform(-2.0, 0.3), draw.random() < 0.3
         solver = str(draw.choice(list(ended)))
@@ -110,8 +108,9 @@ def paths() -> None:
     worst = 0.0
     for body in (ElasticBody(None, None), ElasticBody(0.3, 0.05), ElasticBody(0.5, 0.05), ElasticBody(0.49, 0.02)):
         for hurst in (0.3, 0.8):
-            for make, n in ((self_affine.profiles, 512), (self_affine.maps, 64)):
-                surface = given_surface(make(hurst, 2, n // 4, n, 3, range(1))[0])[0]
+            for shape in ((512,), (64, 64)):
+                waves = self_affine.SelfAffineWaves(hurst, 2, shape[0] // 4)
+                surface = given_surface(waves.heights(shape, 3, range(1))[0])[0]
                 for hardness in (0.05, 0.3):
                     loads = 0.6 * hardness * np.arange(1, 9) / 8.0
                     many = along(surface, body, hardness, loads, "active_set_newton")[-1].plastic_depth

@@ -47,7 +47,9 @@ def there(heights, hardness):
 if __name__ == "__main__":
     print(f"{'H':>4} {'p_H/(g E*)':>10} {'plastic':>8} {'contact':>8} {'differing':>9} {'pressure':>9} {'depth':>9}")
     for i, (hurst, hardness) in enumerate(MAPS):
-        heights = GRADIENT * self_affine.maps(hurst, 2, NODES // 4, NODES, 7 + i, range(1))[0]
+        heights = (
+            GRADIENT * self_affine.SelfAffineWaves(hurst, 2, NODES // 4).heights((NODES, NODES), 7 + i, range(1))[0]
+        )
         (pressure, depth), (theirs, dents) = (code(heights, GRADIENT * hardness) for code in (here, there))
         differing = np.count_nonzero((pressure > 0.0) != (theirs > 0.0))
         plastic = (pressure >= GRADIENT * hardness * (1.0 - 1e-8)).mean(axis=(1, 2)).max()

@@ -9,9 +9,9 @@ import sys
 
 import numpy as np
 from matplotlib.figure import Figure
-from scipy.stats import norm, normaltest
+from scipy.stats import kstest, norm, normaltest, skew, zscore
 
-from gfmd_numba.roughness import model_surfaces, statistics
+from gfmd_numba.roughness import model_surfaces
 from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, SelfAffineSpectrum
 
 DISTANCE, SURFACES, PER_LENGTH = 0.02, 200, 64
@@ -34,6 +34,11 @@ def profiles(kind, hurst, ratio, seed):
     )
 
 
+def distances(heights):
+    """Largest difference of the cumulative distribution of each profile from a Gaussian one."""
+    return kstest(zscore(heights, axis=-1), "norm", axis=-1, method="asymp").statistic
+
+
 def needed(kind, hurst):
     """L_x/xi for a mean distance of 0.02 and its standard error; the exponent; skewness over theory; the distances.
 
@@ -42,11 +47,11 @@ def needed(kind, hurst):
     found, theory, errors = [], [], []
     for i, ratio in enumerate(RATIOS):
         heights, correlation = profiles(kind, hurst, ratio, 100 + i)
-        distance = statistics.gaussian_distance(heights)
+        distance = distances(heights)
         found.append(distance.mean())
         errors.append(distance.std(ddof=1) / np.sqrt(SURFACES) / distance.mean())
         cubed = ((correlation / correlation[0]) ** 3).mean()
-        theory.append(statistics.skewness(heights).std() / np.sqrt(6 * cubed))
+        theory.append(skew(heights, axis=-1).std() / np.sqrt(6 * cubed))
     found, errors = np.array(found), np.array(errors)
     fit, covariance = np.polyfit(np.log(RATIOS), np.log(found), 1, w=1 / errors, cov="unscaled")
     log_needed = (np.log(DISTANCE) - fit[1]) / fit[0]
@@ -63,12 +68,12 @@ for axis, hurst in zip(axes, (0.4, 0.8), strict=False):
     print(f"Fig. 3.11, H = {hurst}: distance from a Gaussian (mean of {SURFACES} profiles), rejected at 5 %")
     for ratio, colour in zip((10, 20, 100, 400), ("#CC79A7", "#E69F00", "#56B4E9", "#000000"), strict=True):
         heights, _ = profiles(plateau, hurst, ratio, 1)
-        density = np.histogram(statistics.standardised(heights)[0], level, density=True)[0]
+        density = np.histogram(zscore(heights, axis=-1)[0], level, density=True)[0]
         axis.stairs(density, level, color=colour, label=rf"$L_x/\xi$ = {ratio}")
         rejected = ""
         if ratio >= 20:
             rejected = f"{(normaltest(heights[:, ::PER_LENGTH], axis=-1).pvalue < 0.05).mean():.1%}"
-        print(f"  L_x/xi = {ratio:4}: {statistics.gaussian_distance(heights).mean():.4f}   {rejected}")
+        print(f"  L_x/xi = {ratio:4}: {distances(heights).mean():.4f}   {rejected}")
     axis.plot(level, norm.pdf(level), "--", color="#D55E00", label="Gaussian")
     axis.set(title=f"Fig. 3.11, H = {hurst}", xlabel="h/w", ylabel="p(h) w")
 axes[0].legend(frameon=False)

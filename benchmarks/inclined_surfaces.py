@@ -31,7 +31,7 @@ def waves(size):
 
 
 def self_affine_pair(gradient):
-    own, facing = gradient * self_affine.profiles(0.8, 2, 16, NX, 2018, range(2))
+    own, facing = gradient * self_affine.SelfAffineWaves(0.8, 2, 16).heights((NX,), 2018, range(2))
     return own - own.mean(), facing - facing.mean(), 0.1 * gradient
 
 

@@ -11,6 +11,7 @@ Usage: kappa_and_heights.py [SURFACES AT EPS_T = 1]
 import sys
 
 import numpy as np
+from scipy.stats import kurtosis, skew
 
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.state import Contact
@@ -18,7 +19,7 @@ from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
-from gfmd_numba.roughness import self_affine, statistics
+from gfmd_numba.roughness import self_affine
 from gfmd_numba.roughness.amplitudes import complex_gaussian
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
@@ -29,8 +30,13 @@ BLOCK = 2**18  # nodes solved at once
 RESAMPLED = 300
 
 
+def gaussian(hurst, cut_on, cut_off, nx, seed, realisations):
+    """Self-affine profiles with random amplitudes."""
+    return self_affine.SelfAffineWaves(hurst, cut_on, cut_off).heights((nx,), seed, realisations)
+
+
 def phases(hurst, cut_on, cut_off, nx, seed, realisations):
-    """Surfaces as of `self_affine.profiles`, but with waves of equal amplitude in all of them."""
+    """Surfaces as `gaussian` has them, but with waves of equal amplitude in all of them."""
     index = np.arange(1, cut_off + 1)
     envelope = np.maximum(index, cut_on) ** -(0.5 + hurst)
     envelope /= np.sqrt(2.0 * np.sum((2.0 * np.pi * index * envelope) ** 2))
@@ -60,7 +66,7 @@ def pairs(make, periods, surfaces):
     for first in range(0, surfaces, BLOCK // nx):
         block = range(first, min(first + BLOCK // nx, surfaces))
         heights = make(HURST, periods, cut_off, nx, SEED, block)
-        moments = statistics.skewness(heights), statistics.kurtosis(heights)
+        moments = skew(heights, axis=-1), kurtosis(heights, axis=-1, fisher=False)
         rows.append([kappa(heights), kappa(-heights), *moments])
     return np.concatenate(rows, axis=1)
 
@@ -92,7 +98,7 @@ def level(data):
 
 
 def main(surfaces=8000):
-    for name, make in (("Gaussian amplitudes", self_affine.profiles), ("one spectrum, random phases", phases)):
+    for name, make in (("Gaussian amplitudes", gaussian), ("one spectrum, random phases", phases)):
         print(f"\n{name}\n1/eps_t, kappa, of Gaussian heights, kurtosis, rms skewness, share of the scatter explained,")
         print("d kappa/d skewness, share of what turning does, surfaces, the nearly Gaussian among them, their kappa")
         levels = {}

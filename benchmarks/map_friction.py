@@ -20,7 +20,7 @@ BODIES = {"half-space, nu = 0.3": (0.3, None), "half-space, nu = 0": (0.0, None)
 
 def steps(solver, n, body, friction, load):
     """First loading, then (on a slab) a drag of half of what would make it slide, at 30 degrees to x."""
-    heights = self_affine.maps(0.8, 2, n // 8, n, 1, range(SURFACES))
+    heights = self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n, n), 1, range(SURFACES))
     punch, stiffness = heights.max(axis=(1, 2), keepdims=True) - heights, body.response((n, n))
     ways = [np.zeros((2, 1, 1))]
     if body.aspect_ratio is not None:

@@ -41,9 +41,9 @@ class Case:
     def punches(self):
         """Rigid punches whose longest wave is L_x/2 and whose shortest has four nodes, one after the other."""
         nx = self.shape[-1]
-        make = self_affine.profiles if len(self.shape) == 1 else self_affine.maps
+        waves = self_affine.SelfAffineWaves(self.hurst, 2, nx // 4)
         for surface in range(self.surfaces):
-            heights = make(self.hurst, 2, nx // 4, nx, SEED, range(surface, surface + 1))[0]
+            heights = waves.heights(self.shape, SEED, range(surface, surface + 1))[0]
             yield heights.max() - heights
 
 

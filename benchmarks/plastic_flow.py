@@ -19,12 +19,12 @@ from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.contact.surfaces import GivenSurface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.kernels import Hardening
+from gfmd_numba.roughness.surfaces import GivenSurface
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.scene_file import load_scene
 from gfmd_numba.solvers import table

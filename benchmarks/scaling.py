@@ -40,7 +40,7 @@ def pair_seconds(field, times):
 def measured(solver, nx, hurst, load, body):
     """Ratios to a pair, transform pairs and nodes in contact of some surfaces."""
     surfaces = max(1, SAMPLES // nx)
-    heights = self_affine.profiles(hurst, 2, nx // 4, nx, SEED, range(surfaces))
+    heights = self_affine.SelfAffineWaves(hurst, 2, nx // 4).heights((nx,), SEED, range(surfaces))
     punch = heights.max(axis=1, keepdims=True) - heights
     symbol, field = BODIES[body](grid.wavenumbers(nx)), Transform(1, nx)
     field.sources[0][:, :nx] = heights[:1]

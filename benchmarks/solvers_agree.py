@@ -17,7 +17,7 @@ print(f"{SURFACES} surfaces, nx = {NX}, eps_c^-1 = 2, eps_f^-1 = 1024, eps_t^-1 
 print("  H     p*    differing nodes   kappa (counted)       transforms (median)           seconds a surface")
 print("                                                  Verlet       CG   Newton    Verlet       CG   Newton")
 for hurst in (0.3, 0.5, 0.8):
-    heights = self_affine.profiles(hurst, 2, 2048, NX, 2018, range(SURFACES))
+    heights = self_affine.SelfAffineWaves(hurst, 2, 2048).heights((NX,), 2018, range(SURFACES))
     punch = heights.max(axis=1, keepdims=True) - heights
     for load in (0.007, 0.05, 0.3):
         results, seconds = [], []

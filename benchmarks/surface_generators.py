@@ -163,7 +163,7 @@ def best(call, repeats=5):
 
 def costs():
     nx, n = 2**15, 30
-    heights = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(n))
+    heights = self_affine.SelfAffineWaves(0.8, 2, nx // 4).heights((nx,), 1, range(n))
     punch = heights.max(axis=1, keepdims=True) - heights
     body = stiffness.half_space(grid.wavenumbers(nx))
     seconds = {}
@@ -178,7 +178,7 @@ def costs():
     power = asked(1, 0.8, nx)
     exponential = model_surfaces.filter_power(ExponentialSpectrum(1, 0.8, 0.01), nx, nx // 2 - 1)
     calls = {
-        "self_affine": lambda: self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(n)),
+        "self_affine": lambda: self_affine.SelfAffineWaves(0.8, 2, nx // 4).heights((nx,), 1, range(n)),
         "PSDM": lambda: model_surfaces.surfaces(power, nx, nx // 2 - 1, 1, range(n)),
         "FFM": lambda: model_surfaces.surfaces(exponential, nx, nx // 2 - 1, 1, range(n)),
         "RMD": lambda: recursion("RMD", 1, 0.8, nx).heights((nx,), 1, range(n)),

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from gfmd_numba.campaign.file import Campaign
     from gfmd_numba.campaign.goal import Goal
-    from gfmd_numba.scene import Document, SceneFile
+    from gfmd_numba.scene import SceneFile
     from gfmd_numba.scene.surface_file import SurfaceFile
 
 __version__ = "0.1.0"
@@ -81,8 +81,10 @@ def solve(
     (64, 0.108)
     """
     from gfmd_numba import simulate
+    from gfmd_numba.scene import load_scene
 
-    return _warned(simulate.solve(*_scene(scene, heights)))
+    file, document = load_scene(scene, heights)
+    return _warned(simulate.solve(file, document))
 
 
 def load_curve(
@@ -138,9 +140,11 @@ def load_curve(
     >>> gfmd_numba.load_curve(seal, speeds=[0.01, 1.0])["hysteretic_friction"].values.round(4)
     array([0.0164, 0.001 ])
     """
+    from gfmd_numba.scene import load_scene
     from gfmd_numba.simulate.curve import curve_of
 
-    return _warned(curve_of(*_scene(scene, heights), {"loads": loads, "times": times, "speeds": speeds}, realisations))
+    file, document = load_scene(scene, heights)
+    return _warned(curve_of(file, document, {"loads": loads, "times": times, "speeds": speeds}, realisations))
 
 
 def body_fields(
@@ -502,11 +506,9 @@ def leakage(
     >>> gfmd_numba.leakage(contact)["flow_factor"].values.round(2)
     array([0.53, 0.62])
     """
-    from gfmd_numba.analysis import leakage as leakage_of
-    from gfmd_numba.simulate.materials_and_fluids import with_flow
+    from gfmd_numba.simulate.transport import leakage as leakage_of
 
-    contact, fluid = _dataset("dataset", dataset, "solve"), (viscosity, pressure, seal)
-    return _warned(leakage_of(contact) if fluid == (None, None, None) else with_flow(leakage_of, contact, *fluid))
+    return _warned(leakage_of(_dataset("dataset", dataset, "solve"), viscosity, pressure, seal))
 
 
 def contact_conductance(
@@ -539,13 +541,9 @@ def contact_conductance(
     >>> round(gfmd_numba.contact_conductance(contact)["conductance"].item(), 2)
     2.0
     """
-    from gfmd_numba.simulate.contact_conductance import contact_conductance as conductance_of
-    from gfmd_numba.simulate.materials_and_fluids import with_resistance
+    from gfmd_numba.simulate.transport import contact_conductance as conductance_of
 
-    solved = _dataset("contact", contact, "solve")
-    return _warned(
-        conductance_of(solved) if conductivity is None else with_resistance(conductance_of, solved, conductivity)
-    )
+    return _warned(conductance_of(_dataset("contact", contact, "solve"), conductivity))
 
 
 def _goal(
@@ -572,17 +570,6 @@ def _goal(
     if told := replaced(Path(output or loaded.name), loaded, of_goal):
         warnings.warn(told, stacklevel=3)
     return goal
-
-
-def _scene(
-    scene: str | Path | Mapping[str, Any] | SceneFile,
-    heights: np.ndarray[Any, Any] | xr.DataArray | None,
-) -> tuple[SceneFile, Document]:
-    """Checked scene, whose punch has the heights if there are any, and its document."""
-    from gfmd_numba.scene import load_scene
-    from gfmd_numba.scene.scene_file import with_heights
-
-    return load_scene(scene if heights is None else with_heights(scene, heights))
 
 
 def _warned(dataset: xr.Dataset) -> xr.Dataset:

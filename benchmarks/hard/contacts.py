@@ -46,7 +46,7 @@ def certified(heights, load, solver="verlet", **numerics):
 
 
 def stepping():
-    heights, load, nx = self_affine.profiles(0.8, 2, 2048, 8192, 1, range(1))[0], 0.007, 8192
+    heights, load, nx = self_affine.SelfAffineWaves(0.8, 2, 2048).heights((8192,), 1, range(1))[0], 0.007, 8192
     best, _ = certified(heights, load, "conjugate_gradients", residual=1e-12)
     count = best.touching.sum()
     ours, seconds = certified(heights, load)
@@ -77,7 +77,7 @@ def stepping():
 
 def single_precision():
     for nx in (4096, 65536):
-        heights, load = self_affine.profiles(0.8, 2, nx // 4, nx, 1, range(1))[0], 0.007
+        heights, load = self_affine.SelfAffineWaves(0.8, 2, nx // 4).heights((nx,), 1, range(1))[0], 0.007
         best, seconds = certified(heights, load)
         u, restoring = verlet(heights, load, int(best.n_iterations[0]), 1.9, 0.5, dtype=np.float32)
         touching = (u >= (heights.max() - heights).astype(np.float32)) & (restoring < load)
@@ -132,7 +132,7 @@ def edges():
 
 def large():
     for nx in (2**20, 3**12):
-        heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
+        heights = self_affine.SelfAffineWaves(0.8, 2, nx // 64).heights((nx,), 1, range(1))
         ours, seconds = certified(heights, 0.05, "active_set_newton")
         said = f"{Status(ours.status[0]).name} after {ours.n_transforms[0]} transforms"
         row(f"nx = {nx}", "-", said, f"residual {ours.residual[0]:.0e}", f"{seconds:.2g} s")

@@ -53,7 +53,7 @@ def slabs():
 
 def gradients():
     for hurst in (0.0, 1.0):
-        heights = self_affine.profiles(hurst, 2, 256, 1024, 1, range(1))[0]
+        heights = self_affine.SelfAffineWaves(hurst, 2, 256).heights((1024,), 1, range(1))[0]
         naive = np.sqrt((np.gradient(heights, 1 / 1024) ** 2).mean())
         begun = time.perf_counter()
         ours = float(statistics.rms_gradient(heights))

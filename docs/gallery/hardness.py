@@ -37,6 +37,6 @@ axis.set(xlabel="Position $x$ (µm)", ylabel="Pressure (GPa)")
 axis.legend()
 loop.plot(1e6 * path["mean_gap"], 1e-6 * path["mean_pressure"], "o-", color="#0072B2", ms=3.5, lw=1.2)
 loop.set(
-    xlabel="Mean gap (µm)", ylabel="Mean pressure (MPa)", title="loaded, unloaded, and loaded again", ylim=(0, None)
+    xlabel="Mean gap (µm)", ylabel="Mean pressure (MPa)", title="Loaded, unloaded, and loaded again", ylim=(0, None)
 )
 figure.savefig("hardness.png", dpi=80)

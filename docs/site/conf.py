@@ -4,6 +4,7 @@ from pathlib import Path
 
 from docutils.nodes import SkipNode
 from latex2mathml.converter import convert
+from sphinx.search.en import SearchEnglish
 
 import gfmd_numba
 
@@ -15,11 +16,13 @@ myst_enable_extensions = ["dollarmath"]
 html_math_renderer = "mathml"  # browsers draw it themselves: no script, no network
 napoleon_google_docstring = False
 html_theme = "furo"
+html_show_copyright = False
 html_title = f"gfmd-numba {release}"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_js_files = ["blocks.js"]
 html_search_scorer = str(Path(__file__).with_name("scorer.js"))
+SearchEnglish.stopwords -= {"only", "until"}  # options, which readers look for
 default_role = "code"  # docstrings write code in single backticks
 nitpicky = False
 myst_heading_anchors = 4
@@ -48,8 +51,10 @@ def _write_formula(display):
 
 
 def _escape_bars(app, what, name, obj, options, lines):
-    """Escape bars outside code, which is every second part between backticks."""
+    """Escape bars outside code, which is every second part between backticks, and outside examples."""
     for i, line in enumerate(lines):
+        if line.lstrip().startswith((">>>", "...")):
+            continue
         parts = line.split("`")
         parts[::2] = [part.replace("|", "\\|") for part in parts[::2]]
         lines[i] = "`".join(parts)

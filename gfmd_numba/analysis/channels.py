@@ -149,18 +149,10 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     nodes = check_fields(dataset, ("pressure", "gap"))
     around = (False, *goes_around(dataset))[-2:]
 
-    def both_directions(gap: Reals) -> tuple[Reals, Reals, Reals]:
-        rows = np.atleast_2d(gap)
-        found = [
-            _along_rows(np.moveaxis(rows, axis, 0), (around[axis], around[1 - axis])) for axis in _DIRECTIONS.values()
-        ]
-        gaps, residuals, flows = zip(*found, strict=True)
-        turned = [np.moveaxis(flow, 0, axis) for flow, axis in zip(flows, _DIRECTIONS.values(), strict=True)]
-        return np.array(gaps), np.array(residuals), np.reshape(turned, (2, *gap.shape))
-
     hydraulic, residual, flow = xr.apply_ufunc(
-        both_directions,
+        _in_both_directions,
         dataset["gap"],
+        kwargs={"around": around},
         input_core_dims=[nodes],
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
@@ -214,48 +206,75 @@ def _doubts(factors: xr.DataArray) -> Iterator[str]:
         )
 
 
-def _along_rows(gap: Reals, around: tuple[bool, ...]) -> tuple[float, float, Reals]:
-    """Hydraulic gap along the first axis, the residual, and the flow through nodes over its mean.
+def _in_both_directions(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals]:
+    """Hydraulic gap, residual and flow through nodes over its mean `[direction, (y,) x]`, by direction.
+
+    Both directions of a period share what was factored: on a torus, regions that lead around one way and regions that
+    lead around the other would cross, so that they are the same.
+    """
+    rows, largest, network = np.atleast_2d(gap), gap.max(), None
+    conductivity = (rows / (largest or 1.0)) ** 3
+    gaps, residuals, flows = np.zeros(2), np.zeros(2), np.zeros((2, *rows.shape))
+    for i, axis in enumerate(_DIRECTIONS.values()):
+        reached = connecting(conductivity >= np.finfo(np.float64).tiny, axis, around)
+        if not reached.any():
+            continue
+        room = None if around[axis] else axis
+        if network is None or network.room != room:
+            network = None  # whose factors fill a good part of the memory
+            network = _Network(np.where(reached, conductivity, 0.0), around, room)
+        gaps[i], residuals[i], flows[i, reached] = network.flow_along(axis)
+    return largest * gaps, residuals, flows.reshape(2, *gap.shape)
+
+
+class _Network:
+    """Nodes of a gap through which a fluid flows, and the faces between them.
 
     Nodes are cells, whose faces conduct as their halves in series do. So walls of a gap that varies along the flow
-    alone are solved exactly: d^-3 is the mean of u^-3. Both ends of a window open into one room, as if it had a period.
+    alone are solved exactly: d^-3 is the mean of u^-3. Both ends of a window along the axis `room` open into one room,
+    as if it had a period.
     """
-    largest, flow = gap.max(), np.zeros_like(gap)
-    conductivity = (gap / (largest or 1.0)) ** 3
-    reached = connecting(conductivity >= np.finfo(np.float64).tiny, 0, around)
-    if not reached.any():
-        return 0.0, 0.0, flow
-    conductivity = np.where(reached, conductivity, 0.0)
-    number = np.cumsum(reached).reshape(reached.shape) - 1
-    n, (rows, nx) = int(reached.sum()), gap.shape
-    labels, order = regions(reached, *around)[reached], np.argsort(conductivity[reached])
-    held = np.zeros(labels.max() + 1, dtype=np.intp)
-    held[labels[order]] = order  # the widest node of each region, where its pressure is 0
-    across, held = _faces(conductivity.T, number.T, around[1]), held[1:]
-    if not around[0]:
-        conductivity, number = (
-            np.pad(each, ((0, 1), (0, 0)), constant_values=room) for each, room in ((conductivity, np.inf), (number, n))
-        )
-        held = np.array([n])
-    along = _faces(conductivity, number, True)
-    one, other, conductance = (np.concatenate(parts) for parts in zip(along[:3], across[:3], strict=True))
-    n_along = len(along[0])
-    fall = np.zeros(len(one))
-    fall[:n_along] = along[3] == len(conductivity) - 1  # the mean gradient, where the period ends
-    pressure = _pressure((one, other), conductance, fall, held)
-    fallen = pressure[one] - pressure[other] + fall
-    through = conductance * fallen
-    dissipated = float(through @ fallen)
-    # the flow through each straight cut, weighed by its resistance, as wide cuts round more
-    weights = 1.0 / np.bincount(along[3], along[2])
-    out = float(weights @ np.bincount(along[3], through[:n_along]) / weights.sum())
-    residual = abs(out - dissipated) / dissipated
-    if not residual <= _LARGEST_RESIDUAL:
-        flow[reached] = np.nan
-        return np.nan, residual, flow
-    halves = (slice(n_along), slice(n_along, None))
-    flow[reached] = np.hypot(*(_through_nodes(one[half], other[half], through[half], n) for half in halves)) * nx / out
-    return float(largest * np.cbrt(dissipated * rows / nx)), residual, flow
+
+    def __init__(self, conductivity: Reals, around: tuple[bool, ...], room: int | None) -> None:
+        reached, self.room, self._shape = conductivity > 0.0, room, conductivity.shape
+        number = np.cumsum(reached).reshape(reached.shape) - 1
+        self._n = int(reached.sum())
+        labels, order = regions(reached, *around)[reached], np.argsort(conductivity[reached])
+        held = np.zeros(labels.max() + 1, dtype=np.intp)
+        held[labels[order]] = order  # the widest node of each region, where its pressure is 0
+        held = held[1:] if room is None else np.array([self._n])
+        faces = []
+        for axis in (0, 1):
+            conducts, numbers = np.moveaxis(conductivity, axis, 0), np.moveaxis(number, axis, 0)
+            if axis == room:
+                conducts, numbers = (
+                    np.pad(each, ((0, 1), (0, 0)), constant_values=beyond)
+                    for each, beyond in ((conducts, np.inf), (numbers, self._n))
+                )
+            faces.append(_faces(conducts, numbers, around[axis] or axis == room))
+        one, other, conductance, self._row = (np.concatenate(parts) for parts in zip(*faces, strict=True))
+        self._ends, self._conductance, n_along = (one, other), conductance, len(faces[0][0])
+        self._along = slice(n_along), slice(n_along, None)  # the faces across each axis
+        self._pressure = _Pressure(self._ends, conductance, held)
+
+    def flow_along(self, axis: int) -> tuple[float, float, Reals]:
+        """Hydraulic gap over the largest gap, the residual, and the flow through nodes over its mean."""
+        conductance, (one, other), along = self._conductance, self._ends, self._along[axis]
+        (rows, across), cut = (self._shape[axis], self._shape[1 - axis]), self._row[along]
+        fall = np.zeros(len(one))
+        fall[along] = cut == rows - (axis != self.room)  # the mean gradient, where the period ends
+        pressure = self._pressure.under(fall)
+        fallen = pressure[one] - pressure[other] + fall
+        through = conductance * fallen
+        dissipated = float(through @ fallen)
+        # the flow through each straight cut, weighed by its resistance, as wide cuts round more
+        weights = 1.0 / np.bincount(cut, conductance[along])
+        out = float(weights @ np.bincount(cut, through[along]) / weights.sum())
+        residual = abs(out - dissipated) / dissipated
+        if not residual <= _LARGEST_RESIDUAL:
+            return np.nan, residual, np.full(self._n, np.nan)
+        both = (_through_nodes(one[half], other[half], through[half], self._n) for half in self._along)
+        return float(np.cbrt(dissipated * rows / across)), residual, np.hypot(*both) * across / out
 
 
 def _faces(conductivity: Reals, number: Indices, around: bool) -> tuple[Indices, Indices, Reals, Indices]:
@@ -272,33 +291,40 @@ def _through_nodes(one: Indices, other: Indices, flow: Reals, n: int) -> Reals:
     return np.asarray(0.5 * (np.bincount(one, flow, n) + np.bincount(other, flow, n))[:n])
 
 
-def _pressure(ends: tuple[Indices, Indices], conductance: Reals, fall: Reals, held: Indices) -> Reals:
-    """Pressure of each node, 0 at those held. From end to end of a face it falls by their difference and by `fall`."""
-    one, other = ends
-    n = int(max(one.max(), other.max())) + 1
-    diagonal, leak = np.bincount(one, conductance, n) + np.bincount(other, conductance, n), np.zeros(n)
-    leak[held] = diagonal[held]  # to a pressure of 0; nothing flows there, as what falls adds no fluid to a region
-    scale = 1.0 / np.sqrt(diagonal + leak)  # conductances differ by dozens of orders
-    coupling = conductance * scale[one] * scale[other]
-    upper = scipy.sparse.coo_array((coupling, (one, other)), shape=(n, n))
-    matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(np.ones(n)) - upper - upper.T)
-    # symmetric and diagonally dominant: pivots stay on the diagonal
-    try:
-        factors = scipy.sparse.linalg.splu(
-            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
-        )
-    except MemoryError:
-        raise UnusableDataError(
-            f"you gave channels of {n} nodes, whose flow takes more memory than there is; gfmd allows a map of fewer "
-            "nodes"
-        ) from None
-    pressure = np.zeros(n)
-    # a diagonal rounded leaks: behind narrow places pressures are refined by the flows through faces, which do not
-    for _ in range(_REFINEMENTS):
-        flow = conductance * (pressure[one] - pressure[other] + fall)
-        gained = np.bincount(other, flow, n) - np.bincount(one, flow, n) - leak * pressure
-        change = scale * factors.solve(scale * gained)
-        pressure += change
-        if abs(change).max() <= _ROUNDING:
-            break
-    return pressure
+class _Pressure:
+    """Pressures of nodes between faces, 0 at those held, by the factors of the conductances."""
+
+    def __init__(self, ends: tuple[Indices, Indices], conductance: Reals, held: Indices) -> None:
+        self._ends, self._conductance = (one, other), _ = ends, conductance
+        n = int(max(one.max(), other.max())) + 1
+        diagonal, self._leak = np.bincount(one, conductance, n) + np.bincount(other, conductance, n), np.zeros(n)
+        # to a pressure of 0; nothing flows there, as what falls adds no fluid to a region
+        self._leak[held] = diagonal[held]
+        self._scale = scale = 1.0 / np.sqrt(diagonal + self._leak)  # conductances differ by dozens of orders
+        coupling = conductance * scale[one] * scale[other]
+        upper = scipy.sparse.coo_array((coupling, (one, other)), shape=(n, n))
+        matrix = scipy.sparse.csc_array(scipy.sparse.diags_array(np.ones(n)) - upper - upper.T)
+        # symmetric and diagonally dominant: pivots stay on the diagonal
+        try:
+            self._factors = scipy.sparse.linalg.splu(
+                matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+            )
+        except MemoryError:
+            raise UnusableDataError(
+                f"you gave channels of {n} nodes, whose flow takes more memory than there is; gfmd allows a map of "
+                "fewer nodes"
+            ) from None
+
+    def under(self, fall: Reals) -> Reals:
+        """Pressure of each node. From end to end of a face it falls by their difference and by `fall`."""
+        (one, other), scale = self._ends, self._scale
+        n, pressure = len(scale), np.zeros(len(scale))
+        # a diagonal rounded leaks: behind narrow places pressures are refined by the flows through faces, which do not
+        for _ in range(_REFINEMENTS):
+            flow = self._conductance * (pressure[one] - pressure[other] + fall)
+            gained = np.bincount(other, flow, n) - np.bincount(one, flow, n) - self._leak * pressure
+            change = scale * self._factors.solve(scale * gained)
+            pressure += change
+            if abs(change).max() <= _ROUNDING:
+                break
+        return pressure

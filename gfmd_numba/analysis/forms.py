@@ -192,6 +192,7 @@ LOADS = Form(
     {**_all("... numbers", "reduced_pressure", "rms_height"), "height": "... x finite"},
 )
 CONTACT = Form("results of a contact", "what `gfmd solve` leaves of one", {})
+SOLVED = Form("results of a contact", "what `gfmd solve` leaves of one", {"x": "x rising"}, least={"x": 4})
 DRAWN_CONTACT = Form(
     "results of a contact",
     "what `gfmd solve` leaves of one",
@@ -308,8 +309,13 @@ def goes_around(dataset: xr.Dataset) -> tuple[bool, ...]:
     return tuple(_POINTS_OF_WINDOW not in dataset[dim].attrs for dim in ("y", "x") if dim in dataset.dims)
 
 
-def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False) -> list[str]:
-    """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact."""
+def check_fields(
+    dataset: xr.Dataset, needed: Collection[str], maps_only: bool = False, whole: bool = False
+) -> list[str]:
+    """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact.
+
+    Of maps, and where it has to be `whole`, a part of the nodes is refused, too.
+    """
     kind = "a map's contact" if maps_only else "a contact"
     if not {"x", "status", *needed} <= dataset.variables.keys():
         raise UnusableDataError(f"you gave no results of {kind}; gfmd allows what `gfmd solve` leaves of one")
@@ -332,11 +338,12 @@ def check_fields(dataset: xr.Dataset, needed: Collection[str], maps_only: bool =
         raise UnusableDataError("you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0")
     if not all(np.isfinite(field).all() for field in fields):
         raise UnusableDataError(f"you gave fields that are not finite; gfmd allows what `gfmd solve` leaves of {kind}")
-    for dim in nodes if len(nodes) == 2 else ():  # clusters may go around the period
-        points = dataset[dim].attrs.get(_POINTS, dataset.sizes[dim]) if dim in dataset.coords else "unknown"
+    for dim in nodes if whole or len(nodes) == 2 else ():  # clusters may go around the period
+        told = dataset[dim].attrs if dim in dataset.coords else {_POINTS: "unknown"}
+        points = told.get(_POINTS, told.get(_POINTS_OF_WINDOW if whole else _POINTS, dataset.sizes[dim]))
         if str(points) != str(dataset.sizes[dim]):
             given = f"{dataset.sizes[dim]} of the {points} nodes along {dim}"
-            raise UnusableDataError(f"you gave {given}; gfmd allows all nodes of the period of a map")
+            raise UnusableDataError(f"you gave {given}; gfmd allows all nodes of the period, or the window")
     return nodes
 
 

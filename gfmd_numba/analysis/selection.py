@@ -214,12 +214,9 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
 @checked
 def ensemble_mean(cases: Annotated[xr.Dataset, CAMPAIGN], variable: Variable) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
-    usable = good(cases, variable).values
-    values = cases[variable].transpose("case", "realisation").values.astype(float)
-    n = usable.sum(axis=1)
-    mean = np.where(n > 0, np.where(usable, values, 0).sum(axis=1) / n.clip(1), np.nan)
-    squares = np.where(usable, (values - mean[:, None]) ** 2, 0).sum(axis=1)
-    return mean, np.where(n > 1, np.sqrt(squares / (n - 1).clip(1) / n.clip(1)), np.nan)
+    values = cases[variable].where(good(cases, variable)).astype(float)
+    error = values.std("realisation", ddof=1) / values.count("realisation") ** 0.5
+    return values.mean("realisation").values, error.values
 
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:

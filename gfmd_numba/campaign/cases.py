@@ -13,15 +13,16 @@ from typing import Any
 
 from gfmd_numba.campaign.axes import OF_THE_SCENE, Place, present, values_of, values_together, with_values
 from gfmd_numba.campaign.file import Campaign, check_scene
-from gfmd_numba.contact import contact_input, rough_surfaces
+from gfmd_numba.contact import contact_input
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
 from gfmd_numba.contact.reduction import reduce
-from gfmd_numba.contact.rough_surfaces import FacingSurfaces, MeasuredSurfaces
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces, check_drawn, rough_bodies
 from gfmd_numba.contact.scales import steps_of
-from gfmd_numba.contact.surfaces import GivenSurface
-from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface
+from gfmd_numba.elasticity.scales import scales_of
+from gfmd_numba.roughness.generators import RandomSurface, random_surface
+from gfmd_numba.roughness.measured import MeasuredSurface, MeasuredSurfaces
 from gfmd_numba.roughness.surface_files import read_content
+from gfmd_numba.roughness.surfaces import GivenSurface, given_surface, on_its_form, sum_of_surfaces
 from gfmd_numba.scene import Discretisation, Document, InputError, Measured, Random, Scene, Surface
 from gfmd_numba.scene.checks import arrays_of_topography, arrays_per_realisation
 from gfmd_numba.scene.document import Location
@@ -120,7 +121,7 @@ def _punch(surface: MeasuredSurface, scene: Scene, document: Document) -> tuple[
     record = scene.roughness
     assert isinstance(record, Measured)  # a rigid punch is the only surface there is
     try:
-        return rough_surfaces.given_surface(surface.in_periods, periodic=scene.periodic)
+        return given_surface(surface.in_periods, periodic=scene.periodic)
     except ValueError as error:
         raise _refused(document, f"{record.shown} ({error})", "heights that are not all equal") from None
 
@@ -208,7 +209,7 @@ def expand(
     levels = list(campaign.discretisations())
     random_surface_of = lru_cache(maxsize=None)(partial(_surface, campaign))
     document = document or Document(None, "", campaign.model_dump())
-    bodies_of = partial(_rough_bodies, campaign, document, set())
+    summed_of = partial(_summed, campaign, document, set())
     boundary = campaign.scene.boundary and located(document, campaign.scene.boundary, ("scene", "boundary"))
     arrays_of = lru_cache(maxsize=None)(partial(contact_input.read_boundary, document))
     interface = located(document, campaign.scene.interface, ("scene", "interface"))
@@ -221,13 +222,12 @@ def expand(
         point = GridPoint(campaign.scene, places, values, found)
         scene = scene if found is None else found.under(scene)
         for level in levels:
-            if scene.follows_topography:
-                pressed = bodies_of(scene, level.discretisation, found)
+            if scene.follows_topography or scene.roughness is None:
+                pressed = summed_of(scene, level.discretisation, found)
             else:
-                own: tuple[RandomSurface | GivenSurface, float] | None = None if found is None else found.punch
-                if own is None and scene.roughness is not None:
-                    own = random_surface_of(scene.roughness, level.discretisation)
-                pressed = rough_surfaces.punch_on_its_form(scene, own, document)
+                punch = None if found is None else found.punch
+                rough, gradient = punch or random_surface_of(scene.roughness, level.discretisation)
+                pressed = FacingSurfaces(on_its_form(scene, rough, gradient), gradient)
             tractions, shape = None, pressed.surface.shape
             if boundary is not None:
                 arrays = arrays_of(boundary, scene.dimension, shape)
@@ -257,9 +257,11 @@ def _surface(
 ) -> tuple[RandomSurface, float]:
     """Return the ensemble of a surface and its rms gradient; raises InputError if none can be drawn."""
     assert campaign.seed is not None  # the campaign's promise
-    assert isinstance(roughness, Random)  # any other is measured
+    scene = campaign.scene.model_copy(update={"roughness": roughness})
+    record = scene.in_periods.roughness
+    assert isinstance(record, Random)  # as the roughness
     try:
-        return rough_surfaces.random_surface(roughness, campaign.scene, discretisation, campaign.seed)
+        return random_surface(record, discretisation, scene.dimension, campaign.seed, scene.periods)
     except ValueError as error:
         varied = [axis for axis in OF_THE_SCENE if axis.of_surface and values_of(campaign.grid, axis.name)]
         values = [f", {axis.name} {getattr(roughness, axis.place[-1]):g}" for axis in varied]
@@ -267,7 +269,7 @@ def _surface(
         raise InputError.of("scene.roughness", given, f"a usable surface, not {error}") from None
 
 
-def _rough_bodies(
+def _summed(
     campaign: Campaign,
     document: Document,
     checked: set[Any],
@@ -280,13 +282,15 @@ def _rough_bodies(
     The first realisation of each sum of surfaces is checked once, and then is among the `checked`.
     """
     measured, document = ({}, document) if given is None else (given.surfaces, given.document)
-    order, seed = campaign.numerics.slope_order(scene), campaign.seed or 0
-    summed, rough = rough_surfaces.ensemble_of_rough_bodies(scene, discretisation, seed, order, measured, document)
-    known = summed, tuple((body.elastic.base, body.elastic.top.base, rough.order) for body in rough.bodies)
+    summed = sum_of_surfaces(scene, discretisation, campaign.seed or 0, measured, document)
+    rough = rough_bodies(scene, scales_of(scene), campaign.numerics.slope_order(scene))
+    facing = FacingSurfaces(summed, summed.rms_gradient, rough)
+    bodies = () if rough is None else rough.bodies
+    known = summed, tuple((body.elastic.base, body.elastic.top.base, facing.order) for body in bodies)
     if known not in checked:
-        rough_surfaces.check_drawn(scene, summed, rough, 0, document)
+        check_drawn(scene, facing, 0, document)
         checked.add(known)
-    return FacingSurfaces(summed, summed.rms_gradient, rough=rough)
+    return facing
 
 
 def _check_loads(scene: Scene, pressed: FacingSurfaces, campaign: Campaign, document: Document) -> None:

@@ -54,7 +54,7 @@ Word = Annotated[
         r"^[A-Za-z0-9._][A-Za-z0-9._:@,+-]*$", 100, "up to 100 letters, digits and '.', '_', ':', '@', ',', '+', '-'"
     ),
 ]
-Directive = Annotated[str, _text(rf"^-{_OF_A_LINE}+$", 1000, "an option of sbatch, like --constraint=skylake")]
+Directive = Annotated[str, _text(rf"^-{_OF_A_LINE}+$", 1000, "an option of sbatch, like `--constraint=skylake`")]
 Line = Annotated[str, _text(rf"^{_OF_A_LINE}+$", 1000, "one line of shell, like module load python")]
 
 

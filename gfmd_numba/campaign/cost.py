@@ -22,10 +22,10 @@ from gfmd_numba.campaign.cases import block_bytes
 from gfmd_numba.campaign.execution import watched
 from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.surfaces import SmoothSurface, SummedSurface, Surface, without_shortest
 from gfmd_numba.storage import cache, json_file
 from gfmd_numba.text.input_error import InputError
 
@@ -308,7 +308,7 @@ def _spectrum(surface: Surface) -> tuple[float, float, float, float]:
         rough = [part for part in surface.parts if not isinstance(part.surface, SmoothSurface)] or surface.parts
         one = max(rough, key=lambda part: part.rms_gradient).surface
     if not isinstance(one, RandomSurface):
-        return 1.0, one.nx / 8, 0.5, 1.0
+        return 1.0, one.shape[-1] / 8, 0.5, 1.0
     generator = one.generator
     return *generator.band, generator.hurst, getattr(generator, "anisotropy", 1.0)
 

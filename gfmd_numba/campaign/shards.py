@@ -5,7 +5,6 @@ with their names and lengths at its head.
 """
 
 import hashlib
-import io
 import json
 import os
 from collections.abc import Mapping, Sequence
@@ -89,7 +88,7 @@ class Finished(dict[str, list[_Place]]):
     def made_with(self, name: str) -> dict[str, str]:
         """Return the versions of what made a block; nothing if it is missing, truncated, altered or renamed."""
         sound = self._sound(name)
-        return {} if sound is None else json.loads(sound.partition(b"\n")[0])
+        return {} if sound is None else _described(sound.partition(b"\n")[0])[0]
 
     def written(self, name: str) -> float:
         """Return the time at which a block was written, by the clock of the disk; raises FileNotFoundError."""
@@ -153,32 +152,24 @@ def _content(name: str, arrays: Arrays) -> bytes:
 
     A table is read ten times as fast as each array alone.
     """
-    dtype = np.dtype([(field, values.dtype, values.shape[1:]) for field, values in arrays.items()])
-    table = np.empty(len(next(iter(arrays.values()))), dtype)
+    fields = [(field, values.dtype.str, values.shape[1:]) for field, values in arrays.items()]
+    table = np.empty(len(next(iter(arrays.values()))), fields)
     for field, values in arrays.items():
         table[field] = values
-    buffer = io.BytesIO()
-    buffer.write(json.dumps(dict(versions_of_numbers())).encode() + b"\n")
-    np.save(buffer, table, allow_pickle=False)
-    return _seal(name, buffer.getvalue()) + buffer.getvalue()
+    payload = json.dumps([dict(versions_of_numbers()), fields]).encode() + b"\n" + table.tobytes()
+    return _seal(name, payload) + payload
 
 
 @lru_cache(_HEADS)
-def _described(head: bytes) -> tuple[np.dtype[Any], tuple[int, ...]]:
-    """Return the type of the rows of a table and its shape, from what it begins with."""
-    buffer = io.BytesIO(head)
-    version = np.lib.format.read_magic(buffer)
-    read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
-    shape, _, dtype = read(buffer)
-    return dtype, shape
+def _described(head: bytes) -> tuple[dict[str, str], np.dtype[Any]]:
+    """Return the versions of what made a table and the type of its rows, from the line that it begins with."""
+    versions, fields = json.loads(head)
+    return versions, np.dtype([(name, dtype, tuple(shape)) for name, dtype, shape in fields])
 
 
 def _arrays(payload: bytes) -> Arrays:
-    table = payload.partition(b"\n")[2]
-    digits = 2 if table[6] == 1 else 4  # of the length of the head, by the version of the format
-    begin = 8 + digits + int.from_bytes(table[8 : 8 + digits], "little")
-    dtype, shape = _described(table[:begin])
-    stored = np.frombuffer(table, dtype, offset=begin).reshape(shape)
+    head, _, table = payload.partition(b"\n")
+    stored = np.frombuffer(table, _described(head)[1])
     return {field: np.array(stored[field]) for field in stored.dtype.names or ()}
 
 

@@ -1,6 +1,7 @@
 """Warnings about a campaign, one sentence each: its bodies and grids before it runs, and then what it has recorded."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from math import pi
 
 import numpy as np
@@ -10,8 +11,8 @@ from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.cases import Case
 from gfmd_numba.contact import law_resolution, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
-from gfmd_numba.contact.scales import scales_of
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.elasticity.scales import scales_of
+from gfmd_numba.roughness.surfaces import SummedSurface
 from gfmd_numba.scene import Numerics
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import steps_told
@@ -64,11 +65,15 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
     """Warnings about the contacts that are reported, those of the references where there are limits."""
     references = np.flatnonzero(dataset["is_reference"].values).tolist()
     found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
-    if "time_error" in found:
-        yield from _by_case(found, lambda each: [validity.coarse_times(numerics, each)])
-    if "increment_error" in found:
-        yield from _by_case(found, validity.coarse_flow)
-    yield from _by_case(found, lambda each: [validity.at_the_edge(each), validity.past_asperities(each)])
+    told = chain(
+        validity.coarse_times(numerics, found),
+        validity.coarse_flow(found),
+        validity.at_the_edge(found),
+        validity.past_asperities(found),
+    )
+    for affected, sentence in told:
+        if np.any(affected):
+            yield f"in {_of_cases(xr.DataArray(affected))}: {sentence}"
     scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
         # whose mean pressure or slope is beyond the theory of small strains
@@ -96,24 +101,6 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
     yield from _narrow(fitted.where(fitted["status"] == Status.ok), of_limit=True)
 
 
-def _by_case(cases: xr.Dataset, reasons: Callable[[validity.Found], Sequence[str]]) -> Iterator[str]:
-    """Yield the sentences about all cases, with how many have each and at which steps."""
-    dims = [dim for dim in ("case", "step") if dim in cases.dims]
-    shape = [cases.sizes[dim] for dim in dims]
-    own = [
-        each.transpose(*dims, ..., missing_dims="ignore") for each in cases.data_vars.values() if "case" in each.dims
-    ]
-    said = list(filter(None, reasons({str(each.name): each.values for each in own})))
-    arrays = [(str(each.name), each.values, 1 + ("step" in each.dims)) for each in own]  # numpy, as cases are many
-    lines = [
-        {validity.wording(line) for line in reasons({name: values[place[:axes]] for name, values, axes in arrays})}
-        for place in (np.ndindex(*shape) if said else ())
-    ]
-    for sentence in said:
-        affected = np.array([validity.wording(sentence) in each for each in lines]).reshape(shape)
-        yield f"in {_of_cases(xr.DataArray(affected, dims=dims))}: {sentence}"
-
-
 def _narrow(cases: xr.Dataset, of_limit: bool = False) -> Iterator[str]:
     """A warning about contacts that are hardly wider than a node, whose means differ by more than their errors say."""
     dimension = int(cases["dimension"].max())
@@ -138,7 +125,8 @@ def _narrow(cases: xr.Dataset, of_limit: bool = False) -> Iterator[str]:
 
 def _of_cases(affected: xr.DataArray) -> str:
     """How many cases are affected at any step, and at which."""
-    cases = affected.any([dim for dim in affected.dims if dim != "case"])
+    affected = affected.any([dim for dim in affected.dims if dim not in ("case", "step")])
+    cases = affected.any([dim for dim in affected.dims if dim == "step"])
     steps = affected.any("case").values
     where = steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
     return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

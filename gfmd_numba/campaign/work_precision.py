@@ -22,7 +22,7 @@ from gfmd_numba.contact.observables import recorded_along
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.refusal import check_where, refusals
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.roughness.surfaces import SummedSurface
 from gfmd_numba.scene import Discretisation
 from gfmd_numba.solvers.table import able
 

@@ -357,9 +357,8 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
     FILE is a contact that `gfmd solve` wrote. The command solves the Reynolds equation along x and along y, and prints
     hydraulic gap and flow factor. The picture shows the channels. The grooves of a profile go on without end along y.
     """
-    from gfmd_numba.analysis import leakage as leakage_of
     from gfmd_numba.scene.document import plain_scalar
-    from gfmd_numba.simulate.materials_and_fluids import with_flow
+    from gfmd_numba.simulate.transport import leakage as leakage_of
 
     given = {name: value for name, value in fluid.items() if value}
     for name, value in given.items():
@@ -369,10 +368,7 @@ def leakage(file: Path, output: Path | None, as_json: bool, **fluid: Any) -> Non
                     f"{text} for --{name}", "a value with its unit, like '1 mPa s', '2 bar', 1mm"
                 )
 
-    def compute(contact: xr.Dataset) -> xr.Dataset:
-        return with_flow(leakage_of, contact, **given) if given else leakage_of(contact)
-
-    _measure(file, output, compute, "computing the flow", as_json)
+    _measure(file, output, lambda contact: leakage_of(contact, **given), "computing the flow", as_json)
 
 
 @main.command()
@@ -391,11 +387,10 @@ def conductance(file: Path, output: Path | None, as_json: bool, conductivity: tu
     FILE is a contact that `gfmd solve` wrote. The command prints the conductance of the touching spots per nominal area
     over the conductivity of the bodies. The picture shows the current.
     """
-    from gfmd_numba.simulate.contact_conductance import contact_conductance as measure
-    from gfmd_numba.simulate.materials_and_fluids import with_resistance
+    from gfmd_numba.simulate.transport import contact_conductance
 
     def compute(contact: xr.Dataset) -> xr.Dataset:
-        return with_resistance(measure, contact, conductivity) if conductivity else measure(contact)
+        return contact_conductance(contact, conductivity or None)
 
     _measure(file, output, compute, "computing the current", as_json)
 

@@ -14,8 +14,8 @@ from gfmd_numba.cli.arguments import NEW_FILE, results_argument
 from gfmd_numba.cli.fits import naming
 from gfmd_numba.cli.group import main
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written
-from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_results
-from gfmd_numba.cli.terminal import Line, Told, waiting
+from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, meanings, of_results
+from gfmd_numba.cli.terminal import Line, Table, waiting
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -72,6 +72,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     import gfmd_numba
     from gfmd_numba.storage import mark
     from gfmd_numba.storage.atomic_file import replace
+    from gfmd_numba.text.recorded_scene import described
 
     fitted = None
     if "case" in dataset.dims and has_limits(dataset) and running is None:
@@ -80,12 +81,15 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     template = jinja2.Environment(loader=loader, autoescape=True, trim_blocks=True).get_template("report.html")
     versions = json.loads(dataset.attrs.get("versions", "{}"))
     known = {**dataset.attrs, "versions": ", ".join(f"{name} {number}" for name, number in versions.items())}
+    told = list(of_results(dataset, fitted)) if running is None else []
     content = template.render(
         title=dataset.attrs.get("title", file.stem),
         subtitle=f"gfmd-numba, from {file.name}, {strftime('%Y-%m-%d %H:%M')}",
         seconds_to_reload=_SECONDS_BETWEEN if running else None,
         running=_state(running) if running else None,
-        told=list(_parts(of_results(dataset, fitted))) if running is None else [],
+        pressed=described(dataset.attrs.get("scene", "{}"), load="prescribed_load" not in dataset.dims),
+        told=list(_parts(told)),
+        meanings=meanings(told, dataset, fitted),
         pictures=list(_drawn(dataset, fitted)),
         warnings=list(_warnings(dataset)),
         left_out=[(label, each) for label, name in _TREATED for each in str(known.get(name, "")).splitlines() if each],
@@ -96,7 +100,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     replace(page, mark.marked(content.encode()), mark.is_product)
 
 
-def _parts(told: Told) -> Iterator[dict[str, Any] | list[tuple[str, str]]]:
+def _parts(told: list[Table | Line]) -> Iterator[dict[str, Any] | list[tuple[str, str]]]:
     """Yield what is told, tables with title, headings and rows, and lines that follow each other as one list."""
     lines: list[tuple[str, str]] = []
     for each in told:

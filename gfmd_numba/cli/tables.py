@@ -42,6 +42,31 @@ _FORCES = {  # what they are of a form alone in a window, whose size has no mean
     "mean_tangential_traction_y": "tangential_force_y",
 }
 _SECANT = "secant_stiffness"  # since the step before
+_SYMBOLS = {  # in the meanings of words
+    "a_r": "share of the surface in contact",
+    "g": "rms gradient of the heights",
+    "p": "mean pressure",
+    "E*": "contact modulus: E / (1 - nu^2) of an elastic body below a rigid punch",
+    "L_x": "period of the surface, or length of the window",
+}
+_MEANINGS = {  # of words that name no variable of a file, or another one there
+    "±": "before the standard error: in two of three cases the truth lies within",
+    "step": "number of the loading in the path, 0 for the first",
+    "pressure": "mean pressure that the loading prescribes",
+    "limit": "value of infinitely large and infinitely fine surfaces and grids, to which all levels extrapolate",
+    "continuum": "part of the reference that vanishes on fine grids: eps_c, two node spacings over the shortest wave",
+    "fractal": "part that vanishes with ever shorter waves: eps_f, the shortest wave over the longest one",
+    "thermodynamic": "part that vanishes on large surfaces: eps_t, the longest wave over the period",
+    "together": "interaction: by how much the parts that act at once differ from their sum",
+    "reference": "mean of the surfaces solved at the discretisation around which the levels vary",
+    "error": "parts of the standard error: the scatter of surfaces (sampling), and what is unknown of each limit",
+    "misfit": "how far the levels lie from the fitted laws, in standard errors",
+    "round": "a run to a target solves more surfaces and finer levels, round after round; the first is the pilot",
+    "stiffness": "change of the mean pressure over that of the mean gap",
+    "secant stiffness": "change of the mean pressure over that of the mean gap, since the step before",
+    "surfaces": "number of random surfaces whose mean a row is",
+    "status": "how the run ended",
+}
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
 _IN_UNIT_OF_VARIABLE = [
@@ -127,6 +152,28 @@ _PRESCRIBED = (
 def words(name: str) -> str:
     """Return the name of a variable in words."""
     return _WORDS.get(name, name.replace("_", " "))
+
+
+def meanings(told: list[Table | Line], *datasets: xr.Dataset | None) -> list[tuple[str, str]]:
+    """Return the words that are told of datasets, each with its meaning, and the symbols in these."""
+    known: dict[str, str] = {}
+    for variable in (each for dataset in datasets if dataset is not None for each in dataset.variables.items()):
+        name, attributes = str(variable[0]), variable[1].attrs
+        for word in (words(name), attributes.get("symbol", name)):
+            known.setdefault(word, str(attributes.get("long_name", "")))
+    known |= _MEANINGS
+    tables = [each for each in told if isinstance(each, Table)]
+    said = [word for each in tables for word in (each.title.partition(" ")[0], *_headings(each))]
+    said += [each.label for each in told if isinstance(each, Line)]
+    said += ["±"] * any("±" in cell for table in tables for cells in table.values.values() for cell in cells)
+    found = {word: known[word] for word in dict.fromkeys(said) if known.get(word, word) != word}
+    parts = set(re.findall(r"[\w*]+", " ".join(found.values())))
+    return [*found.items(), *(symbol for symbol in _SYMBOLS.items() if symbol[0] in parts)]
+
+
+def _headings(table: Table) -> list[str]:
+    """Return the headings of a table without their units."""
+    return [re.sub(r" \([^()]*\)$", "", heading) for heading in (*table.parameters, *table.values)]
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:

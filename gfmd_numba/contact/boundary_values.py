@@ -9,13 +9,10 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_input import BoundaryInput
-from gfmd_numba.contact.reduction import solver_options
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.elasticity import topography
-from gfmd_numba.scene import COMPONENTS
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
 from gfmd_numba.solvers.status import Status
-from gfmd_numba.solvers.table import able
 
 _MOST_ROUNDS = 30
 
@@ -39,8 +36,7 @@ def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
     are prescribed, that repeats until it stands still to the residual of the scene, or the run is not converged.
     """
     body, rough, order = given.scales.bodies[0], given.rough, given.file.slope_order
-    options = solver_options(given.file.numerics, able(["prescribed"])[0])
-    traction, asked = _prescribed(given)
+    traction, asked, options = given.reduced
     response = body.response(traction.shape[1:])
     if rough is None:
         return BoundarySolution(deform(response, traction, asked, options), options.solver)
@@ -68,17 +64,6 @@ def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
     )
     _, next_order = _response(rough, flat.traction, order + 1)
     return BoundarySolution(deformed, options.solver, next_order)
-
-
-def _prescribed(given: BoundaryInput) -> tuple[Reals, Reals]:
-    """Tractions (E*) and displacements (L_x) `[component, (y,) x]`, the normal ones last, not-a-number where free."""
-    arrays, scales = given.prescribed, given.scales
-    free, components = np.full(next(iter(arrays.values())).shape, np.nan), COMPONENTS[given.file.scene.dimension]
-    traction, displacement = (
-        np.stack([arrays.get(component.key(quantity), free) for component in components])
-        for quantity in ("traction", "displacement")
-    )
-    return np.nan_to_num(traction, nan=0.0) / scales.modulus, displacement / scales.length
 
 
 def _response(rough: RoughBody, traction: Reals, order: int) -> tuple[Reals, float]:

@@ -227,9 +227,9 @@ def _in_time() -> Iterator[Refusal]:
 
 def _of_processes() -> Iterator[Refusal]:
     """What several processes and threads do not share yet, or do without, and where a file of nodes has no grid."""
-    yield from _each("processes", "not built yet", " with --mpi: the rest is not built yet", _OF_PROCESSES)
-    yield Refusal("processes", "named solver", "auto with --mpi, which has a solver of its own", "without effect")
-    yield Refusal("processes", "threads", "1 with --mpi: start more processes instead", "without effect")
+    yield from _each("processes", "not built yet", " with `--mpi`: the rest is not built yet", _OF_PROCESSES)
+    yield Refusal("processes", "named solver", "auto with `--mpi`, which has a solver of its own", "without effect")
+    yield Refusal("processes", "threads", "1 with `--mpi`: start more processes instead", "without effect")
     told = "no pattern for `gfmd accuracy`, as a file fits one grid alone"
     yield Refusal("accuracy", "pattern", told, "physics")
     yield from _not_built("hardness", "", {"pattern": "no pattern with a hardness"})

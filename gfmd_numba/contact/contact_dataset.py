@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
-from gfmd_numba.contact.boundary_values import BoundarySolution
+from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
 from gfmd_numba.contact.load_path import PathRecord
@@ -25,17 +25,17 @@ from gfmd_numba.contact.observables import (
 )
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, scales_of, times_of
+from gfmd_numba.contact.scales import SLIDING, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import RoughContact
 from gfmd_numba.contact.validity import path_warnings, rough_body_warnings
-from gfmd_numba.elasticity import fields, free_body, topography
+from gfmd_numba.elasticity import free_body, topography
+from gfmd_numba.elasticity.scales import scales_of
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.scene import COMPONENTS, Scene
 from gfmd_numba.scene.measured_record import AXES
-from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import (
     FORCE_ON_A_MAP,
     LINE_LOAD,
@@ -209,14 +209,13 @@ def indexed(dataset: xr.Dataset) -> xr.Dataset:
     )
 
 
-def path_dataset(
-    given: ContactInput, problem: Problem, effects: Iterable[Effect], solved: Iterable[Contact]
-) -> xr.Dataset:
+def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
     """Fields and observables in SI units over x, or (y, x), and over the steps of a path.
 
     The attribute `validity` holds the warnings about the result, one sentence a line.
     """
-    file, (steps, record) = given.file, _steps(given, problem, solved)
+    file, (problem, effects) = given.file, given.reduced
+    steps, record = _steps(given, problem, solved)
     del solved  # and with it the last contact: warnings need its memory
     joined = steps[0]
     if file.path:
@@ -233,7 +232,7 @@ def path_dataset(
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.outcome),
-        "validity": "\n".join(filter(None, (*implausible(file.scene, file.path), warned))),
+        "validity": "\n".join(filter(None, (*given.implausible, warned))),
     }
     return dataset
 
@@ -258,8 +257,8 @@ def _steps(given: ContactInput, problem: Problem, solved: Iterable[Contact]) -> 
 
 def step_dataset(given: ContactInput, problem: Problem, solved: Contact) -> xr.Dataset:
     """Fields and observables of one step in SI units over x, or (y, x)."""
-    step, bodies = contact_dataset(given, problem, solved.in_plane), given.surfaces.bodies
-    if bodies is not None:
+    step, bodies = contact_dataset(given, problem, solved.in_plane), given.bodies
+    if bodies:
         for name in OBSERVABLES.keys() & step.keys():
             step[name].attrs["long_name"] = OBSERVABLES[name].long_name.replace(OF_PUNCH, OF_SUM)
         step["height"].attrs["long_name"] = "sum of the heights of both surfaces, peaks towards each other"
@@ -418,9 +417,8 @@ def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Descr
     """
     if body.heights.ndim > 1:
         return
-    former = topography.forming(body.elastic, order)
-    formed = topography.formed_surface(body.heights, former)
-    tangential, normal = fields.Inside((formed,), former).plane(0.0, ("stress5", "stress3"))[:, 0]
+    names = "stress5", "stress3"
+    tangential, normal = topography.formed_at(body.heights, np.zeros(1), body.elastic, order, names)[:, 0]
     forms = f"traction that forms the topography of the {whose} from flat (5.15)"
     yield "forming_traction", "pressure", f"normal {forms}", normal
     yield "tangential_forming_traction", "pressure", f"tangential {forms}", tangential
@@ -476,12 +474,13 @@ def _with_loads(dataset: xr.Dataset, given: ContactInput, problem: Problem) -> x
     )
 
 
-def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Dataset:
+def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     """Displacements and tractions of all components over `x`, or (y, x), and how they were reached, in SI units.
 
     Of a rough body also its topography, and what forms that. The attribute `validity` holds the warnings.
     """
-    file, deformed, scene = given.file, solved.deformed, given.file.scene
+    file, scene, solved = given.file, given.file.scene, solve_boundary_values(given)
+    deformed = solved.deformed
     unit, dims = Units.of(scene, 1.0), AXES[-scene.dimension :]
     found: dict[str, Any] = {}
     for kind, quantity, values in (
@@ -491,10 +490,10 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
         for component, of_nodes in zip(COMPONENTS[scene.dimension], values, strict=True):
             long_name = f"{component.name} {quantity} of the body, {component.way}"
             found[component.key(quantity)] = unit.variable(dims, kind, long_name, of_nodes)
-    if given.rough is not None:
+    for body in given.bodies:
         outwards = "topography of the body, peaks outwards"
-        found["body_height"] = unit.variable(dims, "height", outwards, given.rough.heights)
-        found |= unit.variables(dims, forming_tractions(given.rough, "body", file.slope_order))
+        found["body_height"] = unit.variable(dims, "height", outwards, body.heights)
+        found |= unit.variables(dims, forming_tractions(body, "body", file.slope_order))
         row = ROUGH_BODY_OBSERVABLES["next_order"]
         found["next_order"] = unit.variable((), row.unit, row.long_name, solved.next_order)
     for name in ("status", "residual", "n_iterations", "n_transforms", "wall_time"):
@@ -506,10 +505,11 @@ def boundary_dataset(given: BoundaryInput, solved: BoundarySolution) -> xr.Datas
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)
     refuse_nonfinite(dataset)
-    sentences = implausible(scene)
-    if given.rough is not None:
+    sentences = given.implausible
+    if given.bodies:
         sentences += [sentence for surface in given.measured for sentence in surface.doubts]
-        sentences.append(rough_body_warnings((given.rough,), file.slope_order, dataset, "normal_displacement"))
+        warned = rough_body_warnings(given.bodies, file.slope_order, dataset, "normal_displacement")
+        sentences += [sentence for _, sentence in warned]
         dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.outcome)
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

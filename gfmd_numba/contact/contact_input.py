@@ -10,54 +10,72 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.law_resolution import check_resolved
 from gfmd_numba.contact.problem import Effect, Problem, Tractions
-from gfmd_numba.contact.reduction import reduce
+from gfmd_numba.contact.reduction import reduce, solver_options
 from gfmd_numba.contact.refusal import check_combination
-from gfmd_numba.contact.rough_surfaces import (
-    FacingSurfaces,
-    MeasuredSurfaces,
-    RoughBody,
-    facing_surfaces,
-    measured_surfaces,
-)
-from gfmd_numba.contact.scales import Scales, Sliding, reduced_load, scales_of, steps_of
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces, RoughBody, check_drawn, facing_surfaces
+from gfmd_numba.contact.scales import Sliding, reduced_load, steps_of
+from gfmd_numba.elasticity.scales import Scales, scales_of
 from gfmd_numba.roughness.generators import RandomSurface
-from gfmd_numba.roughness.measured import MeasuredSurface, Reader
+from gfmd_numba.roughness.measured import MeasuredSurface, MeasuredSurfaces, Reader, measured_surfaces
 from gfmd_numba.roughness.surface_files import read_content, read_values
+from gfmd_numba.roughness.surfaces import SummedSurface
 from gfmd_numba.scene import COMPONENTS, Boundary, Document, Scene, SceneFile
 from gfmd_numba.scene.checks import arrays_of, check_nodes
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
-from gfmd_numba.scene.plausible_numbers import mistaken
+from gfmd_numba.scene.plausible_numbers import implausible, mistaken
 from gfmd_numba.scene.quantities import LARGEST
 from gfmd_numba.scene.units import in_unit_of
+from gfmd_numba.solvers.table import Options, able
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
 _FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
 
 
-Prescribed = dict[str, Reals]  # by the key of the boundary `[(ny,) nx]` in Pa and m, or E* and L_x
-
-
 @dataclass(frozen=True)
 class Input:
-    """A scene file, and the surfaces `measured` in the files that it names, with what was done to them."""
+    """A scene file, and the surfaces `measured` in the files that it names, with what was done to them.
+
+    The `scales` are what its numbers count in, and its elastic bodies in these units. Where topographies are followed,
+    `bodies` have those of one realisation.
+    """
 
     file: SceneFile
     measured: tuple[MeasuredSurface, ...]
+    scales: Scales
+    bodies: tuple[RoughBody, ...]
 
-    @cached_property
-    def scales(self) -> Scales:
-        """What its numbers count in, and its bodies in these units."""
-        return scales_of(self.file.scene)
+    @property
+    def implausible(self) -> list[str]:
+        """Sentences about its numbers that are implausible for what they are."""
+        return implausible(self.file.scene, self.file.path)
 
 
 @dataclass(frozen=True)
 class BoundaryInput(Input):
-    """What a scene without a punch prescribes, and its body if that is rough."""
+    """What a scene without a punch prescribes `[(ny,) nx]`, in Pa and m, or E* and L_x, by the key of the boundary."""
 
-    prescribed: Prescribed
-    rough: RoughBody | None = None
+    prescribed: dict[str, Reals]
+
+    @property
+    def rough(self) -> RoughBody | None:
+        """Its body, if that is rough."""
+        return self.bodies[0] if self.bodies else None
+
+    @property
+    def reduced(self) -> tuple[Reals, Reals, Options]:
+        """Tractions (E*) and displacements (L_x) `[component, (y,) x]`, the normal ones last, and how they are solved.
+
+        Where none is prescribed, a traction is 0, and a displacement not-a-number.
+        """
+        given, components = self.prescribed, COMPONENTS[self.file.scene.dimension]
+        free = np.full(next(iter(given.values())).shape, np.nan)
+        traction, displacement = (
+            np.stack([given.get(component.key(quantity), free) for component in components])
+            for quantity in ("traction", "displacement")
+        )
+        options = solver_options(self.file.numerics, able(["prescribed"])[0])
+        return np.nan_to_num(traction, nan=0.0) / self.scales.modulus, displacement / self.scales.length, options
 
 
 @dataclass(frozen=True)
@@ -82,30 +100,41 @@ class ContactInput(Input):
         file = self.file
         return reduce(file.scene, self.surfaces, file.numerics, file.path, self.tractions, self.pattern)
 
+    @property
+    def task(self) -> tuple[Problem, int]:
+        """What is solved: the problem, and which of its realisations."""
+        return self.reduced[0], self.file.realisation
 
-def read(file: SceneFile, document: Document) -> Input:
+
+def read(file: SceneFile, document: Document) -> BoundaryInput | ContactInput:
     """Whatever a scene file describes or names; raises InputError for what does not go together or cannot be used."""
     file, measured = with_measured_surfaces(file, document)
-    scene, dimension = file.scene, file.scene.dimension
+    scene, dimension, scales = file.scene, file.scene.dimension, scales_of(file.scene)
     check_combination(document, scene, file.numerics, file.path)
     shape = None if file.points is None else (file.points,) * dimension
-    surfaces = facing_surfaces(file, measured, document) if scene.has_punch or scene.follows_topography else None
+    surfaces = (
+        facing_surfaces(file, scales, measured, document) if scene.has_punch or scene.follows_topography else None
+    )
+    bodies = () if surfaces is None else check_drawn(scene, surfaces, file.realisation, document)
     shape = shape if surfaces is None else surfaces.surface.shape
     arrays = {} if scene.boundary is None else read_boundary(document, scene.boundary, dimension, shape)
+    found = file, tuple(measured.values()), scales, bodies
     if surfaces is None or not scene.has_punch:
-        arrays = _on_a_body(document, file, arrays)
-        rough = None if surfaces is None or surfaces.bodies is None else surfaces.bodies[0]
-        return BoundaryInput(file, tuple(measured.values()), arrays, rough)
+        name, first = next(iter(arrays.items()))
+        place: Location = ("scene", "boundary", name) if surfaces is None else ("scene", "body", "roughness")
+        arrays_of_each = arrays_of(scene, file.slope_order)
+        check_nodes(document, place, first.size, arrays_of_each)
+        return BoundaryInput(*found, _on_a_body(document, scene, arrays))
     tractions = tractions_on_the_body(document, scene, arrays, surfaces) if arrays else None
     pattern = pattern_of(document, scene.interface, dimension, surfaces.surface.shape)
-    given = ContactInput(file, tuple(measured.values()), surfaces, tractions, pattern)
+    given = ContactInput(*found, surfaces, tractions, pattern)
     control = scene.loading.control
     places: list[Location] = [("scene", "loading", control), *(("path", i, control) for i in range(len(file.path)))]
+    displacements = [scene.loading.displacement, *(step.displacement for step in file.path)]
+    check_room(file, surfaces, document, dict(zip(places, displacements, strict=True)))
     check_loads(zip(places, (scene for scene, _ in given.steps), strict=True), surfaces, document)
     if scene.interface.reaches_across:
         check_resolved(document, scene.interface, given.reduced[0], file.discretisation)
-    displacements = [scene.loading.displacement, *(step.displacement for step in file.path)]
-    check_room(file, surfaces, document, dict(zip(places, displacements, strict=True)))
     return given
 
 
@@ -116,19 +145,16 @@ def read_contact(file: SceneFile, document: Document) -> ContactInput:
     return given
 
 
-def _on_a_body(document: Document, file: SceneFile, arrays: dict[str, Reals]) -> dict[str, Reals]:
-    """What a scene without a punch prescribes, balanced; raises InputError for what is too much, or fits no body."""
-    body = file.scene.body
-    name, given = next(iter(arrays.items()))
-    place = ("scene", "boundary", name) if body.roughness is None else ("scene", "body", "roughness")
-    check_nodes(document, place, given.size, arrays_of(file.scene, file.slope_order))
+def _on_a_body(document: Document, scene: Scene, arrays: dict[str, Reals]) -> dict[str, Reals]:
+    """What a scene without a punch prescribes, balanced; raises InputError for what fits no body."""
+    body = scene.body
     is_rigid = body.is_incompressible and not body.is_half_space
     if is_rigid and np.isfinite(arrays.get("normal_displacement", np.nan)).all():
         raise document.refused(
             ("scene", "boundary", "normal_displacement"),
             "not-a-number for at least one node of an incompressible slab, whose pressure no displacement tells",
         )
-    return _balanced_on(document, file.scene, arrays)
+    return _balanced_on(document, scene, arrays)
 
 
 def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFile, MeasuredSurfaces]:

@@ -472,12 +472,9 @@ def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
 
 
 def _value(name: str, row: Observable, contact: Contact) -> npt.NDArray[Any]:
-    value: npt.NDArray[Any]
     if row.of == "run":
-        value = getattr(contact.equilibrium, name)
-    else:
-        value = _function(row.function or f"{__name__}:{name}")(contact)
-    return value
+        return np.asarray(getattr(contact.equilibrium, name))
+    return np.asarray(_function(row.function_of(name))(contact))
 
 
 _function = cache(resolve_name)

@@ -22,8 +22,8 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Contact, State, Tell, with_costs
-from gfmd_numba.contact.surfaces import SummedSurface
 from gfmd_numba.contact.two_step import RoughContact
+from gfmd_numba.roughness.surfaces import SummedSurface
 from gfmd_numba.solvers.status import Status
 
 

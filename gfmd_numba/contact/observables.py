@@ -5,13 +5,13 @@ Pure data, and what it says of a scene.
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 from gfmd_numba.scene import Scene
 
 _ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
 _OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
-_FLOW = "gfmd_numba.contact.plastic_measures"
+_MODULES = {"flow": "plastic_measures"}  # of functions, by what they need; all others stand in `evaluation`
 _OF_A_LAYER = "it depends on the sublayers, of which limits know nothing"
 # coordinates of what a loading prescribes; the fields of a contact have the short names
 PRESCRIBED = {"displacement": "punch_displacement", "pressure": "prescribed_pressure"}
@@ -23,21 +23,24 @@ OF_TOUCHING = {  # observables, and statistics of a contact, that there are only
 }
 
 
+Unit = Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
+
+
 @dataclass(frozen=True)
 class Observable:
     """A recorded quantity: what it tells of, its unit and its meaning.
 
     Units are 1, g, L_x, g L_x, g E*, g^2 E* L_x and seconds. `function` is "module:function" of a contact, by default
-    that of its name in `evaluation`; of a run the equilibrium has the number. One that is `undefined_at_times` may be
-    not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps. One is recorded where what it
-    `needs` is there.
+    that of its name in `evaluation`, or in the module of what it `needs`; of a run the equilibrium has the number. One
+    that is `undefined_at_times` may be not-a-number in a run that is ok: without contact it is 0/0, or unknown on maps.
+    One is recorded where what it `needs` is there.
 
     `no_limit` says why what a contact has becomes 0 or infinite in the thermodynamic, fractal and continuum limit,
     however its roughness is scaled; nothing where it does not. `held` is what then has to stay fixed while eps_f and
     eps_t go to 0: the load p / (g E*), the gradient g, the rms height, or nothing ("").
     """
 
-    unit: Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
+    unit: Unit
     long_name: str
     function: str | None = None
     of: Literal["contact", "surface", "run", "path"] = "contact"
@@ -46,94 +49,57 @@ class Observable:
     held: Literal["", "load", "gradient", "height"] = ""
     needs: str = ""
 
+    def function_of(self, name: str) -> str:
+        """Name of its function, as "module:function"."""
+        return self.function or f"gfmd_numba.contact.{_MODULES.get(self.needs, 'evaluation')}:{name}"
+
     @property
     def without_limit(self) -> str:
         """Why it never has a limit; nothing where it may have one."""
         return _ELSEWHERE.get(self.of, self.no_limit)
 
 
+def _kappa(long_name: str) -> Observable:
+    return Observable("1", f"area-load coefficient {long_name}", undefined_at_times=True, held="load")
+
+
+def _of_flow(unit: Unit, long_name: str) -> Observable:
+    return Observable(unit, long_name, needs="flow", no_limit=_OF_A_LAYER)
+
+
+def _error(long_name: str, **others: Any) -> Observable:
+    return Observable("1", long_name, undefined_at_times=True, no_limit=_OF_AN_ERROR, **others)
+
+
 OBSERVABLES = {
-    "kappa": Observable(
-        "1",
-        "area-load coefficient a_r g E* / p, contact area corrected for its edges",
-        undefined_at_times=True,
-        held="load",
-    ),
-    "kappa_residual_error": Observable(
-        "1",
-        "largest change of kappa to expect from the residual of the solver",
-        undefined_at_times=True,
-        no_limit=_OF_AN_ERROR,
-    ),
-    "kappa_counted": Observable(
-        "1",
-        "area-load coefficient a_r g E* / p, contact area as counted nodes",
-        undefined_at_times=True,
-        held="load",
-    ),
-    "kappa_r": Observable(
-        "1",
-        "area-load coefficient a_r g_r E* / p with the rms gradient over the contact",
-        undefined_at_times=True,
-        held="load",
-    ),
+    "kappa": _kappa("a_r g E* / p, contact area corrected for its edges"),
+    "kappa_residual_error": _error("largest change of kappa to expect from the residual of the solver"),
+    "kappa_counted": _kappa("a_r g E* / p, contact area as counted nodes"),
+    "kappa_r": _kappa("a_r g_r E* / p with the rms gradient over the contact"),
     "contact_area_fraction": Observable(
         "1", "contact length over L_x, or area over L_x^2, corrected for its edges", held="load"
     ),
     "contact_area_fraction_counted": Observable("1", "touching nodes over all nodes", held="load"),
-    "contact_area_fraction_error": Observable(
-        "1",
-        "standard deviation of contact_area_fraction by edges between the nodes of profiles",
-        undefined_at_times=True,
-        no_limit=_OF_AN_ERROR,
+    "contact_area_fraction_error": _error(
+        "standard deviation of contact_area_fraction by edges between the nodes of profiles"
     ),
     "plastic_area_fraction": Observable("1", "nodes at the hardness over all nodes", needs="hardness", held="gradient"),
     "mean_plastic_depth": Observable(
         "height", "mean depth by which the punch has been flattened", needs="hardness", held="height"
     ),
     "mean_worn_depth": Observable("height", "mean depth by which the punch has worn", needs="worn", held="height"),
-    "plastic_volume": Observable(
-        "length",
-        "volume of the body that has flowed over the nominal area",
-        function=f"{_FLOW}:plastic_volume",
-        needs="flow",
-        no_limit=_OF_A_LAYER,
-    ),
-    "largest_plastic_strain": Observable(
-        "gradient",
-        "largest equivalent plastic strain of a sublayer",
-        function=f"{_FLOW}:largest_plastic_strain",
-        needs="flow",
-        no_limit=_OF_A_LAYER,
-    ),
-    "plastic_strain_at_base": Observable(
-        "gradient",
-        "largest equivalent plastic strain of the lowest sublayer",
-        function=f"{_FLOW}:plastic_strain_at_base",
-        needs="flow",
-        no_limit=_OF_A_LAYER,
-    ),
-    "largest_von_mises": Observable(
-        "pressure",
-        "largest von Mises stress of a sublayer",
-        function=f"{_FLOW}:largest_von_mises",
-        needs="flow",
-        no_limit=_OF_A_LAYER,
-    ),
+    "plastic_volume": _of_flow("length", "volume of the body that has flowed over the nominal area"),
+    "largest_plastic_strain": _of_flow("gradient", "largest equivalent plastic strain of a sublayer"),
+    "plastic_strain_at_base": _of_flow("gradient", "largest equivalent plastic strain of the lowest sublayer"),
+    "largest_von_mises": _of_flow("pressure", "largest von Mises stress of a sublayer"),
     "flow_residual": Observable(
         "1",
         "largest violation of the yield condition and the flow rule over the yield stress",
-        function=f"{_FLOW}:flow_residual",
         needs="flow",
         no_limit=_OF_AN_ERROR,
     ),
-    "increment_error": Observable(
-        "1",
-        "relative change of pressures or residual displacements with half the increments of the step",
-        undefined_at_times=True,
-        function=f"{_FLOW}:increment_error",
-        needs="flow",
-        no_limit=_OF_AN_ERROR,
+    "increment_error": _error(
+        "relative change of pressures or residual displacements with half the increments of the step", needs="flow"
     ),
     "time_error": Observable(
         "1",
@@ -153,17 +119,9 @@ OBSERVABLES = {
         needs="sliding",
         no_limit=_OF_AN_ERROR,
     ),
-    "kappa_edges": Observable(
-        "1",
-        "area-load coefficient a_r g E* / p, each contact edge located from the pressures next to it",
-        undefined_at_times=True,
-        held="load",
-    ),
-    "kappa_edges_error": Observable(
-        "1",
-        "standard deviation of kappa_edges by stretches of too few nodes to locate their edges",
-        undefined_at_times=True,
-        no_limit=_OF_AN_ERROR,
+    "kappa_edges": _kappa("a_r g E* / p, each contact edge located from the pressures next to it"),
+    "kappa_edges_error": _error(
+        "standard deviation of kappa_edges by stretches of too few nodes to locate their edges"
     ),
     "n_segments": Observable(
         "1",

@@ -15,11 +15,11 @@ from typing import Literal
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
-from gfmd_numba.contact.surfaces import SmoothSurface, SummedSurface, Surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.plasticity import Plasticity
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.surfaces import SmoothSurface, SummedSurface, Surface
 from gfmd_numba.scene.interface_records import LAWS
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.solvers.table import SOLVERS, Options

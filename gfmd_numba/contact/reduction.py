@@ -14,9 +14,10 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import DeformableBody, Effect, Problem, Tractions
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces
-from gfmd_numba.contact.scales import plasticity, reduced_step, scales_of, steps_of
+from gfmd_numba.contact.scales import plasticity, reduced_step, steps_of
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
+from gfmd_numba.elasticity.scales import scales_of
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.scene import Interface, Numerics, Scene
 from gfmd_numba.scene.interface_records import LAWS
@@ -130,7 +131,7 @@ def solver_options(numerics: Numerics, automatic: str) -> Options:
     """Options of the solver that the numerics name, or of the `automatic` one, without those that it does not have."""
     solver = automatic if numerics.solver == "auto" else numerics.solver
     own = {name: getattr(numerics, name) for name in SOLVERS[solver].options}
-    return Options(solver, numerics.residual, numerics.max_iterations, **own)
+    return Options(solver, numerics.residual, numerics.max_iterations, **own, threads=numerics.threads)
 
 
 @lru_cache(maxsize=4096)

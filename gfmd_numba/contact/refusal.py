@@ -122,8 +122,8 @@ def _of_body_alone(scene: Scene) -> Asked:
 
 def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> list[Asked]:
     around = _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
-    parts = _of_laws(scene, grid), _of_time(scene, path), _of_shape(scene, grid), around
-    return [*parts, _of_form(scene, grid), _of_loading(scene, path, grid), _of_boundary(scene)]
+    parts = _of_laws(scene, grid), _of_time(scene, path), around, _of_form(scene, grid)
+    return [*parts, _of_loading(scene, path, grid), _of_boundary(scene), _of_shape(scene, grid)]
 
 
 def _of_shape(scene: Scene, grid: Grid) -> Asked:
@@ -145,9 +145,9 @@ def _give_way_alike(scene: Scene, grid: Grid) -> bool:
         return False
     if all(body.is_half_space and body.layers is None for body in scene.deformable):
         return True
-    from gfmd_numba.contact.scales import elastic_body, in_own_units  # numbers, which the tables do without
+    from gfmd_numba.elasticity.scales import scales_of  # numbers, which the tables do without
 
-    one, other = (elastic_body(in_own_units(body, scene.length)) for body in scene.deformable)
+    one, other = scales_of(scene).bodies
     return one == other and not any(axis in grid for axis in _POISSONS_RATIO.values())
 
 

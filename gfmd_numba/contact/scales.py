@@ -1,24 +1,17 @@
-"""What the quantities of a scene are in units of L_x, E* and the rms gradient g: its bodies, moduli and loads.
+"""What the loads of a scene are in units of L_x, E* and the rms gradient g, and the plasticity that bears them.
 
 A hardness bears less mean pressure than that at which every node would be plastic.
 """
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from functools import lru_cache
 from itertools import accumulate
 
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.elasticity import moduli
-from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.plasticity import Plasticity
-from gfmd_numba.elasticity.prony import PronySeries, in_series
+from gfmd_numba.elasticity.scales import Scales
 from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Interface, Scene
-from gfmd_numba.scene.body_record import Layer
-from gfmd_numba.scene.body_record import Material as MaterialRecord
 from gfmd_numba.scene.loading import Step
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import in_reduced_units, in_unit_of, quantities, rounded
@@ -26,78 +19,6 @@ from gfmd_numba.scene.units import in_reduced_units, in_unit_of, quantities, rou
 _INCOMPRESSIBLE = 0.5 - 1e-12
 SLIDING = ("sliding", "sliding_y")
 _YIELDS = "the body yields at all depths"
-
-
-def effective_modulus(body: Body, in_pascal: bool) -> float:
-    """E* in Pa, or 1 where stresses stay in E*.
-
-    Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
-    """
-    if body.surface_modulus is None or not in_pascal:
-        return 1.0
-    return moduli.plane_modulus(body.surface_modulus, body.surface_poissons_ratio, body.state)
-
-
-@lru_cache(maxsize=4096)
-def in_own_units(body: Body, length: float | None, time: float = 1.0) -> Body:
-    """Body in units of L_x, its modulus at the surface and a time, to 12 digits: it is the same in all units."""
-    found: Body = in_reduced_units(body, length or 1.0, body.surface_modulus or 1.0, time)
-    return found
-
-
-def elastic_body(own: Body) -> ElasticBody:
-    """The body of a record in its own units, with all that is known of it."""
-    nu = own.effective_poissons_ratio(own.surface_poissons_ratio)
-    if own.layers is None:
-        return ElasticBody(nu, None if math.isinf(own.aspect_ratio) else own.aspect_ratio)
-    top = moduli.plane_modulus(1.0, own.surface_poissons_ratio, own.state)
-
-    def material(part: Layer | MaterialRecord) -> Material:
-        modulus = moduli.plane_modulus(part.youngs_modulus, part.poissons_ratio, own.state) / top
-        return Material(rounded(modulus), own.effective_poissons_ratio(part.poissons_ratio))
-
-    return ElasticBody.layered(
-        tuple(layer.height for layer in own.layers),
-        tuple(material(layer) for layer in own.layers),
-        None if own.base is None or own.base == "rigid" else material(own.base),
-    )
-
-
-@dataclass(frozen=True)
-class Scales:
-    """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
-
-    `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. Each of the
-    `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are
-    the branches of all that deforms over its relaxed modulus and that time, None if nothing creeps.
-    """
-
-    length: float
-    modulus: float
-    time: float
-    bodies: tuple[ElasticBody, ...]
-    shares: tuple[float, ...]
-    relaxation: PronySeries | None
-
-
-def scales_of(scene: Scene) -> Scales:
-    """Return the scales of a scene."""
-    return _scales(scene.deformable, scene.length, scene.has_moduli)
-
-
-@lru_cache(maxsize=4096)
-def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> Scales:
-    time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
-    own, relaxation = [in_own_units(body, length, time) for body in bodies], None
-    moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
-    modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
-    shares = tuple(rounded(modulus / each) for each in moduli_of)
-    branches = [body.relaxation or () for body in own]
-    series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
-    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
-        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(shares, series, strict=True)))
-    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), shares, relaxation)
 
 
 def times_of(steps: Iterable[Scene]) -> list[float]:

@@ -11,10 +11,10 @@ from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import bear_again, processes_of
 from gfmd_numba.contact.state import Contact, State
-from gfmd_numba.contact.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
+from gfmd_numba.roughness.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 from gfmd_numba.solvers.iteration import Start
 from gfmd_numba.solvers.status import Status

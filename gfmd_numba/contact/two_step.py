@@ -8,10 +8,10 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
-from gfmd_numba.contact.rough_surfaces import given_surface, rough_body
+from gfmd_numba.contact.rough_surfaces import rough_body
 from gfmd_numba.contact.slopes import Responses, SlopeCorrection, Slopes, in_plane
 from gfmd_numba.contact.state import Contact, State, with_costs
-from gfmd_numba.contact.surfaces import SummedSurface
+from gfmd_numba.roughness.surfaces import SummedSurface, given_surface
 from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status

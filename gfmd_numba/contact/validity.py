@@ -1,7 +1,7 @@
 """Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import ceil, dist, inf, nan, pi, sqrt
 from typing import Any
@@ -46,47 +46,33 @@ _UNKNOWN_EDGES = 0.05  # of the contact area
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
-Found = Mapping[str, NDArray[Any]]  # values of a dataset, whose last axes are those of the nodes
+Found = Mapping[Any, Any]  # values of a dataset, whose last axes are those of the nodes
+Told = tuple[Any, str]  # which of the steps, or of other axes before the nodes, have a sentence
 
 
 def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) -> str:
     """Return the warnings about the steps of a path, one sentence a line, and behind it the steps that have it."""
-    bodies, few = given.surfaces.bodies, _few_nodes(given, _arrays(dataset))
-    own = (
-        _coarse_flow,
-        _beyond_small_strains,
-        _outside_branches,
-        _few_nodes if few else _narrow,
-        _sharp_peak,
-        _few_contacts,
-        _weak_interface,
-        _overlap,
-        _closer_than_known,
-    )
-    each: list[Callable[[xr.Dataset], str]] = [
-        lambda steps: "" if bodies is None else rough_body_warnings(bodies, given.surfaces.order, steps),
-        lambda steps: coarse_times(given.file.numerics, _arrays(steps)),
-        *(lambda steps, reason=reason: reason(given, _arrays(steps)) for reason in own),
-        lambda steps: at_the_edge(_arrays(steps)),
-        lambda steps: past_asperities(_arrays(steps)),
-        lambda steps: _short_stretches(problem, _arrays(steps)),
+    last = len(given.file.path)
+    found = {str(name): variable.values for name, variable in dataset.variables.items()}
+    told = [
+        *(rough_body_warnings(given.bodies, given.surfaces.order, dataset) if given.bodies else ()),
+        *coarse_times(given.file.numerics, found),
+        *_coarse_flow(given, found),
+        *_beyond_small_strains(given, found),
+        *((True, line) for line in _outside_branches(given, found)),
+        *(list(_few_nodes(given, found)) or _narrow(given, found)),
+        *_sharp_peak(given, found),
+        *_few_contacts(given, found),
+        *_weak_interface(given, found),
+        *_overlap(given, found),
+        *_closer_than_known(given, found),
+        *at_the_edge(found),
+        *past_asperities(found),
+        *_short_stretches(problem, found),
     ]
-    told = [line for reason in each for line in _by_step(reason, dataset, len(given.file.path))]
-    return "\n".join([*input_warnings(given), *told, *filter(None, [_coarse_steps(given, _arrays(dataset))])])
-
-
-def _arrays(dataset: xr.Dataset) -> Found:
-    return {str(name): variable.values for name, variable in dataset.variables.items()}
-
-
-def _by_step(reason: Callable[[xr.Dataset], str], dataset: xr.Dataset, last: int) -> Iterator[str]:
-    """Yield the sentences of a reason, which are those of the worst step, and behind each the steps that have it."""
-    said = reason(dataset).splitlines()
-    steps = range(dataset.sizes.get("step", 0) if said else 0)
-    by_step = [{wording(line) for line in reason(dataset.isel(step=i)).splitlines()} for i in steps]
-    for line in said:
-        where = steps_told([wording(line) in lines for lines in by_step], last)
-        yield f"{line} (in {where})" if where else line
+    steps = ((line, steps_told(np.atleast_1d(affected).tolist(), last)) for affected, line in told if np.any(affected))
+    lines = [f"{line} (in {where})" if where else line for line, where in steps]
+    return "\n".join([*input_warnings(given), *lines, *filter(None, [_coarse_steps(given, found)])])
 
 
 def wording(line: str) -> str:
@@ -99,14 +85,14 @@ def _nodes(given: ContactInput) -> tuple[int, ...]:
     return tuple(range(-given.file.scene.dimension, 0))
 
 
-def _largest(values: NDArray[Any]) -> float:
-    """Return the largest of the values that are known, nan if none is."""
-    return float(np.max(values, where=~np.isnan(values), initial=-inf)) if not np.isnan(values).all() else nan
+def _largest(values: NDArray[Any], axes: tuple[int, ...] | None = None) -> Any:
+    """Return the largest of the values that are known, along some axes or of all, nan where none is."""
+    return np.fmax.reduce(np.asarray(values), axes)
 
 
-def _smallest(values: NDArray[Any]) -> float:
-    """Return the smallest of the values that are known, nan if none is."""
-    return -_largest(-values)
+def _smallest(values: NDArray[Any], axes: tuple[int, ...] | None = None) -> Any:
+    """Return the smallest of the values that are known, along some axes or of all, nan where none is."""
+    return np.fmin.reduce(np.asarray(values), axes)
 
 
 def input_warnings(given: Input) -> list[str]:
@@ -142,37 +128,38 @@ def _mirrored_load(given: ContactInput) -> str:
     )
 
 
-def _few_contacts(given: ContactInput, found: Found) -> str:
+def _few_contacts(given: ContactInput, found: Found) -> Iterator[Told]:
     scene, counts = given.file.scene, found["n_segments"]
     designs = [is_design(surface.heights) for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
-    touching = counts[counts > 0] / _copies(given)  # at the steps of a path, of which the first may be at first touch
-    average = float(touching.mean()) if touching.size else nan
+    touching = counts > 0  # at the steps of a path, of which the first may be at first touch
+    average = float(counts[touching].mean() / _copies(given)) if touching.any() else nan
     closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
-    if not is_rough or closed or scene.form is not None or scene.interface.hard_wall is None or not average < FEW:
-        return ""
-    return (
-        f"few asperities of the measured field touch, {average:.2g} on average: on another field area, "
-        f"gap, conductance and leakage would differ by {_OF_FEW / sqrt(average):.0%} or more: measure a larger one"
-    )
+    if is_rough and average < FEW and not closed and scene.form is None and scene.interface.hard_wall is not None:
+        yield (
+            touching & (counts / _copies(given) < FEW),
+            f"few asperities of the measured field touch, {average:.2g} on average: on another field area, "
+            f"gap, conductance and leakage would differ by {_OF_FEW / sqrt(average):.0%} or more: measure a larger one",
+        )
 
 
-def coarse_times(numerics: Numerics, found: Found) -> str:
-    """Return a warning about steps in time whose divisions do not reach the tolerance, nothing for others."""
+def coarse_times(numerics: Numerics, found: Found) -> Iterator[Told]:
+    """Yield a warning about steps in time whose divisions do not reach the tolerance."""
     tolerance = numerics.time_tolerance or TIME_TOLERANCE
-    error = _largest(found["time_error"]) if "time_error" in found else 0.0
-    if not error > tolerance:
-        return ""
-    return (
-        f"the divisions of steps leave an error of {error:.2g} of pressures or displacements, above the tolerance of "
-        f"{tolerance:g}: divide the longest steps of the path, or ask for a larger numerics.time_tolerance"
-    )
+    if "time_error" in found:
+        yield (
+            found["time_error"] > tolerance,
+            f"the divisions of steps leave an error of {_largest(found['time_error']):.2g} of pressures or "
+            f"displacements, above the tolerance of {tolerance:g}: divide the longest steps of the path, or ask for a "
+            "larger numerics.time_tolerance",
+        )
 
 
 def _coarse_steps(given: ContactInput, found: Found) -> str:
     laws, jump = given.file.scene.interface, next((name for name in found if name.startswith("jump_")), None)
     loses = laws.friction is not None or laws.cohesive is not None or given.file.scene.creeps
-    if jump is None or loses or (laws.hard_wall is not None and laws.hard_wall.hardness is not None):
+    # one step alone tells nothing of the way to it
+    if jump is None or np.ndim(found[jump]) == 0 or loses or laws.hardness is not None:
         return ""
     lost = np.nan_to_num(found["energy_lost"])
     without = np.where(np.isnan(found[jump]), lost, 0.0)
@@ -188,49 +175,54 @@ def _coarse_steps(given: ContactInput, found: Found) -> str:
     )
 
 
-def _coarse_flow(given: ContactInput, found: Found) -> str:
+def _coarse_flow(given: ContactInput, found: Found) -> Iterator[Told]:
+    yield from coarse_flow(found)
     if "equivalent_plastic_strain" not in found:
-        return ""
-    flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, _nodes(given)[0] - 1, 0)  # the depth comes first
-    deep, told = int(flows.sum(0).max()), coarse_flow(found)
-    if 0 < deep < FEWEST_SUBLAYERS:
-        told.append(
-            f"what has flowed is at most {deep} sublayers deep: give more body.plasticity.sublayers, or a smaller depth"
+        return
+    nodes = _nodes(given)
+    flows = np.moveaxis(found["equivalent_plastic_strain"] > 0.0, nodes[0] - 1, 0)  # the depth comes first
+    deep = flows.sum(0).max(nodes)
+    if deep.max() < FEWEST_SUBLAYERS:
+        yield (
+            deep > 0,
+            f"what has flowed is at most {deep.max()} sublayers deep: give more body.plasticity.sublayers, or a "
+            "smaller depth",
         )
-    return "\n".join(told)
 
 
-def coarse_flow(found: Found) -> list[str]:
-    """Return warnings about plastic flow that leaves its layer, that increments do not resolve, or that is large."""
-    told, strain, error = [], _largest(found["largest_plastic_strain"]), _largest(found["increment_error"])
-    if strain > 0.0 and not error <= LARGEST_INCREMENT_ERROR:
+def coarse_flow(found: Found) -> Iterator[Told]:
+    """Yield warnings about plastic flow that leaves its layer, that increments do not resolve, or that is large."""
+    if "increment_error" not in found:
+        return
+    strain, error = found["largest_plastic_strain"], _largest(found["increment_error"])
+    if not error <= LARGEST_INCREMENT_ERROR:
         known = f"are off by about {error:.2g}" if np.isfinite(error) else "are off by an unknown error"
-        told.append(
+        yield (
+            (strain > 0.0) & ~(found["increment_error"] <= LARGEST_INCREMENT_ERROR),
             f"pressures or residual displacements {known}, because strains turn within an increment: give more "
-            "body.plasticity.increments"
+            "body.plasticity.increments",
         )
-    if _largest(found["plastic_strain_at_base"]) > 0.0:
-        told.append(
-            "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth"
-        )
-    if strain > LARGEST_STRAIN:
-        told.append(
-            f"the largest plastic strain is {strain:.2g}, where strains are taken to be small: stresses and residual "
-            "displacements next to it are off by about this share"
-        )
-    return told
+    yield (
+        found["plastic_strain_at_base"] > 0.0,
+        "the body flows down to the lowest sublayer, and would flow further: give a larger body.plasticity.depth",
+    )
+    yield (
+        strain > LARGEST_STRAIN,
+        f"the largest plastic strain is {_largest(strain):.2g}, where strains are taken to be small: stresses and "
+        "residual displacements next to it are off by about this share",
+    )
 
 
-def _short_stretches(problem: Problem, found: Found) -> str:
+def _short_stretches(problem: Problem, found: Found) -> Iterator[Told]:
     shape = problem.surface.shape
     short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
     across = _mean_width(found, shape)
-    unknown = _largest(2.0 * len(shape) * short / across**2)
-    if not unknown > _UNKNOWN_EDGES:
-        return ""
-    return (
+    unknown = 2.0 * len(shape) * short / across**2
+    yield (
+        unknown > _UNKNOWN_EDGES,
         f"contacts are {_smallest(across):.2g} node spacings wide on average, on a body thin against these: the "
-        f"correction for their edges leaves {100.0 * unknown:.2g} % of the contact area unknown, so refine the grid"
+        f"correction for their edges leaves {100.0 * _largest(unknown):.2g} % of the contact area unknown, so refine "
+        "the grid",
     )
 
 
@@ -242,35 +234,35 @@ def _mean_width(found: Found, shape: tuple[int, ...]) -> NDArray[Any]:
     return areas ** (1.0 / len(shape))
 
 
-def _narrow(given: ContactInput, found: Found) -> str:
-    """Return a warning about contacts of a rough surface that are hardly wider than a node, nothing for others.
+def _narrow(given: ContactInput, found: Found) -> Iterator[Told]:
+    """Yield a warning about contacts of a rough surface that are hardly wider than a node.
 
     Few contacts of a profile lie anywhere within a node; of many narrow ones the mean correction for edges is too
     small.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
     if scene.interface.hard_wall is None or not scene.surfaces:
-        return ""
-    width = _smallest(_mean_width(found, found["gap"].shape[_nodes(given)[0] :]))
-    areas = found["contact_area_fraction"]
-    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(found["contact_area_fraction_error"])  # of maps unknown
-    uncertain = float(np.max(found["contact_area_fraction_error"][known] / areas[known], initial=0.0))
-    off = max(uncertain, LARGEST_OFF) if width < NARROW else uncertain
-    if not off > LEAST_OFF:
-        return ""
+        return
+    widths = _mean_width(found, found["gap"].shape[_nodes(given)[0] :])
+    areas, errors = found["contact_area_fraction"], found["contact_area_fraction_error"]
+    known = np.isfinite(areas) & (areas > 0.0) & np.isfinite(errors)  # of maps unknown
+    uncertain = np.divide(errors, areas, out=np.zeros(areas.shape), where=known)
+    off = np.maximum(uncertain, np.where(widths < NARROW, LARGEST_OFF, 0.0))
     finer = f"points: {2 * found['x'].size} or more"
     if given.measured:
         finer += " of the measured surface, or a larger cutoff"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
-    return (
-        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off)}, and the peak "
-        f"pressure too; take {finer}"
+    width = _smallest(widths)
+    yield (
+        off > LEAST_OFF,
+        f"{NARROW_CONTACTS}, {width:.1f} nodes wide on average: the contact area {off_by(width, off.max())}, and the "
+        f"peak pressure too; take {finer}",
     )
 
 
-def _sharp_peak(given: ContactInput, found: Found) -> str:
-    """Return a warning about a measured surface of which a touching node sticks out, or nothing."""
+def _sharp_peak(given: ContactInput, found: Found) -> Iterator[Told]:
+    """Yield a warning about a measured surface of which a touching node sticks out."""
     scene, axes = given.file.scene, _nodes(given)
     rough = [surface for surface in given.measured if not is_design(surface.heights)]
     if (
@@ -279,22 +271,20 @@ def _sharp_peak(given: ContactInput, found: Found) -> str:
         or scene.interface.hard_wall is None
         or scene.interface.reaches_across
     ):
-        return ""
-    pressure = found["pressure"]
+        return
+    pressure, sharp = found["pressure"], np.zeros(found["status"].shape, dtype=bool)
     near, far = statistics.bends(found["height"], scene.ends)
     bears = np.where(pressure > 0.0, abs(near), -1.0)
     every = (*pressure.shape[: -len(axes)], -1)
     for places in (pressure, bears):  # of the largest pressure, and the sharpest: on a finer grid that may bear more
         node = np.argmax(places.reshape(every), axis=-1, keepdims=True)
         one, two, load = (np.take_along_axis(each.reshape(every), node, -1)[..., 0] for each in (near, far, pressure))
-        if ((abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & (found["status"] == Status.ok)).any():
-            break
-    else:
-        return ""
-    return (
+        sharp |= (abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & (found["status"] == Status.ok)
+    yield (
+        sharp,
         "nodes that touch stick out of their neighbours, as at edges of grooves: with more nodes the largest pressure "
         "may be up to twice as large, and the contact area off by 15 %, so measure with a smaller spacing, or take a "
-        "cutoff of at least 4 nodes"
+        "cutoff of at least 4 nodes",
     )
 
 
@@ -303,8 +293,8 @@ def off_by(width: float, off: float) -> str:
     return "may be that of single nodes" if width < _A_NODE else f"may be off by {100.0 * off:.2g} %"
 
 
-def _beyond_small_strains(given: ContactInput, found: Found) -> str:
-    """Return a warning where the pressure or the slope of much of the contact is beyond the theory of small strains.
+def _beyond_small_strains(given: ContactInput, found: Found) -> Iterator[Told]:
+    """Yield a warning where the pressure or the slope of much of the contact is beyond the theory of small strains.
 
     Without a length or moduli, heights and pressures have a scale that is free: then mean pressures above E* count.
     """
@@ -316,40 +306,40 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> str:
     steep[~touching] = 0.0
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
-    share, peak, slope = _largest(shares), _largest(ratios), _largest(steep)
-    has_scale = scene.length is not None or scene.has_moduli
-    if not (_largest(np.nan_to_num(ratios).mean(nodes)) > 1.0 or (has_scale and (share > LARGEST_SHARE or peak > 1.0))):
-        return ""
-    return (
-        f"strains are no longer small on {100.0 * share:.3g} % of the contact, where the {name} exceeds "
-        f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {peak:.3g} E* and {slope:.2g}), and "
-        "linear elasticity is wrong by about these fractions: check load, moduli and heights"
+    strained = np.nan_to_num(ratios).mean(nodes) > 1.0
+    if scene.length is not None or scene.has_moduli:
+        strained = strained | (shares > LARGEST_SHARE) | (_largest(ratios, nodes) > 1.0)
+    yield (
+        strained,
+        f"strains are no longer small on {100.0 * _largest(shares):.3g} % of the contact, where the {name} exceeds "
+        f"{LARGEST_PRESSURE:g} E* or the slope {STEEPEST_SLOPE:g} (the largest are {_largest(ratios):.3g} E* and "
+        f"{_largest(steep):.2g}), and linear elasticity is wrong by about these fractions: check load, moduli and "
+        "heights",
     )
 
 
-def _outside_branches(given: ContactInput, found: Found) -> str:
-    """Return warnings about times and rates far outside the relaxation times of the body, nothing for others.
+def _outside_branches(given: ContactInput, found: Found) -> Iterator[str]:
+    """Yield warnings about times and rates far outside the relaxation times of the body.
 
     Waves are those of the spectral moments: 2 pi (m2 / m4)^(1/2) apart are the peaks, 2 pi (m0 / m2)^(1/2) long ones.
     """
     scene, series = given.file.scene, given.scales.relaxation
     if series is None:
-        return ""
+        return
     shortest, longest = (given.scales.time * end for end in (min(series.times), series.longest_retardation))
     times, dwells, speeds = _times_and_speeds(given)
-    told = []
     if max(times, default=0.0) > FAR_FROM_BRANCHES * longest:
-        told.append(
+        yield (
             f"after some {longest:.2g} s this body is fully relaxed, and the load acts for {max(times):.4g} s: if it "
             f"should still relax then, measure frequencies below {_hertz(longest)}"
         )
     if min(dwells, default=inf) < shortest / FAR_FROM_BRANCHES:
-        told.append(
+        yield (
             f"before some {shortest:.2g} s this body is glassy, and the load acts for {min(dwells):.3g} s at first: if "
             f"it should relax by then, measure frequencies above {_hertz(shortest)}"
         )
     if not speeds or "nayak" not in found or scene.form is not None:
-        return "\n".join(told)
+        return
     peaks, gradient = _distance_of_peaks(given, found), _largest(found["rms_gradient"]) / scene.dimension**0.5
     waves = 2.0 * np.pi * _largest(found["height"].std(_nodes(given))) / gradient
     unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
@@ -359,12 +349,11 @@ def _outside_branches(given: ContactInput, found: Found) -> str:
     ):
         rate = 2.0 * np.pi * speed / wave
         if max(end / rate, rate / end) > FAR_FROM_BRANCHES and (rate < end) == (where == "below"):
-            told.append(
+            yield (
                 f"at {with_prefix(speed, per_second, 3)} waves of {with_prefix(wave, unit, 3)} act at "
                 f"{_hertz(1.0 / rate)}, and this body is {how} far {where} {_hertz(1.0 / end)}: if it should dissipate "
                 f"more there, measure frequencies {where} that"
             )
-    return "\n".join(told)
 
 
 def _times_and_speeds(given: ContactInput) -> tuple[list[float], list[float], list[float]]:
@@ -395,14 +384,14 @@ def _hertz(time: float) -> str:
     return f"{1.0 / (2.0 * np.pi * time):.3g} Hz"
 
 
-def _few_nodes(given: ContactInput, found: Found) -> str:
-    """Return a warning about a contact that is a single node, or narrow under a form, with a grid that would do.
+def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
+    """Yield a warning about a contact that is a single node, or narrow under a form, with a grid that would do.
 
     Where a law acts across the gap, the nodes that touch say little, and `law_resolution` tells what the grid resolves.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
     if scene.interface.reaches_across:
-        return ""
+        return
     nodes = _nodes(given)
     sound = np.expand_dims(found["status"] == Status.ok, nodes)  # else it is where a step failed
     bears = (found["pressure"] > 0.0) & sound
@@ -411,12 +400,11 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
         across = np.min([bears.any(tuple({*nodes} - {axis})).sum(-1) for axis in nodes], axis=0)
     else:  # a disc of as many nodes
         across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5
-    fewest = _largest(
-        np.where(counts > 0, across, nan)
-    )  # of a path where it is widest: each contact begins with a node
+    # of a path where it is widest: each contact begins with a node
+    fewest = _largest(np.where(counts > 0, across, nan))
     least = FEWEST if scene.form is not None else _A_NODE
     if not fewest < least:
-        return ""
+        return
     points = ceil(found["x"].size * FEWEST / fewest)
     finer = f"at least {points} points" + (" both ways" if len(nodes) == 2 else "")
     if discretisation is not None:
@@ -424,17 +412,17 @@ def _few_nodes(given: ContactInput, found: Found) -> str:
     off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"
     if scene.form is None:
         off = "area and pressure are those of the node alone"
-    return f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
+    yield counts > 0, f"{FEW_NODES}, which is {fewest:.2g} wide: {off}; take {finer}, or a larger load"
 
 
-def at_the_edge(found: Found) -> str:
-    """Return a warning about a contact that reaches the edge of a window without a period, nothing for others."""
-    if "edge_contact" not in found or not _largest(found["edge_contact"]) > 0.0:
-        return ""
-    return (
-        "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface goes "
-        "on, take a larger patch or a smaller load"
-    )
+def at_the_edge(found: Found) -> Iterator[Told]:
+    """Yield a warning about a contact that reaches the edge of a window without a period."""
+    if "edge_contact" in found:
+        yield (
+            found["edge_contact"] > 0.0,
+            "the contact reaches the edge of the window, where the punch ends in a sharp edge: if the real surface "
+            "goes on, take a larger patch or a smaller load",
+        )
 
 
 def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
@@ -460,86 +448,85 @@ def _distance_of_peaks(given: ContactInput, found: Found) -> float:
     nodes = _nodes(given)
     profile_gradient = _largest(found["rms_gradient"]) / sqrt(len(nodes))
     wide = _largest(found["height"].std(nodes) / found["nayak"] ** 0.5)
-    return 2.0 * pi * wide / profile_gradient
+    return float(2.0 * pi * wide / profile_gradient)
 
 
-def past_asperities(found: Found) -> str:
-    """Return a warning about sliding so far that asperities would meet others, nothing for less."""
-    if "slid_over_peaks" not in found or not (slid := _largest(found["slid_over_peaks"])) > FARTHEST:
-        return ""
-    return (
-        f"the punch has slid past the body, {slid:.2g} times the mean distance of the peaks. Each node still faces the "
-        f"same node of the punch: beyond {FARTHEST:g} times that distance, asperities of real surfaces meet at other "
-        "places"
-    )
+def past_asperities(found: Found) -> Iterator[Told]:
+    """Yield a warning about sliding so far that asperities would meet others."""
+    if "slid_over_peaks" in found:
+        yield (
+            found["slid_over_peaks"] > FARTHEST,
+            f"the punch has slid past the body, {_largest(found['slid_over_peaks']):.2g} times the mean distance of "
+            f"the peaks. Each node still faces the same node of the punch: beyond {FARTHEST:g} times that distance, "
+            "asperities of real surfaces meet at other places",
+        )
 
 
-def _closer_than_known(given: ContactInput, found: Found) -> str:
-    law, nearest = given.file.scene.interface.law_of_the_gap, _smallest(found["gap"])
-    if law is None or not nearest < law.known_from * law.range:
-        return ""
-    return (
-        f"the surfaces come as close as {nearest / law.range:.3g} times the range of the {law.title}, whose traction "
-        f"goes on in a line below {law.known_from:g} times it: the law itself repels more, so check load and range"
-    )
+def _closer_than_known(given: ContactInput, found: Found) -> Iterator[Told]:
+    law, nearest = given.file.scene.interface.law_of_the_gap, _smallest(found["gap"], _nodes(given))
+    if law is not None:
+        yield (
+            nearest < law.known_from * law.range,
+            f"the surfaces come as close as {_smallest(nearest) / law.range:.3g} times the range of the {law.title}, "
+            f"whose traction goes on in a line below {law.known_from:g} times it: the law itself repels more, so check "
+            "load and range",
+        )
 
 
-def _weak_interface(given: ContactInput, found: Found) -> str:
-    """Return a warning about a shear strength that is hardly above what the residual leaves open, nothing for others.
+def _weak_interface(given: ContactInput, found: Found) -> Iterator[Told]:
+    """Yield a warning about a shear strength that is hardly above what the residual leaves open.
 
     The residual counts in the largest pressure.
     """
     friction, residual = given.file.scene.interface.friction, given.file.numerics.residual
-    peak = _largest(found["pressure"])
-    if friction is None or friction.limit is None or not friction.limit < RESOLVED_LIMIT * residual * peak:
-        return ""
-    return (
-        f"the residual leaves open tractions of {residual * peak / friction.limit:.2g} times the limit of friction: "
-        f"take a numerics.residual of at most {friction.limit / (RESOLVED_LIMIT * peak):.1g}"
-    )
+    peaks = _largest(found["pressure"], _nodes(given))
+    if friction is not None and friction.limit is not None and (peak := _largest(peaks)) > 0.0:
+        yield (
+            friction.limit < RESOLVED_LIMIT * residual * peaks,
+            f"the residual leaves open tractions of {residual * peak / friction.limit:.2g} times the limit of "
+            f"friction: take a numerics.residual of at most {friction.limit / (RESOLVED_LIMIT * peak):.1g}",
+        )
 
 
-def _overlap(given: ContactInput, found: Found) -> str:
+def _overlap(given: ContactInput, found: Found) -> Iterator[Told]:
     law = given.file.scene.interface.cohesive
-    deepest = 0.0 if law is None else -_smallest(found["gap"]) / law.normal_length
-    if not deepest > 1.0:
-        return ""
-    return (
-        f"the surfaces overlap by up to {deepest:.3g} times normal_length, and without a hard_wall no area counts as "
-        "contact: add one to the interface unless you mean that"
-    )
+    if law is not None:
+        depths = -_smallest(found["gap"], _nodes(given)) / law.normal_length
+        yield (
+            depths > 1.0,
+            f"the surfaces overlap by up to {_largest(depths):.3g} times normal_length, and without a hard_wall no "
+            "area counts as contact: add one to the interface unless you mean that",
+        )
 
 
 def rough_body_warnings(
     bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
-) -> str:
-    """Return warnings about slopes above the thesis's limit and about films at order 0, one sentence a line.
+) -> Iterator[Told]:
+    """Yield warnings about slopes above the thesis's limit and about films at order 0.
 
     `displacement` names the normal one in the dataset that was found.
     """
-    return "\n".join(
-        filter(None, (_of_steep_bodies(bodies, found, displacement), thin_film_warning(bodies) if order == 0 else ""))
-    )
-
-
-def _of_steep_bodies(bodies: tuple[RoughBody, ...], found: xr.Dataset, displacement: str) -> str:
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
-    if steepest <= STEEPEST:
-        return ""
-    if "next_order" not in found:
-        return (
-            f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}: order 0 in the slope, at "
-            "which bodies that creep are pressed, leaves out relative errors of about that size"
+    steep = f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}"
+    if steepest > STEEPEST and "next_order" not in found:
+        yield (
+            True,
+            f"{steep}: order 0 in the slope, at which bodies that creep are pressed, leaves out relative errors of "
+            "about that size",
         )
-    error, unit = float(found["next_order"].max()), found["next_order"].units
-    largest = float(abs(found[displacement]).max()) or 1.0
-    if error < NEGLIGIBLE * largest:
-        return ""
-    off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
-    return (
-        f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}: "
-        f"the next order in the slope would change displacements by up to {off}, and the error is of that size"
-    )
+    elif steepest > STEEPEST:
+        error, unit = float(found["next_order"].max()), found["next_order"].units
+        sizes = abs(found[displacement]).max([dim for dim in found[displacement].dims if dim != "step"])
+        largest = float(sizes.max()) or 1.0
+        off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
+        if error >= NEGLIGIBLE * largest:
+            yield (
+                (found["next_order"] >= NEGLIGIBLE * sizes.where(sizes > 0.0, 1.0)).values,
+                f"{steep}: the next order in the slope would change displacements by up to {off}, and the error is of "
+                "that size",
+            )
+    if order == 0 and (film := thin_film_warning(bodies)):
+        yield True, film
 
 
 def thin_film_warning(bodies: Sequence[RoughBody]) -> str:

@@ -110,14 +110,13 @@ def radii(heights: Reals, lengths: tuple[float, ...]) -> tuple[float, ...]:
     fit = polynomial(heights, 2)
     steps = [(n - 1) // 2 for n in fit.shape]
     spans = [m * length / n for m, n, length in zip(steps, fit.shape, lengths, strict=True)]
-    if fit.ndim == 1:
-        (m,), (span,) = steps, spans
-        return (-(span**2) / float(fit[0] - 2.0 * fit[m] + fit[2 * m]),)
-    (i, j), (a, b) = steps, spans
-    yy = (fit[0, 0] - 2.0 * fit[i, 0] + fit[2 * i, 0]) / a**2
-    xx = (fit[0, 0] - 2.0 * fit[0, j] + fit[0, 2 * j]) / b**2
-    xy = (fit[0, 0] - fit[0, j] - fit[i, 0] + fit[i, j]) / (a * b)
-    second = np.array([[yy, xy], [xy, xx]])
+
+    def at(*axes: int) -> float:
+        """Height a step along each of the axes from the first point."""
+        return float(fit[tuple(m * axes.count(axis) for axis, m in enumerate(steps))])
+
+    along = list(enumerate(spans))
+    second = np.array([[(at() - at(i) - at(j) + at(i, j)) / (a * b) for j, b in along] for i, a in along])
     curvatures = -np.linalg.eigvalsh(second)
     curvatures = curvatures[np.argsort(-abs(curvatures))]
     return tuple(1.0 / float(each) for each in curvatures if abs(each) > _FLAT * abs(curvatures[0]))

@@ -16,7 +16,6 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import PowerLaw, Random
-from gfmd_numba.scene.units import in_reduced_units
 
 Shape = tuple[int, ...]
 
@@ -110,29 +109,23 @@ def gradient_over_height(generator: Generator, shape: Shape) -> float:
     return float(np.sqrt(second / zeroth))
 
 
-def band(record: PowerLaw, discretisation: Discretisation | None, period: float) -> tuple[float, float]:
+def band(record: PowerLaw, discretisation: Discretisation | None) -> tuple[float, float]:
     """Wave indices of the longest and the shortest wavelength: those of the record, or of the discretisation."""
     if record.cut_on is not None and record.roll_off is not None:
-        return period / record.roll_off, period / record.cut_on
+        return 1.0 / record.roll_off, 1.0 / record.cut_on
     assert discretisation is not None  # the loader's promise
     return float(discretisation.cut_on_index), discretisation.cut_off_index
 
 
 def random_surface(
-    record: Random,
-    discretisation: Discretisation | None,
-    period: float,
-    dimension: int,
-    seed: int,
-    periods: int = 1,
+    record: Random, discretisation: Discretisation | None, dimension: int, seed: int, periods: int = 1
 ) -> tuple[RandomSurface, float]:
     """Ensemble of a record, or of patches of so many periods, and the rms gradient asked of it.
 
-    Lengths of the record are in the unit of `period`. Grid and wavelengths that the record leaves open are those of the
+    Lengths of the record are in all these periods. Grid and wavelengths that it leaves open are those of the
     discretisation. Where it asks for an rms height, theory tells the gradient. Raises ValueError for lengths that do
     not go with the period.
     """
-    record, period = in_reduced_units(record, periods * period, 1.0), 1.0
     if discretisation is not None and periods > 1:
         discretisation = discretisation.model_copy(update={"eps_t": discretisation.eps_t / periods})
     nx = discretisation.nx if record.points is None and discretisation is not None else record.points
@@ -141,7 +134,7 @@ def random_surface(
         nx *= periods
     make: Callable[..., Generator] = resolve_name(record.implementation)
     surface = RandomSurface(
-        make(record, discretisation, period, dimension, nx),
+        make(record, discretisation, dimension, nx),
         nx // periods,
         seed,
         dimension,

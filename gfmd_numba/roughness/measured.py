@@ -4,7 +4,8 @@
 and with it the period: the same, or twice as much if the field is mirrored. Without them, `length` does.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
@@ -13,17 +14,24 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility, statistics
-from gfmd_numba.roughness.measurements import Content, Measurement, measurement
+from gfmd_numba.roughness.measurements import Content, Measurement, at_spacing, counts_points, measurement
 from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
+from gfmd_numba.scene import Document, Scene
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
 from gfmd_numba.text.numbers import with_prefix
 
 Reader = Callable[[Path], Content]
+Place = tuple[str, ...]  # of a roughness in the scene
 
+_FADED = (
+    "periodic: window fades the measured surface to a plane at its ends, and area, gap and pressure are those of the "
+    "faded surface: take periodic: mirror for a contact, and a window for spectra"
+)
+_UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 _FLAT = 1e-12  # of the largest height in the file, below which a range of heights is rounding
 _SIZES = 1e-6  # by which a period in a file and one in the scene may differ,
 _OF_A_HEADER = 0.01  # by which a rounded one in a header may, and
@@ -77,6 +85,64 @@ class Field:
         return self.fields * self.found.lengths[-1] if self.found.unit == "m" and self.found.lengths else None
 
 
+MeasuredSurfaces = Mapping[Place, MeasuredSurface]
+
+
+def measured_surfaces(
+    scene: Scene, document: Document, read: Reader = read_content
+) -> tuple[dict[Place, MeasuredSurface], float | None]:
+    """Measured surfaces of a scene by their places, and the period in m: that of the scene, or else that of a file.
+
+    `read` gives the content of a file. Raises InputError for files that cannot be used, or that tell different periods.
+    """
+    fields = {}
+    for place, record in scene.surfaces.items():
+        if isinstance(record, Measured):
+            with usable(document, ("scene", *place), record):
+                fields[place] = measured_field(record, read)
+    told = {place: field.period for place, field in fields.items() if field.period is not None}
+    first = next(iter(told), None) if scene.length is None else None
+    length, told_by = (scene.length, "length") if first is None else (told[first], ".".join(first))
+    dimension = scene.dimension if "dimension" in scene.model_fields_set else None
+    surfaces = {}
+    for place, field in fields.items():
+        at, own = ("scene", *place), None if place == first else length  # whose period is told by nobody else
+        with usable(document, at, field.record):
+            found = periodic_surface(field, own, dimension, scene.has_moduli, told_by, scene.periodic)
+        _check_square(found, field.record, at, document)
+        doubts = (*found.doubts, _FADED) if field.record.periodic == "window" else found.doubts
+        surfaces[place] = replace(found, doubts=doubts)
+    return surfaces, length
+
+
+def _check_square(found: MeasuredSurface, record: Measured, place: Place, document: Document) -> None:
+    """Raise InputError for a map of more points, or a larger size, along one axis than along the other."""
+    unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
+    if len(set(found.heights.shape)) > 1 or unequal:
+        points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
+        unit = "L_x" if found.unit == "1" else "m"
+        given = f"{record.shown} ({points} points over {sizes} {unit})"
+        remedy = (
+            "crop: square cuts one out"
+            if unequal
+            else f"points: {max(found.heights.shape)} resamples it to as many points both ways"
+        )
+        allowed = f"a map of as many points, and the same size, both ways; {remedy}"
+        raise document.fault((*place, record.key), given, allowed)
+
+
+@contextmanager
+def usable(document: Document, place: Place, record: Measured | None = None) -> Iterator[None]:
+    """Raise InputError for a surface at a place that cannot be used, by its file or heights if it is measured."""
+    try:
+        yield
+    except ValueError as error:
+        if record is None:
+            raise document.refused(place, f"a usable surface, not {error}") from None
+        allowed = "a table of equidistant heights in units that are stated"
+        raise document.fault((*place, record.key), f"{record.shown} ({error})", allowed) from None
+
+
 def measured_field(record: Measured, read: Reader = read_content) -> Field:
     """Heights of a record in the units that are stated; `read` gives the content of a file.
 
@@ -86,7 +152,9 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
     if np.ndim(content.heights) == 2 and 1 in content.heights.shape and not (content.positions or content.sizes):
         content = replace(content, heights=content.heights.ravel())  # one row, or one column
-    if record.spacing is not None:
+    if record.spacing is not None and counts_points(content):
+        content = at_spacing(content, float(record.spacing))
+    elif record.spacing is not None:
         if content.positions or (content.sizes and not content.rounded):
             raise ValueError("positions or sizes in the file, so that spacing has to be left out")
         points = dict(zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True))
@@ -181,7 +249,8 @@ def _sizes(
     if found.lengths is None:
         if found.unit == "m" and length is None:
             raise ValueError(
-                "heights without positions: give spacing, the distance of neighbouring points, or length, the period"
+                f"{'a profile' if len(shape) == 1 else 'a map'} of {' x '.join(map(str, shape))} heights without "
+                "positions: give spacing, the distance of neighbouring points, or length, the period"
             )
         if length is not None and field.fields == 2.0 and told_by == "length":
             field_of, period_of = (in_unit_of(length, length / part / shape[-1], "m") for part in (1.0, 2.0))

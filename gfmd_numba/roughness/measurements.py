@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf
 from typing import Any, Literal
 
@@ -12,7 +12,7 @@ import numpy.typing as npt
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
-from gfmd_numba.scene.units import METRES, PERIOD, length_unit, metres
+from gfmd_numba.scene.units import COUNTS, METRES, PERIOD, length_unit, metres
 
 _CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
@@ -31,8 +31,10 @@ _SCATTERED = 0.5  # of a grid without its heights: points at random fill far les
 class Content:
     """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
 
-    `positions` along each axis or the physical `sizes` may be missing, or the sizes be `rounded` ones of a header;
-    `units` are those of x, y and z that the file states: names of units of length, or the file's own words for another.
+    `positions` along each axis or the physical `sizes` may be missing, or the sizes be `rounded` ones of a header; a
+    profile on a map has one position across it. `units` are those of x, y and z that the file states: names of units of
+    length, or the file's own words for another. `about_lengths` is a line of its header that speaks of a length. Raises
+    ValueError for what is no row or table of numbers.
     """
 
     heights: npt.NDArray[Any]
@@ -41,6 +43,13 @@ class Content:
     units: Mapping[str, str] = field(default_factory=dict)
     done: tuple[str, ...] = ()
     rounded: bool = False
+    about_lengths: str | None = None
+
+    def __post_init__(self) -> None:
+        """Check the shape and the type of the heights."""
+        given = self.heights
+        if given.ndim not in (1, 2) or given.dtype.kind not in "fiu":
+            raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
 
 
 @dataclass(frozen=True)
@@ -71,14 +80,16 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     given = content.heights
     if given.dtype == np.float16:  # in metres, most heights lie below its smallest normal number
         raise ValueError("heights of type float16, which keeps 3 digits at most: give float32 or float64")
-    if given.ndim not in (1, 2) or given.dtype.kind not in "fiu":
-        raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
     if min(given.shape) < 4:
-        raise ValueError(f"{' x '.join(map(str, given.shape))} heights, not at least 4")
+        heights_of, least = (" x ".join(map(str, each)) for each in (given.shape, (4,) * given.ndim))
+        columns = "; columns of positions and heights are read from text: save them as text, or the heights alone"
+        raise ValueError(f"{heights_of} heights, not at least {least}{columns if given.ndim == 2 else ''}")
     with np.errstate(over="ignore"):  # of more than double precision
         heights = np.asarray(given, dtype=np.float64)
     check_finite(heights)
     axes = AXES[-heights.ndim :]
+    if heights.ndim == 1 and len(content.positions.get("y", ())) > 1:
+        axes = ("y",)
     done = list(content.done)
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
@@ -102,6 +113,29 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
         raise ValueError(f"a physical size of {unresolved[0]:.3g}, not from {SMALLEST:g} to {LARGEST:g}")
     lengths = tuple(size * scales[axis] for size, axis in zip(sizes, axes, strict=True)) if sizes else None
     return Measurement(heights * scales["z"], lengths, unit, tuple(done), named, content.rounded)
+
+
+def counts_points(content: Content) -> bool:
+    """Whether positions, of no unit of length, are whole numbers that mostly go up by one, as numbers of points do."""
+    return bool(content.positions) and all(
+        content.units.get(axis, COUNTS[0]) in COUNTS and each.dtype.kind in "fiu" and _goes_up_by_one(each)
+        for axis, each in content.positions.items()
+    )
+
+
+def _goes_up_by_one(positions: npt.NDArray[Any]) -> bool:
+    whole = np.asarray(positions, dtype=np.float64)
+    return bool((whole == np.round(whole)).all() and (len(whole) == 1 or np.median(abs(np.diff(whole))) == 1.0))
+
+
+def at_spacing(content: Content, spacing: float) -> Content:
+    """Content whose positions are numbers of points, with positions in m of points so far apart."""
+    return replace(
+        content,
+        positions={axis: spacing * np.asarray(each, dtype=np.float64) for axis, each in content.positions.items()},
+        units={**content.units, **dict.fromkeys(content.positions, "m")},
+        done=(*content.done, "took whole numbers for numbers of points, as there is a spacing"),
+    )
 
 
 def check_finite(heights: Reals) -> None:
@@ -135,6 +169,7 @@ def _scales(
     for axis in asked:
         if axis not in given:
             raise ValueError(f"no {_NAMES[axis]} in the file, so that units.{axis} has to be left out")
+    given -= {axis for axis, each in content.positions.items() if len(each) == 1}
     units: dict[str, str | None] = {}
     for axis in sorted(given):
         stated = content.units.get(axis)
@@ -149,18 +184,27 @@ def _scales(
                 f"a scale of {stated} in the header: write units: {{{axis}: {number} {name}}} if the file holds "
                 f"counts, or {{{axis}: 1 {name}}} if it holds {_NAMES[axis]} in {name}"
             )
+        if stated in COUNTS and axis not in asked:
+            raise ValueError(
+                f"{_NAMES[axis]} that are numbers of points: give spacing, the distance of neighbouring points, or "
+                f"units: {{{axis}: 0.5 um}}, with theirs"
+            )
         if stated is not None and not known and axis not in asked:
             raise ValueError(f"{_NAMES[axis]} in {stated!r}, which is no unit of length: name theirs as units.{axis}")
     missing = [axis for axis, unit in units.items() if unit is None]
+    counted = "; if positions are numbers of points, give spacing instead" if counts_points(content) else ""
     if len(missing) == len(units):
         if len(units) > 1:
             raise ValueError(
                 f"{_words(sorted(units))} without a unit: write units: {_example(sorted(units))}, with theirs, next to "
-                "file, or state them in the file"
+                f"file, or state them in the file{counted}"
             )
+        if content.about_lengths is not None:
+            told = f"heights without a unit under a header that says {content.about_lengths}"
+            raise ValueError(f"{told}: write units: {{z: um}}, with theirs, next to file")
         return {"z": 1.0}, None, {}
     if missing:
-        raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs")
+        raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs{counted}")
     kinds = {"1" if unit == PERIOD else "m" for unit in units.values()}
     if len(kinds) > 1:
         raise ValueError(f"some of {_words(sorted(units))} in {PERIOD}, not all: state all in it or none")
@@ -285,7 +329,7 @@ def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
 def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
 
-    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile along x. Raises
+    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile. Raises
     ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
     """
     present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
@@ -310,9 +354,7 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))
     heights = np.full((len(along_y), len(along_x)), np.nan)
     heights[of_y[j], of_x[i]] = z
-    if 1 in heights.shape:
-        return heights.ravel(), {"x": along_x if len(along_y) == 1 else along_y}
-    return heights, {"x": along_x, "y": along_y}
+    return heights.ravel() if 1 in heights.shape else heights, {"x": along_x, "y": along_y}
 
 
 def _spacing(positions: Reals, of: np.dtype[Any], name: str) -> tuple[float, tuple[str, ...]]:

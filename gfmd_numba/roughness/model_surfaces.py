@@ -99,10 +99,10 @@ class ModelWaves:
     largest_index: int
 
     @classmethod
-    def of(cls, model: Isotropic | Anisotropic, record: records.Spectral, period: float, nx: int) -> Self:
+    def of(cls, model: Isotropic | Anisotropic, record: records.Spectral, nx: int) -> Self:
         """Waves of a model down to the cut-on wavelength of a record, or all below the Nyquist wave of its grid."""
         highest = (nx - 1) // 2
-        largest = highest if record.cut_on is None else min(highest, int(period / record.cut_on * (1.0 + 1e-9)))
+        largest = highest if record.cut_on is None else min(highest, int(1.0 / record.cut_on * (1.0 + 1e-9)))
         return cls(record.method, model, largest)
 
     @property
@@ -133,20 +133,20 @@ class ModelWaves:
         return _POWERS[self.method](self.model, shape[0], self.largest_index)
 
 
-def generator(record: records.Spectral, _: Discretisation | None, period: float, dimension: int, nx: int) -> ModelWaves:
+def generator(record: records.Spectral, _: Discretisation | None, dimension: int, nx: int) -> ModelWaves:
     """Waves of the model of a record, perhaps with mounds."""
     model: Isotropic | Anisotropic
     match record:
         case records.Correlated():  # thesis (3.10) or (3.13)
-            flat = _ISOTROPIC[type(record)](dimension, record.hurst, record.correlation_length / period)
+            flat = _ISOTROPIC[type(record)](dimension, record.hurst, record.correlation_length)
             mounds = record.mound_separation
-            model = flat if mounds is None else spectra.Mounded(flat, mounds / period)
+            model = flat if mounds is None else spectra.Mounded(flat, mounds)
         case records.LengthAnisotropy():  # thesis (3.15)
-            model = spectra.LengthAnisotropicSpectrum(record.hurst, _lengths(record, period))
+            model = spectra.LengthAnisotropicSpectrum(record.hurst, _lengths(record))
         case records.ScalingAnisotropy():  # thesis (3.16)
             hursts = record.hurst_x, record.hurst_y
-            model = spectra.ScalingAnisotropicSpectrum(hursts, _lengths(record, period))
-    return ModelWaves.of(model, record, period, nx)
+            model = spectra.ScalingAnisotropicSpectrum(hursts, _lengths(record))
+    return ModelWaves.of(model, record, nx)
 
 
 def _usable(power: Reals) -> Reals:
@@ -168,5 +168,5 @@ _ISOTROPIC: dict[type[records.Correlated], type[spectra.ExponentialSpectrum | sp
 }
 
 
-def _lengths(record: records.LengthAnisotropy | records.ScalingAnisotropy, period: float) -> tuple[float, float]:
-    return record.correlation_length_x / period, record.correlation_length_y / period
+def _lengths(record: records.LengthAnisotropy | records.ScalingAnisotropy) -> tuple[float, float]:
+    return record.correlation_length_x, record.correlation_length_y

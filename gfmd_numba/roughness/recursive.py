@@ -119,14 +119,10 @@ class Recursion:
 
 
 def generator(
-    record: MidpointDisplacement | SuccessiveAddition,
-    discretisation: Discretisation | None,
-    period: float,
-    dimension: int,
-    nx: int,
+    record: MidpointDisplacement | SuccessiveAddition, discretisation: Discretisation | None, dimension: int, nx: int
 ) -> Recursion:
     """Subdivision of a record between its wavelengths, or those of the discretisation."""
-    longest, shortest = band(record, discretisation, period)
+    longest, shortest = band(record, discretisation)
     return Recursion(record.method, dimension, record.hurst, 1.0 / shortest, 1.0 / longest)
 
 

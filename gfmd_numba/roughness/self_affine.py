@@ -121,29 +121,9 @@ class SelfAffineWaves:
         return np.asarray(power / statistics.moment_of_power(power, shape, 0, (1.0,) * len(shape)))
 
 
-def generator(
-    record: SelfAffine, discretisation: Discretisation | None, period: float, dimension: int, nx: int
-) -> SelfAffineWaves:
+def generator(record: SelfAffine, discretisation: Discretisation | None, dimension: int, nx: int) -> SelfAffineWaves:
     """Waves of a record between its wavelengths, or those of the discretisation."""
-    longest, shortest = band(record, discretisation, period)
+    longest, shortest = band(record, discretisation)
     anisotropy = record.anisotropy or 1.0
     cut_off, by_theory = int(shortest * (1.0 + 1e-9)), record.scaling == "ensemble"
     return SelfAffineWaves(record.hurst, longest, cut_off, anisotropy, record.plateau, by_theory)
-
-
-def profiles(hurst: float, cut_on_index: float, cut_off_index: int, nx: int, seed: int, realisations: range) -> Reals:
-    """Heights `[realisation, nx]` of `SelfAffineWaves`."""
-    return SelfAffineWaves(hurst, cut_on_index, cut_off_index).heights((nx,), seed, realisations)
-
-
-def maps(
-    hurst: float,
-    cut_on_index: float,
-    cut_off_index: int,
-    nx: int,
-    seed: int,
-    realisations: range,
-    anisotropy: float = 1.0,
-) -> Reals:
-    """Heights `[realisation, nx, nx]` of `SelfAffineWaves`."""
-    return SelfAffineWaves(hurst, cut_on_index, cut_off_index, anisotropy).heights((nx, nx), seed, realisations)

@@ -4,10 +4,10 @@
 """
 
 from collections.abc import Iterator
+from math import frexp, ldexp
 from typing import Any
 
 import numpy as np
-import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.fourier import grid
@@ -50,10 +50,16 @@ def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 
 def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Reals:
     """Root-mean-square gradient `[...]` (thesis (4.2), corrected); heights may end along some axes (y,) x."""
-    if not any(ends):
-        return np.sqrt(spectral_moment(heights, 2, lengths))
-    squares = sum(each**2 for each in gradients(heights, lengths, ends))
-    return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+    if any(ends):
+        squares = sum(each**2 for each in gradients(heights, lengths, ends))
+        return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+    return np.sqrt(spectral_moment(heights, 2, lengths))
+
+
+def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
+    """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
+    scale = ldexp(1.0, frexp(np.abs(heights).max())[1] - 1)
+    return scale, float(rms_gradient(heights / scale, (1.0,) * heights.ndim, ends))
 
 
 def rms_curvature(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -89,25 +95,16 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
 def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Iterator[Reals]:
     """Derivatives along each axis from the last, spectral, or of a spline along (y,) x where that `ends`.
 
-    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends. Slopes
-    per node are s_(i-1) + 4 s_i + s_(i+1) = 3 (h_(i+1) - h_(i-1)), and s_0 + 2 s_1 = (h_2 + 4 h_1 - 5 h_0) / 2.
+    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends.
     """
     for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
         if not (ends and ends[axis]):
             yield gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1)
             continue
-        from scipy.linalg import solve_banded  # it takes longer to import than most contacts to solve
+        from scipy.interpolate import make_interp_spline  # it takes longer to import than most contacts to solve
 
-        along = np.moveaxis(np.asarray(heights, dtype=np.float64), axis, 0)
-        h = along.reshape(len(along), -1)
-        bands = np.repeat([[1.0], [4.0], [1.0]], len(h), axis=1)  # above the diagonal, on it and below
-        bands[1, [0, -1]], bands[0, 1], bands[2, -2] = 1.0, 2.0, 2.0
-        right = np.empty(h.shape)
-        right[1:-1] = 3.0 * (h[2:] - h[:-2])
-        right[0] = 0.5 * (h[2] + 4.0 * h[1] - 5.0 * h[0])
-        right[-1] = 0.5 * (5.0 * h[-1] - 4.0 * h[-2] - h[-3])
-        slopes = np.asarray(solve_banded((1, 1), bands, right)).reshape(along.shape)
-        yield np.moveaxis(slopes, 0, axis) * (len(along) / length)
+        nodes = np.arange(heights.shape[axis])
+        yield make_interp_spline(nodes, heights, axis=axis)(nodes, 1) * (len(nodes) / length)
 
 
 def bends(heights: Reals, ends: tuple[bool, ...]) -> tuple[Reals, Reals]:
@@ -217,32 +214,3 @@ def _waves(heights: Reals, lengths: tuple[float, ...]) -> tuple[Reals, Reals, Re
     weight = np.broadcast_to(grid.multiplicity(heights.shape[-1]), squares.shape)
     q = wavenumbers(heights, lengths)
     return q.ravel()[1:], squares.ravel()[1:], weight.ravel()[1:]
-
-
-def standardised(heights: Reals, dimension: int = 1) -> Reals:
-    """Heights of each profile or map less their mean, over their rms height; ValueError for a flat surface."""
-    axes = tuple(range(-dimension, 0))
-    spread = heights.std(axis=axes, keepdims=True)
-    if not (spread > 0.0).all():
-        raise ValueError("a flat surface, which has no distribution of heights")
-    return np.asarray((heights - heights.mean(axis=axes, keepdims=True)) / spread)
-
-
-def skewness(heights: Reals, dimension: int = 1) -> Reals:
-    """Third moment m3 / w^3 `[...]` of the heights, 0 for a Gaussian surface (thesis 3.2)."""
-    return np.asarray((standardised(heights, dimension) ** 3).mean(axis=tuple(range(-dimension, 0))))
-
-
-def kurtosis(heights: Reals, dimension: int = 1) -> Reals:
-    """Fourth moment m4 / w^4 `[...]` of the heights, 3 for a Gaussian surface (thesis 3.2)."""
-    return np.asarray((standardised(heights, dimension) ** 4).mean(axis=tuple(range(-dimension, 0))))
-
-
-def gaussian_distance(heights: Reals, dimension: int = 1) -> Reals:
-    """Largest difference `[...]` between the cumulative distributions of the heights and of (3.1) with their w."""
-    unit = standardised(heights, dimension)
-    ordered = np.sort(unit.reshape(*unit.shape[:-dimension], -1), axis=-1)
-    n = ordered.shape[-1]
-    expected = scipy.special.ndtr(ordered)
-    above = (np.arange(1, n + 1) / n - expected).max(axis=-1)
-    return np.asarray(np.maximum(above, (expected - np.arange(n) / n).max(axis=-1)))

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import Table, read_table
+from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, Table, read_rows, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -23,11 +23,11 @@ if TYPE_CHECKING:
 def read_content(path: Path) -> Content:
     """Content of a .npy, .nc or text file, or of any format of SurfaceTopography if that is installed.
 
-    Text (.csv, .txt, .dat) holds heights in one column, positions and heights in two, positions along x and y and
+    Text, whatever its name, holds heights in one column, positions and heights in two, positions along x and y and
     heights in three, or a map in four or more, perhaps with positions in its first row and column. Raises ValueError,
     saying what is wrong and where, for anything else.
     """
-    return _READERS.get(path.suffix.lower(), _read_instrument)(path)
+    return _READERS.get(path.suffix.lower(), _read_by_content)(path)
 
 
 def content_of(given: Heights) -> Content:
@@ -39,13 +39,13 @@ def content_of(given: Heights) -> Content:
 
 
 def read_values(path: Path, dimension: int) -> Reals:
-    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column; raises ValueError.
+    """Values `[(ny,) nx]` of a .npy or text file, those of a profile in one column or row; raises ValueError.
 
     Any of them may be not-a-number.
     """
-    is_text = path.suffix != ".npy"
-    values = read_table(path).values if is_text else read_npy(path)
+    is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
     if is_text and dimension == 1:
+        values = values.T if len(values) == 1 else values
         if values.shape[1] > 1:
             raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
         values = values[:, 0]
@@ -98,8 +98,7 @@ def _read_text(path: Path) -> Content:
             return Content(heights, {"x": x}, units=units, done=table.done)
         case 3:
             heights, positions = on_a_grid(*table.values.T)
-            stated = _stated(**dict(zip("xyz", table.units, strict=True)))
-            units = {axis: unit for axis, unit in stated.items() if axis == "z" or axis in positions}
+            units = _stated(**dict(zip("xyz", table.units, strict=True)))
             return Content(heights, positions, units=units, done=table.done)
     heights, positions = split_axes(table.values, table.line)
     if not positions:
@@ -112,11 +111,13 @@ def _sized(table: Table, heights: Reals) -> Content:
     """Content of heights without positions, with the sizes that the header states; of profiles, those of points."""
     axes, along_x = AXES[-heights.ndim :], table.sizes.get("x")
     if along_x is None or (heights.ndim == 1 and not along_x.of_points):
-        return Content(heights, units=_stated(z=table.units[0]), done=table.done)
+        about = table.about_lengths
+        return Content(heights, units=_stated(z=table.units[0]), done=table.done, about_lengths=about)
     sizes = {"x": along_x.of_field(heights.shape[-1])}
-    ratio = 1.0 if heights.ndim == 1 else heights.shape[0] / heights.shape[1]
     along_y = table.sizes.get("y")
-    sizes["y"] = sizes["x"] * ratio if along_y is None else along_y.of_field(heights.shape[0])
+    sizes["y"] = (
+        sizes["x"] * (heights.shape[0] / heights.shape[-1]) if along_y is None else along_y.of_field(heights.shape[0])
+    )
     units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
     return Content(
         heights,
@@ -131,11 +132,15 @@ def _stated(**units: str | None) -> dict[str, str]:
     return {axis: unit for axis, unit in units.items() if unit is not None}
 
 
-def _read_dat(path: Path) -> Content:
-    """Text, or the binary format of an interferometer that ends its names alike."""
+def _read_by_content(path: Path) -> Content:
+    """Text, or a binary format of an instrument."""
     check_regular(path, most_numbers())
+    if path.suffix.lower() in _OF_NO_SURFACES:
+        raise ValueError(f"a {path.suffix.lower()} file, which gfmd does not open: export the heights as text")
     with open(path, "rb") as file:
-        return _read_instrument(path) if b"\0" in file.read(2**16) else _read_text(path)
+        begin = file.read(2**16)
+    is_text = begin[:2] in BYTE_ORDER_MARKS or not (_CONTROL.intersection(begin) or begin.startswith(_SDF))
+    return _read_text(path) if begin and is_text else _read_instrument(path)
 
 
 def _read_netcdf(path: Path) -> Content:
@@ -165,13 +170,12 @@ def _named(attribute: object) -> str:
 
 
 def _read_instrument(path: Path) -> Content:
-    check_regular(path, most_numbers())
     try:
         from SurfaceTopography import read_topography
         from SurfaceTopography.Exceptions import CannotDetectFileFormat
     except ImportError:
         needs = "SurfaceTopography, which `pip install 'gfmd-numba[instruments]'` adds"
-        raise ValueError(f"a format {path.suffix} that is read only with {needs}") from None
+        raise ValueError(f"no text, but perhaps a format of {needs}: or export the heights as text") from None
     try:
         topography = read_topography(str(path))
         heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
@@ -186,10 +190,16 @@ def _read_instrument(path: Path) -> Content:
     return Content(heights.T, positions, sizes, units)
 
 
+_SDF = b"aBCR-"  # begins files of ISO 25178-71 in letters
+_CONTROL = {*range(32)} - {*b"\t\n\v\f\r\x1a"}  # characters that no text has
+_OF_NO_SURFACES = {
+    *(".zip", ".gz", ".bz2", ".xz", ".7z", ".npz", ".xls", ".xlsx", ".ods", ".doc", ".docx", ".pdf", ".html"),
+    *(".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".gif"),
+}
 _READERS: dict[str, Callable[[Path], Content]] = {
     ".npy": lambda path: Content(read_npy(path)),
     ".csv": _read_text,
     ".txt": _read_text,
-    ".dat": _read_dat,
     ".nc": _read_netcdf,
 }
+_VALUES: dict[str, Callable[[Path], npt.NDArray[Any]]] = {".npy": read_npy, ".csv": lambda path: read_rows(path).values}

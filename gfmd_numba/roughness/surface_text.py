@@ -15,13 +15,16 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.scene.regular_file import most_numbers, read_regular
-from gfmd_numba.scene.units import PERIOD, length_unit
+from gfmd_numba.scene.units import COUNTS, PERIOD, length_unit
 
 BLANKS = r"\s+"
-_LOOKED_AT = 200  # rows that decide the layout
+BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")  # of text of two bytes a letter
+_LOOKED_AT = 200  # rows that decide the layout, and characters of a line of a header
 _NUMBER = re.compile(r'"?\s*[-+]?(\d+[.,]?\d*|[.,]\d+)([eEdD][-+]?\d+)?\s*"?')
 # that stand for missing numbers, in any case; those with # are errors of spreadsheets
-_WORDS = "nan +nan -nan na n/a n.a. null none bad <na> 1.#qnan -1.#qnan 1.#ind -1.#ind"
+_WORDS = "nan +nan -nan na n/a n.a. null none bad <na> 1.#qnan -1.#qnan 1.#ind -1.#ind nan(ind) -nan(ind) nan(snan)"
+_WORDS += " over masked"
+_NO_DATA = re.compile(r"(?<![^\s,;\"])no[ _]?data(?=\s*(?:[,;\t\"]|$))", re.IGNORECASE | re.MULTILINE)
 _ERRORS = "#n/a #na #nv #div/0! #value! #wert! #valeur! #ref! #bezug! #num! #zahl! #nombre! #name? #null!"
 _MISSING = {"", *_WORDS.split(), *_ERRORS.split(), *(mark * n for mark in "-*" for n in range(1, 33))}
 _NA_VALUES = sorted({spelt for word in _MISSING for spelt in (word, word.upper(), word.title())})
@@ -38,25 +41,42 @@ _STATED = re.compile(
     r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;\"]{1,12})"
     r"|(?<=\w)\s+in\s+([^\s\[\]()/,;\"]{1,12})(?=\s*(?:[\",;\t]|$))"
 )
-_AXES = {  # names of columns, as the last word of a label
-    "x": re.compile(r"x|\w*positions?|distance|lateral|length|\w*(weg|abstand|strecke|länge|laenge)", re.IGNORECASE),
-    "y": re.compile("y", re.IGNORECASE),
-    "z": re.compile(r"z|h|heights?|topography|elevation|\w*h(ö|oe)hen?", re.IGNORECASE),
+_NAMES = {  # without accents, in English, German, French, Spanish and Italian
+    "x": r"x|\w*positions?|distance|lateral|length|\w*(?:weg|abstand|strecke|lae?nge)|abscisse|longueur|abscisa"
+    r"|posicion|distancia|longitud|ascissa|posizione|distanza|lunghezza",
+    "y": "y",
+    "z": r"z|h|heights?|topography|elevation|\w*hoe?hen?|hauteurs?|alturas?|altezz[ae]",
+    "values": r"values?|werte?|valeurs?|valor(?:es?|i)?",
+    "unit": r"units?|einheit(?:en)?|unites?|unidad(?:es)?|unita",
+    "of": r"of|de[rs]?|du|dell?a?|di",
+    "width": "width|breite|largeur|anchura|ancho|larghezza",
+    "height": "height|hoe?he|hauteur|altura|alto|altezza",
+    "size": r"(?:scan|field|image)?[\s_-]*size|(?:bild|messfeld|scan)groe?(?:ss|ß)e",
+    "spacing": r"(?:pixel|point|sampl\w*|cell)[\s_-]*(?:size|width|height|spacing|pitch|distance|step|interval)"
+    r"|step[\s_-]*size|(?:lateral[\s_-]*)?(?:spacing|pitch|calibration)|inc(?:rement)?|inkrement"
+    r"|d(?=[xy]\b)|(?:delta|[Δ∆])(?=[\s_-]*[xy]\b)"
+    r"|(?:mess)?(?:punkt|pixel|abtast|raster)(?:abstand|intervall|schritt|breite|hoe?he|groe?(?:ss|ß)e)|schrittweite"
+    r"|(?:pas|paso|passo|intervall[eo]|intervalo)(?:\sd\W?[ei]?\s?(?:echantillonnage|mesure|muestreo|campionamento))?"
+    r"|(?:taille|tamano|dimensione)\s(?:d\w+\s)?pixel",
+    "count": r"samps?|samples?|points?|pixels?|px|lines?|rows|col(?:umn)?s|profiles|res(?:olution)?|aufloe?sung"
+    r"|(?:mess)?punkte|zeilen|spalten|lignes|colonnes|puntos|lineas|filas|columnas|punti|righe|colonne",
+    "index": r"nr|no|n|i|num(?:ber|ero)?|index|indice|(?:mess)?punkte?|points?|pixels?|samples?|punt[oi]s?",
 }
+_KINDS = {name: re.compile(names, re.IGNORECASE) for name, names in _NAMES.items()}
 _VALUE = re.compile(r"(^|[\s:=])[\d.,]*\d[\d.,]*\s*$")  # a number, whose unit follows: of something else
 _OF_A_PROTOCOL = re.compile(r"\s*[:=]\s*\S|[\s,;]\s*[-+]?[\d.,]+([eE][-+]?\d+)?\W*$")  # behind a unit
-_ENTRY = re.compile(
-    r"\W*((?P<axis>[xyz]|heights?|values?|lateral)\W*)?units?\W*?[:=,;\t]\s*\W?(?P<unit>[^\s\"',;]+)", re.IGNORECASE
-)
-_POINTS = r"(?:pixel|point|sampl\w*)[\s_-]*(?:size|width|height|spacing|pitch|distance|step|interval)"
-_POINTS += r"|(?:lateral[\s_-]*)?(?:spacing|pitch|calibration)"
+_ENTRY = re.compile(r"([^:=,;\t]+)[:=,;\t]\s*\W?([^\s\"',;]+)")
 _AMOUNT = r"(?:\d+[.,]?\d*|[.,]\d+)(?:e[-+]?\d+)?"
 _SIZE = re.compile(
-    rf"(?:(?P<axis>xy|[xy])[\s_-]*)?(?:(?P<points>{_POINTS})|width|height|(?:scan|field|image)?[\s_-]*size)"
-    rf"(?:[\s_-]*(?P<after>xy|[xy]))?\s+(?:(?P<before>[^\W\d]+)\s+)?(?P<x>{_AMOUNT})(?:\s*(?P<unit>[^\W\dx]\w*))?"
-    rf"(?:\s*[x×*]\s*(?P<y>{_AMOUNT})\s*(?P<other>[^\W\d]+))?(?:/p\w+)?(?=\s|$)",
+    rf"(?:(?P<axis>xy|[xy])[\s_-]*)?(?:(?P<points>{_NAMES['spacing']})|{_NAMES['width']}|{_NAMES['height']}"
+    rf"|{_NAMES['size']})(?:[\s_-]*(?P<after>xy|[xy]))?\s+(?:in\s+(?=[^\W\d]))?(?:(?P<before>[^\W\d]+)\s+)?"
+    rf"(?P<x>{_AMOUNT})(?:\s*(?P<unit>[^\W\dx]\w*))?(?:\s*[x×*]\s*(?P<y>{_AMOUNT})\s*(?P<other>[^\W\d]+))?(?:/p\w+)?(?=\s|$)",
     re.IGNORECASE,
 )
+_SIDES = re.compile(rf"(?P<x>{_NAMES['width']})|(?P<y>{_NAMES['height']})", re.IGNORECASE)
+_LENGTH = re.compile(rf"(?<![\w.]){_AMOUNT}\s*([^\W\d_]+)(?!\w|\s*/\s*(?:s|min)\b)|[:=;,\t]\s*([^\W\d_]+)\W*$")
+_COUNT = re.compile(rf"(?<![^\W_])(?:n|num|[xy])?(?:{_NAMES['count']})(?![^\W\d_])", re.IGNORECASE)
+_WHOLE = re.compile(r"(?<![\w.,])\d{1,9}(?![\w.,]*\d|\s*(?:[^\W\d_]?m|bits?)\b)")
 _COUNTS = r"(?:counts?|digits?|lsb|bits?|increments?)"
 _SCALE = re.compile(
     rf"\W*(?:(?:z|heights?|vertical|data)[\s_-]*)?(?:scal(?:e|ing)(?:[\s_-]*factor)?|multiplier)\b"
@@ -153,7 +173,7 @@ def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
             return tuple(bare)
         found = _found(line, line is header[-1])
         heights = [unit for label, unit in found if _axis(label) == "z"]
-        if found and len(found) == wanted:
+        if found and len(found) == wanted and (wanted > 1 or _axis(found[0][0]) in (None, "z")):
             return tuple(unit for _, unit in found)
         if len(found) == 1 and wanted == 2:  # for both columns if it stands alone
             ((label, unit),) = found
@@ -194,6 +214,9 @@ def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | N
         if not any(units) and columns <= 3:
             stated = _stated_units(header, columns)
             units = [stated[i] for i in chosen]
+        words = re.findall(r"[^\W_]+", _unaccented(labels[chosen[0]]))
+        if units[0] is None and words and all(map(_KINDS["index"].fullmatch, words)):
+            units[0] = COUNTS[0]
         return chosen, tuple(units)
     if unclear is not None:
         told = ", ".join(repr(label) for label in unclear)
@@ -245,13 +268,11 @@ def stated_sizes(header: list[str]) -> dict[str, Size]:
     """
     found: dict[str, Size] = {}
     for line in header:
-        entry = _SIZE.match(" ".join(filter(None, _SPLIT.split(line))))
-        units = (length_unit(each) for each in entry.group("other", "unit", "before") if each) if entry else ()
-        unit = next(filter(None, units), None)
+        entry, unit = _size(line)
         if entry is None or unit is None or unit == PERIOD:
             continue
-        named = re.search("w(?=idth)|h(?=eight)", entry[0], re.IGNORECASE)
-        axes = entry["axis"] or entry["after"] or ("xy" if named is None else "xy"[named[0] in "hH"])
+        side = _SIDES.search(entry[0])
+        axes = entry["axis"] or entry["after"] or ("xy" if side is None else str(side.lastgroup))
         amounts = (float(each.replace(",", ".")) for each in (entry["x"], entry["y"] or entry["x"]))
         sizes = {axis: Size(amount, unit, bool(entry["points"])) for axis, amount in zip("xy", amounts, strict=True)}
         if not (entry["points"] or entry["y"] or len(axes) == 1):
@@ -259,6 +280,34 @@ def stated_sizes(header: list[str]) -> dict[str, Size]:
         new = {axis: sizes[axis] for axis in axes.lower() if sizes[axis].number > 0.0}
         found = found | new if entry["points"] else new | found
     return found if "x" in found else {}
+
+
+def _size(line: str) -> tuple[re.Match[str] | None, str | None]:
+    """Entry of a size, if a line is one, and its unit of length; no word but the unit stands before its number."""
+    entry = _SIZE.match(" ".join(filter(None, _SPLIT.split(_unaccented(line)))))
+    if entry is None or (entry["before"] and length_unit(entry["before"]) is None):
+        return None, None
+    units = (length_unit(each) for each in entry.group("other", "unit", "before") if each)
+    return entry, next(filter(None, units), None)
+
+
+def _speaks_of_a_length(line: str) -> bool:
+    """Whether a line states a length or its unit, or a distance of points without one."""
+    entry, _ = _size(line)
+    told = (unit for pattern in (_LENGTH, _STATED) for found in pattern.finditer(line) for unit in found.groups())
+    return bool(entry and entry["points"]) or any(length_unit(unit) for unit in told if unit)
+
+
+def _line_of_a_map(header: list[str], heights: int) -> str | None:
+    """Return the line that makes heights in one column a map: it states its side, or one of two; None if none does."""
+    lines = [(re.sub(r"(?<=\d)\s*[x×*]\s*(?=\d)", " x ", line), line) for line in header]
+    counts = [(int(n), line) for text, line in lines if _COUNT.search(_unaccented(text)) for n in _WHOLE.findall(text)]
+    sides = [(n, line) for n, line in counts if 4 <= n < heights]
+    alone = heights not in dict(counts)
+    for i, (n, line) in enumerate(sides):
+        if (alone and n * n == heights) or any(n * other == heights for other, _ in sides[:i]):
+            return line
+    return None
 
 
 def stated_scale(header: list[str]) -> str | None:
@@ -276,7 +325,7 @@ class Table:
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
     name units of positions along a map, `axis_units`, and `sizes` along x and y. `line` is that of the first row,
-    counted from 1.
+    counted from 1. `about_lengths` is a line of the header that speaks of a length.
     """
 
     values: Reals
@@ -285,6 +334,7 @@ class Table:
     axis_units: Mapping[str, str] = field(default_factory=dict)
     line: int = 1
     sizes: Mapping[str, Size] = field(default_factory=dict)
+    about_lengths: str | None = None
 
 
 class Rows(NamedTuple):
@@ -309,13 +359,20 @@ def read_table(path: Path) -> Table:
         done += ("took rows for columns",)
     columns = values.shape[1]
     chosen, units = columns_of(header, columns)
-    if scale := stated_scale(header):
+    begins = [line[:_LOOKED_AT] for line in header]
+    if scale := stated_scale(begins):
         if units[-1] is None or length_unit(units[-1]) is None:
             units = (*units[:-1], scale)
         else:
             done += (f"did not use the scale {scale} of the header, as it states the unit of heights too",)
+    if columns == 1 and (of_map := _line_of_a_map(begins, len(values))) is not None:
+        raise ValueError(
+            f"{len(values)} heights in one column under a header that says {_short(of_map)}, so that they may be a "
+            "map: write it as rows of heights, or delete that line if they are a profile"
+        )
     if chosen == list(range(columns)):
-        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(header))
+        about = next((_short(line) for line in begins if _speaks_of_a_length(line)), None)
+        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
     if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     elif len(chosen) < columns:
@@ -463,20 +520,33 @@ def _entries(header: list[str]) -> dict[str, str]:
     """Units of axes that entries such as `Z unit: um` of a protocol state; of all others the key is empty."""
     found: dict[str, str] = {}
     for entry in filter(None, map(_ENTRY.match, header)):
-        unit, axis = length_unit(entry["unit"].rstrip(".")), (entry["axis"] or "").lower()
-        if unit is not None:
-            axes = {"lateral": "xy"}.get(axis, "z" if axis.startswith(("height", "value")) else axis)
-            found |= dict.fromkeys(axes, unit) if axes else {"": unit}
+        words = re.findall(r"[^\W_]+", re.sub("(?i)einheit", " einheit", _unaccented(entry[1])))
+        unit, axes = length_unit(entry[2].rstrip(".")), [*map(_axes_of, words)]
+        if unit and None not in axes and any(map(_KINDS["unit"].fullmatch, words)):
+            found |= dict.fromkeys("".join(filter(None, axes)) or ("",), unit)
     return found
+
+
+def _axes_of(word: str) -> str | None:
+    """Axes that a word next to `unit` names, perhaps none; None for a word that makes it another unit."""
+    axes = {"x": "x", "y": "y", "lateral": "xy", "xy": "xy"}.get(word.lower())
+    if axes is None and any(_KINDS[kind].fullmatch(word) for kind in ("z", "values")):
+        return "z"
+    return axes if axes or not any(_KINDS[kind].fullmatch(word) for kind in ("unit", "of")) else ""
+
+
+def _unaccented(text: str) -> str:
+    """Text without accents but the ring of the angstrom."""
+    return normalize("NFC", re.sub(r"[\u0300-\u0309\u030b-\u036f]", "", normalize("NFKD", text)))
 
 
 def _axis(label: str) -> str | None:
     """Axis that a label names by its last word, or by a letter before it, whatever unit follows."""
-    words = re.findall(r"[^\W_]+", normalize("NFC", re.split("[,;\t]", label)[-1]))
+    words = re.findall(r"[^\W_]+", _unaccented(re.split("[,;\t]", label)[-1]))
     while words and length_unit(words[-1]):
         words.pop()  # of z_um
     letters = [word.lower() for word in (*words[-1:], *words[:1]) if len(word) == 1 and word.lower() in "xyz"]
-    named = (axis for word in words[-1:] for axis, names in _AXES.items() if names.fullmatch(word))
+    named = (axis for word in words[-1:] for axis in "xyz" if _KINDS[axis].fullmatch(word))
     return letters[0] if letters else next(named, None)
 
 
@@ -502,14 +572,15 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
 
 def _text(path: Path) -> str:
     content = read_regular(path, most_numbers())
-    wide = content[:2] in (b"\xff\xfe", b"\xfe\xff")  # byte order marks
+    wide = content[:2] in BYTE_ORDER_MARKS
     if b"\0" in content and not wide:
         raise ValueError(f"a zero byte at byte {content.index(0)}: no text")
     try:
         text = content.decode("utf-16" if wide else "utf-8-sig")
     except UnicodeDecodeError:
         text = content.decode("latin-1")  # of instruments that write µ in one byte
-    return text.replace("\r\n", "\n").replace("\r", "\n")
+    text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return _NO_DATA.sub("nan", text) if "data" in text.lower() else text
 
 
 def _is_comment(line: str) -> bool:

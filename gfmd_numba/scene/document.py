@@ -463,7 +463,8 @@ def document_of(source: object, name: str) -> Document:
         return Document(None, "", dict(source))
     if isinstance(source, str | os.PathLike):
         return read_document(Path(source))
-    raise InputError.of(name, brief(source), "the path of a YAML file, or a mapping of its content")
+    given = Document(None, "", {name: source})
+    raise given.refused((name,), "the path of a YAML file, or a mapping of its content")
 
 
 def existing_file(document: Document, location: Location, name: str, suffixes: tuple[str, ...]) -> str:

@@ -149,15 +149,15 @@ def _against_modulus(scales: Compared, given: Iterable[Given], of_its_own: bool)
             of_its_own and name in ("hardness", "yield_stress")
         ):  # a large one may stand for none
             continue
-        ratio, told = abs(value) / one, _told(place, value, quantity, scales)
+        ratio, least = abs(value) / one, _LIGHTEST / (_WITH_UNIT if isinstance(value, WithUnit) else 1.0)
         if ratio > 1.0:
-            yield name, f"{told}, which makes {ratio:.3g} E*{whole}: check the units of both"
-        elif name in LOADS and 0.0 < ratio < _LIGHTEST / (_WITH_UNIT if isinstance(value, WithUnit) else 1.0):
-            if of_its_own:
-                continue
-            low, high = (limit * one for limit in _LIKELY_LOADS)
-            meant = _meant(value, quantity, LOADS[name], low, high)
-            yield name, f"{told}, which makes {ratio:.2g} E*{whole}{meant}: write the unit you mean"
+            wrong = f"{ratio:.3g} E*{whole}: check the units of both"
+        elif name in LOADS and 0.0 < ratio < least and not of_its_own:
+            meant = _meant(value, quantity, LOADS[name], *(limit * one for limit in _LIKELY_LOADS))
+            wrong = f"{ratio:.2g} E*{whole}{meant}: write the unit you mean"
+        else:
+            continue
+        yield name, f"{_told(place, value, quantity, scales)}, which makes {wrong}"
 
 
 def _against_period(scales: Compared, given: Iterable[Given]) -> Iterator[tuple[str, str]]:

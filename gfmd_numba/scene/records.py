@@ -29,11 +29,12 @@ from gfmd_numba.scene.quantities import (
     check_seed,
 )
 from gfmd_numba.scene.surfaces import Random, Surface
-from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity
+from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, in_reduced_units
 
 _PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 _TOLERANCE = "a number from 0 to 0.1, or exact"
 TIME_TOLERANCE = 1e-2
+_WIDER_THAN_A_WINDOW = 2  # periods of a random surface over the length of its window, so that its ends do not meet
 
 
 class Component(NamedTuple):
@@ -198,6 +199,26 @@ class Scene(BaseModel):
         if self.counter_body is not None:
             places["counter_body", "roughness"] = self.counter_body.roughness
         return {place: surface for place, surface in places.items() if surface is not None}
+
+    @property
+    def periods(self) -> int:
+        """How many times as wide random surfaces are made as is cut out of them."""
+        return 1 if self.periodic else _WIDER_THAN_A_WINDOW
+
+    @property
+    def in_periods(self) -> Self:
+        """The same, with lengths of the form in L_x, and those of random surfaces in the period they are made with."""
+        length = self.length or 1.0
+
+        def reduced(surface: Surface | None) -> Surface | None:
+            return in_reduced_units(surface, self.periods * length, 1.0) if isinstance(surface, Random) else surface
+
+        update: dict[str, object] = {"roughness": reduced(self.roughness)}
+        for name, body in zip(("body", "counter_body"), self.deformable, strict=False):
+            update[name] = body.model_copy(update={"roughness": reduced(body.roughness)})
+        if self.form is not None:
+            update["form"] = in_reduced_units(self.form, length, 1.0)
+        return self.model_copy(update=update)
 
     @property
     def follows_topography(self) -> bool:

@@ -19,11 +19,13 @@ _TOP_LEVEL = set(SceneFile.model_fields)
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
 
 
-def load_scene(source: Source | SceneFile) -> tuple[SceneFile, Document]:
+def load_scene(source: Source | SceneFile, heights: Any = None) -> tuple[SceneFile, Document]:
     """Checked contact or loaded body of a YAML file, nested or flat, a mapping or a record, and the document itself.
 
-    Raises InputError.
+    Its punch may have the `heights` of an array, treated as its `roughness` says if it has one. Raises InputError.
     """
+    if heights is not None:
+        source = _with_heights(source, heights)
     if isinstance(source, SceneFile):
         document = Document(None, "", source.model_dump())
         return _checked(source, document), document
@@ -35,11 +37,8 @@ def load_scene(source: Source | SceneFile) -> tuple[SceneFile, Document]:
     return _checked(validate(document, SceneFile), document), document
 
 
-def with_heights(source: Source | SceneFile, heights: Any) -> Document:
-    """Document of a scene whose punch has heights of an array, treated as its `roughness` says if it has one.
-
-    Raises InputError, as `load_scene` does for what it makes of the document.
-    """
+def _with_heights(source: Source | SceneFile, heights: Any) -> Document:
+    """Document of a scene whose punch has heights of an array; raises InputError if it has heights already."""
     given = source.model_dump(exclude_unset=True) if isinstance(source, SceneFile) else source
     document = _nested(document_of(given, "scene"))
     data = document.data

@@ -29,6 +29,17 @@ _SPLIT = re.compile(rf"\s*({_NUMBER}|{_NO_NUMBER})\s*([^\s\d.].*?)\s*", re.IGNOR
 _LONGEST = 100  # of a text that is looked at
 _OVER_NM = re.compile(r"/\s*N\s*[*·]?\s*m\b$")  # as wear rates are mostly written
 _OVER_BOTH = re.compile(r"/\s*\(\s*([^\W\d_]+)\s*[*·\s]\s*([^\W\d_]+)\s*\)")
+_SAID = {  # of what is written in place of a unit of the quantity that has this SI unit
+    ("Pa", r"H[VBK]W?[\s\d./]*"): "HV, HB and HK are in kgf/mm^2: write that unit",
+    ("Pa", r"HR.*"): "a Rockwell hardness is no pressure: look up the HV that it is worth",
+    ("Pa", r"Msi"): "1 Msi is 1000 ksi",
+    ("Pa", r"tsi"): "a ton is 2240 lbf, or in America 2000 lbf: write psi",
+    ("Pa s", r"c?St|[mc]?m(?:\^?2|²)/s"): (
+        "a kinematic viscosity: write it times the density, as 46 cSt of oil are about 40 mPa s"
+    ),
+}
+_FORCES = {"kg": "kgf", "kp": "kgf", "lb": "lbf", "lbs": "lbf", "t": "tf"}  # that are written as masses
+_MASS = re.compile(rf"\b(?:{'|'.join(_FORCES)})\b")
 METRES = {
     "m": 1.0,
     "km": 1e3,
@@ -44,6 +55,7 @@ METRES = {
     "uin": 0.0254e-6,
 }
 PERIOD = "L_x"  # the unit of lengths that count in periods of the result
+COUNTS = ("points", "point", "pixels", "pixel", "px")  # in place of a unit, of positions that are numbers of points
 LENGTHS_ALLOWED = "a unit of length: " + ", ".join([*METRES, f"or {PERIOD}, or a number of one, as 0.5 nm"])
 _OF_A_UNIT = re.compile(rf"\s*({_DIGITS}(?:[eE][-+]?\d+)?)\s*([^\d\s].*)")
 _PREFIXES = {"": "", "kilo": "k", "deci": "d", "centi": "c", "milli": "m", "micro": "u", "nano": "n", "pico": "p"}
@@ -121,14 +133,10 @@ class Quantity:
         if self.si == "m" and (name := length_unit(unit)) in METRES:  # pint has no mil
             return Decimal(repr(METRES[name]))
         registry, unit = _registry(), _OVER_NM.sub("/N/m", _OVER_BOTH.sub(r"/\1/\2", unit))
-        written = re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)  # J m-2 as CF writes it, m2
         try:
-            if re.fullmatch(_UNIT, unit) is None:
+            if _dimensions(unit) != _dimensions(self.si):
                 raise self._fault(_meant(self, unit))
-            parsed = registry.parse_units(written)
-            if parsed.dimensionality != registry.parse_units(self.si).dimensionality:
-                raise self._fault(_meant(self, unit) if unit.casefold() in map(str.casefold, self.units) else "")
-            found: Decimal = registry.Quantity(Decimal(1), parsed).to(self.si).magnitude
+            found: Decimal = registry.Quantity(Decimal(1), registry.parse_units(_spelt(unit))).to(self.si).magnitude
             return found
         except (AttributeError, TypeError, ValueError, ArithmeticError) as error:  # those of pint are among them
             if isinstance(error, PydanticCustomError):
@@ -228,17 +236,36 @@ def given_with_units(record: Any, at: Keys = ()) -> Iterator[tuple[Keys, WithUni
 
 @lru_cache
 def _meant(quantity: Quantity, unit: str) -> str:
-    """Question whether the most similar unit was meant, first of those that differ in upper and lower case."""
-    if not unit[0].isalpha():
-        return ""
-    own = [*quantity.units, *(name for other in QUANTITIES for name in other.units)]
-    alike = [name for name in own if name.casefold() == unit.casefold()]
-    near = (
-        alike
-        or get_close_matches(unit, own, 1, 0.5)
-        or get_close_matches(unit, filter(str.isalpha, _registry()), 1, 0.8)
-    )
+    """Question whether a unit of the quantity was meant that is written alike, or what else to write."""
+    for (of, pattern), said in _SAID.items():
+        if quantity.si == of and re.fullmatch(pattern, unit):
+            return said
+    as_force = _MASS.sub(lambda mass: _FORCES[mass[0]], unit)
+    near = [name for name in quantity.units if _bare(name) == _bare(unit)]
+    if as_force != unit and _dimensions(as_force) == _dimensions(quantity.si):
+        near = [as_force]
+    elif not near and _dimensions(unit) is None and unit[0].isalpha():
+        names = get_close_matches(unit, filter(str.isalpha, _registry()), 3, 0.8)
+        near = get_close_matches(unit, quantity.units, 1, 0.5)
+        near += [name for name in names if _dimensions(name) == _dimensions(quantity.si)]
     return f"did you mean {near[0]!r}?" if near else ""
+
+
+def _bare(unit: str) -> str:
+    return unit.replace(" ", "").casefold()
+
+
+def _spelt(unit: str) -> str:
+    """Unit with its powers as the library of units has them, of J m-2 as CF writes it, and of m2."""
+    return re.sub(r"(?<=[^\W\d_])(-?[1-9])", r"^\1", unit)
+
+
+def _dimensions(unit: str) -> Any:
+    """Dimensions of a unit, None if it is none."""
+    try:
+        return _registry().parse_units(_spelt(unit)).dimensionality if re.fullmatch(_UNIT, unit) else None
+    except (AttributeError, TypeError, ValueError, ArithmeticError):  # those of pint are among them
+        return None
 
 
 def has_unit(text: str) -> bool:

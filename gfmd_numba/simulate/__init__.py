@@ -4,9 +4,8 @@ import xarray as xr
 
 from gfmd_numba.arrays.processes import Communicator
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_dataset import boundary_dataset, path_dataset
-from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput, read, read_contact
+from gfmd_numba.contact.contact_input import BoundaryInput, read, read_contact
 from gfmd_numba.contact.distributed import solve_in_slabs
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.refusal import check_where
@@ -21,12 +20,11 @@ def solve(file: SceneFile, document: Document, tell: Tell = lambda more: None) -
     file that makes no sense.
     """
     given = read(file, document)
-    if isinstance(given, ContactInput):
-        problem, effects = given.reduced
-        with shared_by(file.numerics.threads):
-            return path_dataset(given, problem, effects, solve_path(problem, file.realisation, tell))
-    assert isinstance(given, BoundaryInput)  # the other of the two
-    return boundary_dataset(given, solve_boundary_values(given))
+    if isinstance(given, BoundaryInput):
+        return boundary_dataset(given)
+    problem, realisation = given.task
+    with shared_by(problem.numerics.threads):
+        return path_dataset(given, solve_path(problem, realisation, tell))
 
 
 def solve_in_processes(file: SceneFile, document: Document, communicator: Communicator) -> xr.Dataset | None:
@@ -36,6 +34,6 @@ def solve_in_processes(file: SceneFile, document: Document, communicator: Commun
     """
     check_where(document, file.scene, "processes", file.numerics, file.path)
     given = read_contact(file, document)
-    problem, effects = given.reduced
-    found = solve_in_slabs(problem, file.realisation, communicator)
-    return None if found is None else path_dataset(given, problem, effects, [found])
+    problem, realisation = given.task
+    found = solve_in_slabs(problem, realisation, communicator)
+    return None if found is None else path_dataset(given, [found])

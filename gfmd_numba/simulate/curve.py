@@ -225,9 +225,9 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
 
 def _solved(curve: LoadCurve, given: ContactInput, tell: Tell) -> Iterator[tuple[Problem, Contact]]:
     """The problem and the contact at each step of the path of a realisation."""
-    whole, _ = given.reduced
+    whole, realisation = given.task
     share = len(curve.loads) / whole.n_loads  # loads of the curve in a step of the path
-    contacts = solve_path(whole, given.file.realisation, lambda steps: tell(share * steps))
+    contacts = solve_path(whole, realisation, lambda steps: tell(share * steps))
     return zip(whole.at_each_load, contacts, strict=True)
 
 
@@ -375,9 +375,7 @@ def _load_attributes(curve: LoadCurve) -> dict[str, str]:
 def _standard_error(values: xr.DataArray) -> xr.DataArray:
     """Standard error of the mean over realisations; nan of one value, and of infinite ones."""
     finite = values.where(np.isfinite(values.mean("realisation")))
-    count = finite.count("realisation")
-    squares = ((finite - finite.mean("realisation")) ** 2).sum("realisation")
-    error: xr.DataArray = (squares / (count - 1).where(count > 1) / count) ** 0.5
+    error: xr.DataArray = finite.std("realisation", ddof=1) / finite.count("realisation") ** 0.5
     return error
 
 

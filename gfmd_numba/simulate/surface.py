@@ -4,20 +4,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from scipy.stats import norm
+from scipy import stats
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
-from gfmd_numba.contact.rough_surfaces import usable
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import gradient_over_height, random_surface
-from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface
+from gfmd_numba.roughness.measured import MeasuredSurface, measured_surface, usable
 from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
 from gfmd_numba.scene.surfaces import Random
-from gfmd_numba.scene.units import given_with_units
+from gfmd_numba.scene.units import given_with_units, in_reduced_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
 
@@ -36,7 +35,7 @@ def make(file: SurfaceFile) -> Made:
 
 def _random(file: SurfaceFile, record: Random) -> Made:
     period, dimension = file.length or 1.0, file.dimension or 1
-    surface, gradient = random_surface(record, None, period, dimension, file.seed)
+    surface, gradient = random_surface(in_reduced_units(record, period, 1.0), None, dimension, file.seed)
     drawn = surface.heights(range(file.realisation, file.realisation + 1))[0]
     heights = gradient * period * drawn
     lengths = (period,) * dimension
@@ -102,11 +101,10 @@ def _power(unit: str, exponent: int) -> str:
 
 
 def _add_scalars(dataset: xr.Dataset, made: Made) -> None:
-    heights, lengths, dimension = made.heights, made.lengths, len(made.lengths)
+    heights, lengths = made.heights, made.lengths
     slope = statistics.typical_slope(heights, lengths[-1]).mean()
     per_length, curvature = _power(made.unit, -1), statistics.rms_curvature(heights, lengths)
-    skewness, kurtosis = statistics.skewness(heights, dimension), statistics.kurtosis(heights, dimension)
-    distance = statistics.gaussian_distance(heights, dimension)
+    distance = stats.kstest(stats.zscore(heights, axis=None).ravel(), "norm", method="asymp").statistic
     off = "largest difference of the cumulative height distribution from a Gaussian one"
     for name, value, units, long_name in (
         ("rms_height", statistics.rms_height(heights, lengths), made.unit, "rms height"),
@@ -114,8 +112,8 @@ def _add_scalars(dataset: xr.Dataset, made: Made) -> None:
         ("rms_curvature", curvature, per_length, "rms second derivative or Laplacian"),
         ("nayak", statistics.nayak(heights, lengths), "1", "Nayak's parameter m0 m4 / m2^2"),
         ("typical_slope", slope, "rad", "standard deviation of the slope angle along x"),
-        ("skewness", skewness, "1", "skewness of the heights"),
-        ("kurtosis", kurtosis, "1", "kurtosis of the heights, 3 if Gaussian"),
+        ("skewness", stats.skew(heights, axis=None), "1", "skewness of the heights"),
+        ("kurtosis", stats.kurtosis(heights, axis=None, fisher=False), "1", "kurtosis of the heights, 3 if Gaussian"),
         ("gaussian_distance", distance, "1", off),
     ):
         dataset[name] = ((), float(value), cf_attributes(long_name, units))
@@ -164,10 +162,10 @@ def _along_distance(correlated: Reals, lengths: tuple[float, ...]) -> tuple[Real
 
 
 def _add_distribution(dataset: xr.Dataset, made: Made) -> None:
-    unit = statistics.standardised(made.heights, len(made.lengths)).ravel()
+    unit = stats.zscore(made.heights, axis=None)
     density = np.histogram(unit, _LEVELS)[0] / unit.size / np.diff(_LEVELS)
     centre = 0.5 * (_LEVELS[1:] + _LEVELS[:-1])
     attributes = cf_attributes("density of heights over the rms height")
     dataset.coords["level"] = ("level", centre, cf_attributes("height over the rms height"))
     dataset["height_density"] = ("level", density, attributes)
-    dataset["height_density_gaussian"] = ("level", norm.pdf(centre), attributes)
+    dataset["height_density_gaussian"] = ("level", stats.norm.pdf(centre), attributes)

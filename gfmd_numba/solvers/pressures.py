@@ -124,6 +124,14 @@ class Closing(NamedTuple):
         """Change of the pressure `[node]` that is next, after `error` or after `solve` has reached its tolerance."""
         return self.room[1, : self.nodes.size]
 
+    @property
+    def changed(self) -> Reals:
+        """Pressure `[node]` after that change, in the part of the room that no error is kept in."""
+        changed = self.room[0, : self.nodes.size]
+        np.take(self.iterate.p, self.nodes, out=changed, mode="clip")  # which is not buffered, as no index is out
+        changed += self.change
+        return changed
+
     def error(self) -> float:
         """Relative error of the pressure."""
         self._begin()

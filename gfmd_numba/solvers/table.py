@@ -138,8 +138,8 @@ class Options:
     """Options of a solver of the table; `time_step` and `damping` stay None for a solver without them.
 
     A run stops at the relative `residual`. `time_step` is a fraction of the stability limit, `damping` one of the
-    critical damping of the slowest mode; left out they are the solver's own. Raises ValueError for an option that the
-    solver does not have.
+    critical damping of the slowest mode; left out they are the solver's own. The `threads` that share the work change
+    no result. Raises ValueError for an option that the solver does not have.
     """
 
     solver: str
@@ -147,6 +147,7 @@ class Options:
     max_iterations: int = MAX_ITERATIONS
     time_step: float | None = None
     damping: float | None = None
+    threads: int = field(default=1, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         has = SOLVERS[self.solver].options

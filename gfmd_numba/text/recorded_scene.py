@@ -1,6 +1,11 @@
 """What the text of a scene says that a dataset was solved from, to those who know datasets alone."""
 
 import json
+from typing import Any
+
+from gfmd_numba.text.numbers import with_prefix
+
+_LOADS = {"pressure": "Pa", "line_load": "N m-1", "force": "N"}
 
 
 def has_form(text: str) -> bool:
@@ -24,3 +29,36 @@ def is_elastic_contact(text: str) -> bool:
     )
     flows = any(each.get("plasticity") or each.get("relaxation") for each in bodies)
     return wall is not None and wall.get("hardness") is None and not flows
+
+
+def described(text: str, load: bool = True) -> str:
+    """Return what was pressed on what, and under which `load`, as far as the scene says it in units; "" without."""
+    scene = json.loads(text).get("scene", {})
+    if not scene.get("body"):
+        return ""
+    parts = [_surface(scene), f"on {_body(scene['body'])}"]
+    if scene.get("counter_body"):
+        parts.append(f"against {_body(scene['counter_body'])}")
+    for name, value in (scene.get("loading") or {}).items():
+        if load and name in _LOADS and value is not None:
+            parts.append(f"under {with_prefix(value, _LOADS[name])}")
+    return ", ".join(parts)
+
+
+def _surface(scene: dict[str, Any]) -> str:
+    rough, kind = scene.get("roughness"), "map" if scene.get("dimension") == 2 else "profile"
+    said = f"smooth {kind}"
+    if rough:
+        said = f"rough {kind}" if rough.get("method") != "measured" else f"measured {kind}"
+        said += f", Hurst exponent {rough['hurst']:g}" if "hurst" in rough else ""
+    said += " with a form" if scene.get("form") else ""
+    length = scene.get("length")
+    return said if length is None else f"{said}, {with_prefix(length, 'm')} long"
+
+
+def _body(body: dict[str, Any]) -> str:
+    ratio = body.get("aspect_ratio")
+    kind = "layers" if body.get("layers") else "a half-space" if ratio in (None, float("inf")) else "a slab"
+    kind = kind.replace("a ", "a viscoelastic ", 1) if body.get("relaxation") else kind
+    modulus = body.get("youngs_modulus")
+    return kind if modulus is None else f"{kind} of Young's modulus {with_prefix(modulus, 'Pa')}"

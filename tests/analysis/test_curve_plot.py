@@ -1,5 +1,7 @@
 """Pictures of load curves, and of the step of a path that is drawn."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -29,6 +31,20 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         assert axis.get_xscale() == "log"
         np.testing.assert_allclose(axis.lines[0].get_xdata(), found["mean_pressure"] * 1e-6)
         assert len(axis.collections) == 1
+
+
+@pytest.mark.parametrize("width", [None, "single"])
+def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found, width):
+    figure = plot_curve(found, width)
+    figure.draw_without_rendering()
+    said, box = figure.get_suptitle(), figure._suptitle.get_window_extent()
+    assert not any(line[0].isalpha() and before[-1].isdigit() for before, line in pairwise(said.splitlines()))
+    assert said.replace("\n", " ").startswith("Rough profile, Hurst exponent 0.8, 100 µm long, on a ")
+    assert "Young's modulus 70 GPa" in said.replace("\n", " ")
+    assert said.endswith("Mean of 3 surfaces, band: standard error")
+    assert box.x0 >= 0.0
+    assert box.x1 <= figure.bbox.x1
+    assert box.y0 > figure.axes[0].get_window_extent().y1
 
 
 def test_loads_without_a_result_are_left_out(found):

@@ -102,6 +102,33 @@ def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folde
     assert same.output.splitlines()[1:] == printed
 
 
+@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
+def test_every_word_of_a_table_and_every_symbol_is_explained(folder, tmp_path, name):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / name, "-o", page).exit_code == 0
+    content = unescape(page.read_text())
+    told, meant = re.search("<h2>What came out(.*?)<h2>.*<h2>What the words mean(.*?)<h2>", content, re.DOTALL).groups()
+    meanings = dict(re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", meant))
+    words = [re.sub(r" \([^()]*\)$", "", heading) for heading in re.findall('<th scope="col">(.*?)</th>', told)]
+    words = words or re.findall("<dt>(.*?)</dt>", told)
+    assert set(words) - {"note"} <= meanings.keys()
+    for symbol in ("a_r", "g", "E*", "L_x"):
+        if re.search(rf"(?<!\w){re.escape(symbol)}(?!\w)", meant):
+            assert symbol in meanings
+
+
+def test_a_page_says_first_what_was_pressed(folder, tmp_path):
+    page = tmp_path / "page.html"
+    (tmp_path / "seal.yaml").write_text(
+        "scene:\n  length: 2 mm\n  body: {youngs_modulus: 3 MPa, poissons_ratio: 0.5}\n"
+        "  form: {radius: 10 mm, points: 64}\n  interface: {hard_wall: {}}\n  loading: {pressure: 10 kPa}\n"
+    )
+    assert gfmd("solve", tmp_path / "seal.yaml", "-o", tmp_path / "seal.nc").exit_code == 0
+    assert gfmd("report", tmp_path / "seal.nc", "-o", page).exit_code == 0
+    said = "Smooth profile with a form, 2 mm long, on a half-space of Young's modulus 3 MPa, under 10 kPa."
+    assert said in Page(page).text
+
+
 def test_a_contact_that_is_not_ok_is_warned_of(folder, tmp_path):
     page = tmp_path / "page.html"
     assert gfmd("report", folder / "broken.nc", "-o", page).exit_code == 0

@@ -6,13 +6,13 @@ import pytest
 import gfmd_numba
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, relaxation
 
@@ -84,7 +84,7 @@ def test_the_faster_it_is_drawn_off_the_more_it_sticks():
 
 def adhesive_problem(path, series=STANDARD, load=0.05, tolerance=1e-3, n=64, seed=3, duration=0.0):
     """A relaxing slab under a rough profile that attracts it, by prescribed displacements."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, seed, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), seed, range(1))[0])[0]
     laws = Interactions(True, ExponentialLaw(2e-3, 0.01))
     memory, options = PronySeries(*zip(*series, strict=True)), Options("truncated_newton")
     slab = ElasticBody(0.3, 0.5)

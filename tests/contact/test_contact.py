@@ -65,7 +65,7 @@ def test_a_cylinder_makes_the_line_contact_of_hertz():
 
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_full_contact_is_linear(solver):
-    heights = self_affine.profiles(0.8, 2, 32, 256, 1, range(2))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((256,), 1, range(2))
     body = stiffness.half_space(grid.wavenumbers(256))
     result = press(heights, 5.0, solver)
     exact = 5.0 + grid.signal(body * grid.coefficients(heights), 256)
@@ -77,7 +77,7 @@ def test_all_solvers_find_the_same_contact():
     """Also the slab, and from light to nearly full contact."""
     q = grid.wavenumbers(1024)
     for hurst in (0.3, 0.8):
-        heights = self_affine.profiles(hurst, 2, 256, 1024, 2, range(2))
+        heights = self_affine.SelfAffineWaves(hurst, 2, 256).heights((1024,), 2, range(2))
         for body in (stiffness.half_space(q), slab_stiffness.slab(q, 0.49, 0.05)):
             for load in (0.007, 0.05, 0.3, 1.0):
                 verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
@@ -90,7 +90,9 @@ def test_all_solvers_find_the_same_contact():
 @pytest.mark.parametrize("load", [1e-6, 1e-3, 0.0032, 0.01, 10.0])
 def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
     """Where conjugate directions go stale or vanish, and every solver still has to end with the same contact."""
-    heights = np.concatenate([self_affine.profiles(hurst, 1, nx // 4, nx, 3, range(10)) for hurst in (0, 0.5, 1)])
+    heights = np.concatenate(
+        [self_affine.SelfAffineWaves(hurst, 1, nx // 4).heights((nx,), 3, range(10)) for hurst in (0, 0.5, 1)]
+    )
     verlet, *others = (press(heights, load, solver, residual=1e-8).pressure for solver in SOLVERS)
     for other in others:
         np.testing.assert_array_equal(other > 0, verlet > 0)
@@ -102,7 +104,7 @@ def test_one_or_two_touching_nodes_and_full_contact_are_solved(nx, load):
 )
 def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
     """Where the pressure of full contact is no measure of the pressures that matter."""
-    heights, q = self_affine.profiles(0.8, 2, 64, 256, 3, range(1)), grid.wavenumbers(256)
+    heights, q = self_affine.SelfAffineWaves(0.8, 2, 64).heights((256,), 3, range(1)), grid.wavenumbers(256)
     body = stiffness.half_space(q) if np.isinf(aspect_ratio) else slab_stiffness.slab(q, nu, aspect_ratio)
     solvers = SOLVERS[:3] if np.isinf(aspect_ratio) else SOLVERS[1:3]  # dynamics of thin slabs take seconds
     results = [press(heights, load, solver, body, residual=1e-8) for solver in solvers]
@@ -112,7 +114,7 @@ def test_the_load_is_carried_however_small(nu, aspect_ratio, load):
 
 
 def test_area_grows_with_load():
-    heights = self_affine.profiles(0.8, 2, 64, 256, 3, range(3))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 64).heights((256,), 3, range(3))
     areas = np.array([(press(heights, load).pressure > 0).sum(axis=1) for load in np.logspace(-3, 1, 9)])
     assert (np.diff(areas, axis=0) >= 0).all()
     assert (areas[-1] == 256).all()
@@ -125,7 +127,7 @@ def test_area_grows_with_load():
 def test_displacement_control_inverts_load_control(nu, solvers):
     """The punch displacement that a load produces reproduces that load and contact."""
     nx, a, load = 256, 0.2, 0.05
-    heights = self_affine.profiles(0.8, 2, 32, nx, 4, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((nx,), 4, range(1))
     body = slab_stiffness.slab(grid.wavenumbers(nx), nu, a)
     by_load = press(heights, load, body=body)
     punch = heights.max() - heights

@@ -85,8 +85,8 @@ def test_a_run_without_iterations_enough_says_so(tmp_path):
         ("rms_gradient: 0.01", "rms_height: 0.01", "a self-affine surface, method psd, with an rms_gradient"),
         ("reduced_pressure: 0.05", "displacement: 0.001", "a reduced_pressure, pressure or force"),
         ("discretisation", "path: [{reduced_pressure: 0.1}]\ndiscretisation", "no path"),
-        ("discretisation", "numerics: {threads: 2}\ndiscretisation", "1 with --mpi"),
-        ("discretisation", "numerics: {solver: conjugate_gradients}\ndiscretisation", "auto with --mpi"),
+        ("discretisation", "numerics: {threads: 2}\ndiscretisation", "1 with `--mpi`"),
+        ("discretisation", "numerics: {solver: conjugate_gradients}\ndiscretisation", "auto with `--mpi`"),
         ("hurst: 0.8, ", "hurst: 0.8, scaling: ensemble, ", "a self-affine surface"),
     ],
 )

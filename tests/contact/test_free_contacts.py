@@ -10,7 +10,6 @@ import xarray as xr
 import gfmd_numba
 from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity import free_body, stiffness
 from gfmd_numba.elasticity.body import ElasticBody
@@ -18,6 +17,7 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid, transform
 from gfmd_numba.interface.interactions import Interactions
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options

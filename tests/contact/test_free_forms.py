@@ -200,6 +200,15 @@ def test_narrow_contacts_of_a_rough_surface_are_warned_of(eps_c, warned):
     assert warned is None or re.search(warned, narrow[0])
 
 
+def test_all_narrow_steps_of_a_path_are_named_by_how_much_they_may_be_off():
+    scene = {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}, "interface": {"hard_wall": {}}}
+    scene |= {"dimension": 1, "body": {"poissons_ratio": 0.3}, "loading": {"reduced_pressure": 1e-4}}
+    path = [{"reduced_pressure": pressure} for pressure in (5e-4, 2.5e-3, 0.6)]
+    levels = {"eps_c": 1.0, "eps_f": 1 / 64, "eps_t": 1 / 2}
+    with pytest.warns(UserWarning, match=r"1.0 nodes wide on average: .*\(in steps 0 to 2 of 3\)$"):
+        gfmd_numba.solve({"scene": scene, "discretisation": levels, "path": path})
+
+
 def test_more_points_of_a_measured_surface_widen_its_contacts():
     waves, places = np.arange(1, 50), np.arange(128) / 128
     phases = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, waves.size)

@@ -18,7 +18,7 @@ SOLVERS = ("active_set_newton", "conjugate_gradients")
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("slab", [None, (0.33, 0.1), (0.5, 0.05)])
 def test_a_profile_extruded_along_y_is_pressed_like_the_profile(solver, slab):
-    heights = self_affine.profiles(0.5, 2, 16, 64, 1, range(2))
+    heights = self_affine.SelfAffineWaves(0.5, 2, 16).heights((64,), 1, range(2))
     profiles = heights.max(axis=1, keepdims=True) - heights
     expected = press(profiles, 0.1, solver, slab)
     found = press(np.repeat(profiles[:, np.newaxis], 32, axis=1), 0.1, solver, slab)
@@ -87,7 +87,7 @@ def test_a_map_does_not_know_its_batch():
 
 @pytest.mark.parametrize("cut_off", [8, 16])
 def test_refining_the_grid_keeps_the_map(cut_off):
-    coarse, fine = (self_affine.maps(0.5, 2, cut_off, nx, 5, range(2)) for nx in (32, 96))
+    coarse, fine = (self_affine.SelfAffineWaves(0.5, 2, cut_off).heights((nx, nx), 5, range(2)) for nx in (32, 96))
     if 2 * cut_off < 32:  # at Nyquist the coarser grid sees one phase of the shortest waves
         np.testing.assert_allclose(fine[:, ::3, ::3], coarse, atol=1e-15)
     np.testing.assert_allclose(statistics.rms_gradient(fine, (1.0, 1.0)), 1.0, rtol=1e-12)
@@ -95,7 +95,7 @@ def test_refining_the_grid_keeps_the_map(cut_off):
 
 
 def test_more_waves_are_added_to_the_map():
-    few, many = (self_affine.maps(0.5, 2, cut_off, 64, 5, range(1)) for cut_off in (8, 16))
+    few, many = (self_affine.SelfAffineWaves(0.5, 2, cut_off).heights((64, 64), 5, range(1)) for cut_off in (8, 16))
     ratio = np.fft.rfft2(many[0])[:5, 1:6] / np.fft.rfft2(few[0])[:5, 1:6]
     np.testing.assert_allclose(ratio, ratio[0, 0].real, atol=1e-9)
 

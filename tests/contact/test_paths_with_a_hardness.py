@@ -9,11 +9,11 @@ from gfmd_numba.analysis.plots.contact import plot_contact
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.table import Options
 
@@ -23,8 +23,8 @@ EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
 
 def rough(shape=(64,), hurst=0.8, seed=3):
     """Heights of rms gradient 1."""
-    make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-    return given_surface(make(hurst, 2, shape[0] // 4, shape[0], seed, range(1))[0])[0].heights
+    waves = self_affine.SelfAffineWaves(hurst, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, seed, range(1))[0])[0].heights
 
 
 def steps(heights, loads, hardness, body=SLAB, displaced=False, solver="active_set_newton"):

@@ -14,7 +14,6 @@ from gfmd_numba.contact import time_steps
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.contact.validity import FEWEST
@@ -23,6 +22,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene.scene_file import load_scene
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
@@ -252,7 +252,7 @@ def test_a_ball_is_unloaded_as_ting_says():
 
 def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e-10, **more):
     """A relaxing body under a rough profile."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, 3, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), 3, range(1))[0])[0]
     numerics, memory = Options("active_set_newton", residual=residual), PronySeries(*zip(*series, strict=True))
     body, laws = ElasticBody(None, None), Interactions(True)
     return Problem(surface, body, laws, load, None, numerics, relaxation=memory, time_tolerance=tolerance, **more)

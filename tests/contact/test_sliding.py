@@ -10,13 +10,13 @@ from scipy.special import ive, kve
 import gfmd_numba
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, in_a_window, relaxation
 
@@ -160,7 +160,7 @@ def test_a_slow_map_finds_an_elastic_body():
 
 def rough_problem(series, speed, load=0.05, n=256, seed=3, **more):
     """A rough profile that slides over a body that creeps."""
-    surface = given_surface(self_affine.profiles(0.8, 2, n // 8, n, seed, range(1))[0])[0]
+    surface = given_surface(self_affine.SelfAffineWaves(0.8, 2, n // 8).heights((n,), seed, range(1))[0])[0]
     memory = PronySeries(*zip(*series, strict=True))
     options = Options("sliding_newton", residual=1e-10)
     laws, body = Interactions(True), ElasticBody(None, None)

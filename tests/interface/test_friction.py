@@ -40,7 +40,7 @@ def press(punch, body, load, friction, **numerics):
 
 
 def rough(nx=NX):
-    heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((nx,), 1, range(3))
     return heights.max(axis=1, keepdims=True) - heights
 
 
@@ -84,7 +84,7 @@ def test_normal_pressure_draws_the_surface_together(nu):
 @pytest.mark.parametrize(("nu", "aspect_ratio"), [(0.2, None), (0.2, 0.1), (0.49, 0.5), (0.5, None)])
 @pytest.mark.parametrize("nx", [256, 255])
 def test_without_friction_both_components_equal_the_condensed_one(nu, aspect_ratio, nx):
-    heights = self_affine.profiles(0.8, 2, 32, nx, 1, range(3))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((nx,), 1, range(3))
     punch, q = heights.max(axis=1, keepdims=True) - heights, grid.wavenumbers(nx)
     both = ElasticBody(nu, aspect_ratio).response((nx,))
     one = stiffness.half_space(q) if aspect_ratio is None else slab_stiffness.slab(q, nu, aspect_ratio)

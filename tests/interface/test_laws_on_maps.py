@@ -30,7 +30,7 @@ TIGHT = 1e-11
 @pytest.mark.parametrize("slab", [None, (0.33, 0.1)])
 def test_a_ridge_is_the_profile(solver, law, slab):
     """On a half-space under a pressure, on a slab under a displacement."""
-    heights = self_affine.profiles(0.8, 2, 16, 64, 1, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 16).heights((64,), 1, range(1))
     profile = heights.max(axis=1, keepdims=True) - heights
     load = 0.05 if slab is None else None
     if load is None:

@@ -8,15 +8,15 @@ import pytest
 
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem, RoughBodies
-from gfmd_numba.contact.rough_surfaces import DeformableBody, given_surface
+from gfmd_numba.contact.rough_surfaces import DeformableBody
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.contact.state import Change, LoadStep
-from gfmd_numba.contact.surfaces import SummedSurface, Topography
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import SummedSurface, Topography, given_surface
 from gfmd_numba.solvers.table import Options
 from support.pages import ROOT, printed
 
@@ -33,8 +33,9 @@ def wear():
 
 def rough(dimension):
     """A random surface."""
-    make, n = (self_affine.profiles, 128) if dimension == 1 else (self_affine.maps, 32)
-    return given_surface(make(0.8, 2, n // 4, n, 3, range(1))[0])[0]
+    shape = {1: (128,), 2: (32, 32)}[dimension]
+    waves = self_affine.SelfAffineWaves(0.8, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, 3, range(1))[0])[0]
 
 
 def sliding(dimension, loads, ways):

@@ -34,7 +34,7 @@ import json, sys
 from functools import reduce
 import numpy as np
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.contact.solution import solve
 from gfmd_numba.elasticity.your_body import SoftSkin
 from gfmd_numba.interface.interactions import Interactions

@@ -52,8 +52,8 @@ class RandomPhases:
         return None if law is None else replace(self, law=law)
 
 
-def generator(record, discretisation, period, dimension, nx):
-    longest, shortest = band(record, discretisation, period)
+def generator(record, discretisation, dimension, nx):
+    longest, shortest = band(record, discretisation)
     return RandomPhases(SelfAffineWaves(record.hurst, longest, int(shortest)))
 ''',
     "scene/surfaces.py",
@@ -103,8 +103,8 @@ class Gaussian:
         return (xi / np.sqrt(4.0 * np.pi)) ** self.dimension * np.exp(-((q * xi) ** 2) / 4.0)
 
 
-def gaussian(record, discretisation, period, dimension, nx):
-    return ModelWaves.of(Gaussian(dimension, record.breadth / period), record, period, nx)
+def gaussian(record, discretisation, dimension, nx):
+    return ModelWaves.of(Gaussian(dimension, record.breadth), record, nx)
 ''',
     "scene/surfaces.py",
     (

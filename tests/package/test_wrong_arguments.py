@@ -91,10 +91,7 @@ def test_results_with_another_scene_are_told(scene):
         (gfmd_numba.contact_statistics, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves"),
         (gfmd_numba.gap_percolation, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
         (gfmd_numba.leakage, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves of one"),
-        (
-            gfmd_numba.contact_conductance,
-            "contact: you gave no results of a contact; gfmd allows what `gfmd solve` leaves",
-        ),
+        (gfmd_numba.contact_conductance, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves of"),
         (contact_stiffness, "you gave no results of several loads; gfmd allows a campaign's, or those of a path"),
         (plot_fit, "you gave no fit; gfmd allows what `gfmd fit -o` leaves"),
         (plot_curve, "you gave no load curve; gfmd allows what `gfmd curve` leaves"),

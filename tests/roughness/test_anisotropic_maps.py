@@ -1,5 +1,7 @@
 """Maps that are correlated farther along y than along x."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -9,17 +11,21 @@ from gfmd_numba.analysis import contact_stiffness, plot_campaign
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface, random_surface
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine, statistics
-from gfmd_numba.roughness.generators import RandomSurface
+from gfmd_numba.roughness.generators import RandomSurface, random_surface
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene import Discretisation, InputError, Scene, load_scene
 from gfmd_numba.solvers.table import Options
 from support.campaigns import MAPS, campaign
 
-WAVES = {"hurst": 0.5, "cut_on_index": 8, "cut_off_index": 32, "nx": 80, "seed": 3}
+WAVES = self_affine.SelfAffineWaves(0.5, 8, 32)
+
+
+def maps(count, anisotropy, nx=80):
+    return replace(WAVES, anisotropy=anisotropy).heights((nx, nx), 3, range(count))
 
 
 def pressed(surface, load=0.05):
@@ -29,23 +35,23 @@ def pressed(surface, load=0.05):
     )
 
 
-def slopes(maps):
+def slopes(heights):
     """Mean square gradients along y and along x."""
-    along_x = statistics.gradient(maps)
-    along_y = statistics.gradient(maps.swapaxes(1, 2))
+    along_x = statistics.gradient(heights)
+    along_y = statistics.gradient(heights.swapaxes(1, 2))
     return (along_y**2).mean(), (along_x**2).mean()
 
 
 @pytest.mark.parametrize("anisotropy", [1.0, 2.0, 4.0])
 def test_gradients_are_those_of_the_stretched_spectrum(anisotropy):
     """The integrals of q_x^2 and q_y^2 over C(q_x, a q_y) are in the ratio a^2, and here add up to 1."""
-    along_y, along_x = slopes(self_affine.maps(**WAVES, realisations=range(20), anisotropy=anisotropy))
+    along_y, along_x = slopes(maps(20, anisotropy))
     assert along_x + along_y == pytest.approx(1.0, rel=1e-12)
     assert along_x / along_y == pytest.approx(anisotropy**2, rel=0.04)
 
 
 def test_every_wave_has_the_share_the_spectrum_gives_it():
-    round_map, long_map = (self_affine.maps(**WAVES, realisations=range(1), anisotropy=a)[0] for a in (1.0, 2.5))
+    round_map, long_map = (maps(1, a)[0] for a in (1.0, 2.5))
     k_y, k_x = np.fft.fftfreq(80, 1 / 80)[:, np.newaxis], np.arange(41)
     within = (np.hypot(2.5 * k_y, k_x) <= 32) & (k_x > 0)
     ratio = (np.fft.rfft2(long_map)[within] / np.fft.rfft2(round_map)[within]) ** 2
@@ -56,13 +62,12 @@ def test_every_wave_has_the_share_the_spectrum_gives_it():
 
 
 def test_refining_the_grid_keeps_the_map():
-    coarse, fine = (self_affine.maps(**{**WAVES, "nx": nx}, realisations=range(2), anisotropy=3.0) for nx in (80, 160))
+    coarse, fine = (maps(2, 3.0, nx) for nx in (80, 160))
     np.testing.assert_allclose(fine[:, ::2, ::2], coarse, atol=1e-15)
 
 
 def test_one_is_the_isotropic_map_and_problem():
-    same = self_affine.maps(**WAVES, realisations=range(1), anisotropy=1.0)
-    np.testing.assert_array_equal(same, self_affine.maps(**WAVES, realisations=range(1)))
+    np.testing.assert_array_equal(maps(1, 1.0), WAVES.heights((80, 80), 3, range(1)))
     eps = Discretisation(eps_c=0.5, eps_f=0.25, eps_t=0.25)
     surfaces = {}
     for a in (None, 1.0, 2.0):
@@ -75,7 +80,7 @@ def test_one_is_the_isotropic_map_and_problem():
                 "loading": {"reduced_pressure": 0.01},
             }
         )
-        surfaces[a] = random_surface(scene.roughness, scene, eps, 1)
+        surfaces[a] = random_surface(scene.in_periods.roughness, eps, scene.dimension, 1)
     assert surfaces[None] == surfaces[1.0] != surfaces[2.0]
 
 
@@ -156,7 +161,7 @@ def test_a_campaign_over_anisotropies_names_them(tmp_path):
     fitted = fit_tfc(dataset, fixed={"eps_c": 1.0})
     assert fitted["anisotropy"].values.tolist() == [1.0, 4.0]
     assert fitted["kappa_tfc"].notnull().all()
-    along_y, along_x = slopes(self_affine.maps(0.8, 4, 16, 64, 1, range(1), 4.0))
+    along_y, along_x = slopes(self_affine.SelfAffineWaves(0.8, 4, 16, 4.0).heights((64, 64), 1, range(1)))
     assert along_x > 4.0 * along_y
 
 

@@ -10,7 +10,7 @@ from gfmd_numba.roughness import self_affine, statistics
 @pytest.mark.parametrize("nx", [64, 96, 99, 4096])
 @pytest.mark.parametrize("hurst", [0.0, 0.3, 1.0])
 def test_rms_gradient_is_exact(nx, hurst):
-    heights = self_affine.profiles(hurst, 2, 31, nx, 7, range(5))
+    heights = self_affine.SelfAffineWaves(hurst, 2, 31).heights((nx,), 7, range(5))
     assert heights.shape == (5, nx)
     np.testing.assert_allclose(statistics.rms_gradient(heights), 1.0, rtol=1e-12)
     np.testing.assert_allclose(heights.mean(axis=1), 0.0, atol=1e-15)
@@ -18,30 +18,30 @@ def test_rms_gradient_is_exact(nx, hurst):
 
 @pytest.mark.parametrize("cut_off", [8, 32])  # 32: the shortest wave at Nyquist of the coarse grid
 def test_a_finer_grid_samples_the_same_surface(cut_off):
-    coarse = self_affine.profiles(0.8, 2, cut_off, 64, 7, range(3))
-    fine = self_affine.profiles(0.8, 2, cut_off, 256, 7, range(3))
+    coarse = self_affine.SelfAffineWaves(0.8, 2, cut_off).heights((64,), 7, range(3))
+    fine = self_affine.SelfAffineWaves(0.8, 2, cut_off).heights((256,), 7, range(3))
     np.testing.assert_allclose(fine[:, ::4], coarse, atol=1e-12)
 
 
 def test_more_waves_refine_the_same_surface():
-    few = grid.coefficients(self_affine.profiles(0.8, 2, 16, 256, 7, range(3)))[:, 1:17]
-    many = grid.coefficients(self_affine.profiles(0.8, 2, 64, 256, 7, range(3)))[:, 1:17]
+    few = grid.coefficients(self_affine.SelfAffineWaves(0.8, 2, 16).heights((256,), 7, range(3)))[:, 1:17]
+    many = grid.coefficients(self_affine.SelfAffineWaves(0.8, 2, 64).heights((256,), 7, range(3)))[:, 1:17]
     ratio = many / few  # the same waves, all rescaled to keep the gradient
     np.testing.assert_allclose(ratio, ratio[:, :1] * np.ones(16), rtol=1e-9)
     np.testing.assert_allclose(ratio.imag, 0.0, atol=1e-9)
 
 
 def test_realisations_do_not_depend_on_their_block():
-    block = self_affine.profiles(0.5, 2, 16, 64, 7, range(6))
-    np.testing.assert_array_equal(self_affine.profiles(0.5, 2, 16, 64, 7, range(4, 6)), block[4:])
+    block = self_affine.SelfAffineWaves(0.5, 2, 16).heights((64,), 7, range(6))
+    np.testing.assert_array_equal(self_affine.SelfAffineWaves(0.5, 2, 16).heights((64,), 7, range(4, 6)), block[4:])
     assert not np.allclose(block[0], block[1])
-    assert not np.allclose(self_affine.profiles(0.5, 2, 16, 64, 8, range(1)), block[:1])
+    assert not np.allclose(self_affine.SelfAffineWaves(0.5, 2, 16).heights((64,), 8, range(1)), block[:1])
 
 
 def test_mean_spectrum_follows_theory():
     """Plateau below the cut-on, q^-(1 + 2H) above, nothing beyond the cut-off; exponential statistics."""
     hurst, cut_on, cut_off, n = 0.6, 4, 128, 4000
-    coefficients = grid.coefficients(self_affine.profiles(hurst, cut_on, cut_off, 512, 3, range(n)))
+    coefficients = grid.coefficients(self_affine.SelfAffineWaves(hurst, cut_on, cut_off).heights((512,), 3, range(n)))
     index = np.arange(1, cut_off + 1)
     theory = np.maximum(index, cut_on) ** -(1 + 2 * hurst)
     theory /= 2 * np.sum((2 * np.pi * index) ** 2 * theory)

@@ -116,7 +116,7 @@ def test_points_left_out_are_missing_heights(tmp_path):
 
 def test_points_along_a_line_are_a_profile(tmp_path):
     np.savetxt(tmp_path / "p.txt", np.stack([np.full(8, 3.0), np.arange(8), np.arange(8) ** 2], 1))
-    found = read(tmp_path / "p.txt", units={"x": "mm", "z": "um"})
+    found = read(tmp_path / "p.txt", units={"y": "mm", "z": "um"})
     np.testing.assert_allclose(found.heights, 1e-6 * np.arange(8.0) ** 2)
     assert found.lengths == pytest.approx((8e-3,))
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness.measurements import measurement
-from gfmd_numba.roughness.surface_files import read_content
+from gfmd_numba.roughness.surface_files import read_content, read_values
 from gfmd_numba.roughness.surface_text import columns_of, read_table
 
 X = 0.5 * np.arange(40)
@@ -440,3 +440,8 @@ def test_one_or_two_rows_are_a_profile(tmp_path):
     np.testing.assert_array_equal(table.values[:, 0], Z)
     assert (table.units, table.done) == (("um",), ("took rows for columns",))
     np.testing.assert_array_equal(read_table(written(tmp_path, [X, Z])).values, np.column_stack([X, Z]))
+
+
+def test_values_of_nodes_in_one_row_are_those_of_a_profile(tmp_path):
+    (tmp_path / "row.csv").write_text("0.5 1 2 3 4 -5\n")
+    np.testing.assert_array_equal(read_values(tmp_path / "row.csv", 1), [0.5, 1.0, 2.0, 3.0, 4.0, -5.0])

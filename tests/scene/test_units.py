@@ -1,11 +1,13 @@
 """Numbers with units: read to the very float of the number in SI units, or refused where they stand."""
 
 import pickle
+import re
 from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from pydantic import TypeAdapter
+from pydantic_core import PydanticCustomError
 
 import gfmd_numba
 from gfmd_numba.campaign.file import load_campaign
@@ -13,7 +15,16 @@ from gfmd_numba.scene import Body, Interface, Scene, load_scene
 from gfmd_numba.scene.quantities import Length, Pressure, WorkOfAdhesion
 from gfmd_numba.scene.records import SceneFile
 from gfmd_numba.scene.surface_file import load_surface
-from gfmd_numba.scene.units import QUANTITIES, WEAR_RATE, WithUnit
+from gfmd_numba.scene.units import (
+    FORCE,
+    FORCE_PER_LENGTH,
+    LENGTH,
+    PRESSURE,
+    QUANTITIES,
+    VISCOSITY,
+    WEAR_RATE,
+    WithUnit,
+)
 from gfmd_numba.text.input_error import InputError
 from support.command_line import python
 from support.faulty_files import CAMPAIGN, assert_complaint, changed, complaint, load_checked
@@ -182,6 +193,41 @@ FAULTS = {
 def test_a_unit_that_makes_no_sense_is_refused_where_it_stands(name, tmp_path):
     old, new, expected = FAULTS[name]
     assert_complaint(tmp_path, load_checked, SCENE, (old, new), f"bad.yaml:2:11: scene.length: {expected}")
+
+
+@pytest.mark.parametrize(
+    ("quantity", "text", "said"),
+    [
+        (PRESSURE, "250 HV", "HV, HB and HK are in kgf/mm^2: write that unit"),
+        (PRESSURE, "250 HB", "HV, HB and HK are in kgf/mm^2"),
+        (PRESSURE, "610 HV0.1", "HV, HB and HK are in kgf/mm^2"),
+        (PRESSURE, "180 HBW 2.5/187.5", "HV, HB and HK are in kgf/mm^2"),
+        (PRESSURE, "60 HRC", "a Rockwell hardness is no pressure: look up the HV that it is worth"),
+        (PRESSURE, "30 Msi", "1 Msi is 1000 ksi"),
+        (PRESSURE, "50 tsi", "a ton is 2240 lbf, or in America 2000 lbf: write psi"),
+        (PRESSURE, "5.1 kp/mm²", "did you mean 'kgf/mm²'?"),
+        (PRESSURE, "50 lb/in^2", "did you mean 'lbf/in^2'?"),
+        (PRESSURE, "50 lbs/in2", "did you mean 'lbf/in2'?"),
+        (PRESSURE, "50 kg/cm2", "did you mean 'kgf/cm2'?"),
+        (PRESSURE, "5 t/cm^2", "did you mean 'tf/cm^2'?"),
+        (PRESSURE, "50 MPa abs", "did you mean 'MPa'?"),
+        (PRESSURE, "5 kg", ""),
+        (PRESSURE, "3 mm", ""),
+        (FORCE, "5 kg", "did you mean 'kgf'?"),
+        (FORCE_PER_LENGTH, "5 kp/mm", "did you mean 'kgf/mm'?"),
+        (VISCOSITY, "46 cSt", "a kinematic viscosity: write it times the density, as 46 cSt of oil are about 40 mPa s"),
+        (VISCOSITY, "46 mm^2/s", "a kinematic viscosity"),
+        (VISCOSITY, "46 mPas", "did you mean 'mPa s'?"),
+        (LENGTH, "5 micro", "did you mean 'micron'?"),
+    ],
+)
+def test_what_is_suggested_is_a_unit_of_the_same_quantity(quantity, text, said):
+    with pytest.raises(PydanticCustomError) as caught:
+        quantity.si_value(text)
+    found = caught.value.context["suggestion"]
+    assert (said in found) if said else not found
+    if unit := re.search("did you mean '(.*)'", found):
+        assert quantity.si_value(f"1 {unit[1]}") > 0.0
 
 
 DIMENSIONLESS = [

@@ -45,7 +45,7 @@ def test_a_rough_map_is_pressed_like_its_mapped_punch(loading):
 
 @pytest.mark.parametrize("law", [{}, {"exponential": {"work_of_adhesion": 1e-5, "range": 5e-3}}])
 def test_two_bodies_of_a_ridge_are_those_of_the_profile(law):
-    first, second = (0.01 * each for each in self_affine.profiles(0.8, 2, 8, NX, 1, range(2)))
+    first, second = (0.01 * each for each in self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(2)))
     interface = {"hard_wall": {}} | law
     pair = [
         solved(
@@ -98,7 +98,7 @@ def test_a_path_of_two_bodies_returns_to_where_it_was():
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
-    first, second = (0.025 * each for each in self_affine.profiles(0.8, 2, 8, NX, 1, range(2)))
+    first, second = (0.025 * each for each in self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(2)))
     expected, found = (
         solved(
             dimension,

@@ -14,7 +14,7 @@ from gfmd_numba.scene import InputError
 from support.legible import faults
 
 NX = 32
-PROFILE = 0.02 * self_affine.profiles(0.8, 2, 8, NX, 1, range(1))[0]
+PROFILE = 0.02 * self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(1))[0]
 PATH = [{"reduced_pressure": 0.1}, {"sliding": 1e-4}, {"sliding": 5e-5}]
 BUMPS = np.add.outer(PROFILE, np.roll(PROFILE[::-1], 5))
 FIELDS = ("pressure", "displacement", "gap", "slip")

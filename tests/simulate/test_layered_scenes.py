@@ -11,9 +11,10 @@ from gfmd_numba.analysis.forms import by_layer
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.cli import main
 from gfmd_numba.contact import reduction
-from gfmd_numba.contact.rough_surfaces import FacingSurfaces, random_surface
+from gfmd_numba.contact.rough_surfaces import FacingSurfaces
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.layers import Stack
+from gfmd_numba.roughness.generators import random_surface
 from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.table import SOLVERS, able
 from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_HARD, TOP, scene
@@ -21,7 +22,7 @@ from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_H
 
 def reduced(body, **changes):
     file = load_scene(scene(body, **changes))[0]
-    surface, gradient = random_surface(file.scene.roughness, file.scene, file.discretisation, 0)
+    surface, gradient = random_surface(file.scene.in_periods.roughness, file.discretisation, file.scene.dimension, 0)
     return reduction.reduce(file.scene, FacingSurfaces(surface, gradient), file.numerics)
 
 

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 import yaml
+from scipy.stats import norm
 
 from gfmd_numba import InputError, make_surface
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import KCorrelationSpectrum
 from gfmd_numba.scene.surface_file import load_surface
+from gfmd_numba.simulate.surface import surface_dataset
 from support.command_line import gfmd
 from support.faulty_files import complaint
 from support.scenes import SURFACE
@@ -107,6 +109,17 @@ def test_a_written_surface_is_read_as_a_measured_one(tmp_path):
     np.testing.assert_allclose(again["x"], dataset["x"])
     assert float(again["rms_gradient"]) == pytest.approx(float(dataset["rms_gradient"]))
     assert "spectral_density_theory" not in again
+
+
+def test_the_heights_of_a_wave_are_distributed_as_its_sine():
+    wave = 1e-3 * np.sin(2 * np.pi * np.arange(20_000) / 20_000)
+    record = {"method": "measured", "heights": wave, "units": {"z": "L_x"}, "detrend": "none"}
+    found = surface_dataset(*load_surface({"surface": record}))
+    h = np.linspace(-np.sqrt(2), np.sqrt(2), 10_001)
+    exact = abs(0.5 + np.arcsin(h / np.sqrt(2)) / np.pi - norm.cdf(h)).max()
+    assert float(found["gaussian_distance"]) == pytest.approx(exact, abs=1e-4)
+    assert float(found["kurtosis"]) == pytest.approx(1.5)
+    assert float(found["skewness"]) == pytest.approx(0.0, abs=1e-12)
 
 
 def test_measured_profile_is_processed_and_says_how(tmp_path):

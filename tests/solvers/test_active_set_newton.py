@@ -68,7 +68,7 @@ def test_an_exponential_sum_is_close_to_the_compliance_on_any_nodes(nu, aspect_r
 @pytest.mark.parametrize(("nu", "aspect_ratio"), [HALF_SPACE, (0.33, 0.05), (0.5, 0.01)])
 def test_contacts_are_those_of_conjugate_gradients(hurst, load, nu, aspect_ratio):
     for n in (1021, 1024):
-        heights = self_affine.profiles(hurst, 2, 255, n, 1, range(2))
+        heights = self_affine.SelfAffineWaves(hurst, 2, 255).heights((n,), 1, range(2))
         punch = heights.max(axis=1, keepdims=True) - heights
         both = [
             solve(punch, body(n, nu, aspect_ratio), load, solver)
@@ -82,7 +82,7 @@ def test_contacts_are_those_of_conjugate_gradients(hurst, load, nu, aspect_ratio
 def test_flat_punches_and_vertical_walls_are_solved_as_by_conjugate_gradients(load):
     n = 600
     x = np.arange(n) / n
-    rough = self_affine.profiles(0.5, 2, 150, n, 1, range(1))[0]
+    rough = self_affine.SelfAffineWaves(0.5, 2, 150).heights((n,), 1, range(1))[0]
     plateaus = np.minimum(rough, np.quantile(rough, 0.7))
     punch = np.stack([np.where(x < 0.3, 0.0, 1.0), np.where(x < 0.3, 10.0, 0.0) - rough, -plateaus])
     punch -= punch.min(axis=1, keepdims=True)
@@ -95,7 +95,7 @@ def test_flat_punches_and_vertical_walls_are_solved_as_by_conjugate_gradients(lo
 @pytest.mark.parametrize("depth", [1e-3, 0.1, 0.5])
 def test_a_prescribed_displacement_is_solved_as_by_conjugate_gradients(nu, aspect_ratio, depth):
     n = 512
-    heights = self_affine.profiles(0.8, 2, 128, n, 1, range(2))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 128).heights((n,), 1, range(2))
     punch = heights.max(axis=1, keepdims=True) - heights
     punch -= depth * punch.mean(axis=1, keepdims=True)
     slab = body(n, nu, aspect_ratio)
@@ -111,7 +111,7 @@ def test_a_punch_that_does_not_touch_has_no_pressure():
 
 @pytest.mark.parametrize("solver", ["active_set_newton", "conjugate_gradients"])
 def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch(solver):
-    heights = self_affine.profiles(0.8, 2, 64, 256, 1, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 64).heights((256,), 1, range(1))
     punch = heights.max() - heights
     for share, status in ((0.5, Status.ok), (1.01, Status.no_equilibrium)):
         assert solve(punch - share * punch.mean(), body(256, 0.5, 0.3), None, solver).status[0] == status
@@ -121,7 +121,7 @@ def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch(solver):
 def test_transforms_hardly_grow_with_the_grid(hurst):
     medians = []
     for n in (2**11, 2**13, 2**15, 2**17):
-        heights = self_affine.profiles(hurst, 2, n // 4, n, 2018, range(max(1, 2**15 // n)))
+        heights = self_affine.SelfAffineWaves(hurst, 2, n // 4).heights((n,), 2018, range(max(1, 2**15 // n)))
         result = solve(heights.max(axis=1, keepdims=True) - heights, body(n, *HALF_SPACE), 0.007)
         assert (result.status == Status.ok).all()
         medians.append(np.median(result.n_transforms))
@@ -130,7 +130,7 @@ def test_transforms_hardly_grow_with_the_grid(hurst):
 
 
 def test_conjugate_gradients_take_over(monkeypatch):
-    heights = self_affine.profiles(0.3, 2, 255, 1024, 1, range(3))
+    heights = self_affine.SelfAffineWaves(0.3, 2, 255).heights((1024,), 1, range(3))
     punch = heights.max(axis=1, keepdims=True) - heights
     alone = solve(punch, body(1024, *HALF_SPACE), 0.007, "conjugate_gradients")
     hasty = replace(table.SOLVERS["active_set_newton"], gives_up_after=1)

@@ -41,7 +41,7 @@ def press(punch, body, load, law, hard_wall=True, start=None, sliding=(0.0, 0.0)
 )
 def test_ridges_are_profiles(body, load, hard_wall, solver, along):
     n, across = 64, 6
-    heights = self_affine.profiles(0.8, 2, 16, n, 3, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 16).heights((n,), 3, range(1))
     punch = heights.max() - heights - (0.02 if load is None else 0.0)
     ridges = np.repeat(punch[:, np.newaxis], across, axis=1)
     ridges = ridges if along == "x" else ridges.swapaxes(1, 2).copy()

@@ -95,7 +95,7 @@ def test_the_last_steps_converge_as_those_of_newton_do():
 
 
 def test_one_more_load_on_a_fine_grid_takes_below_a_tenth_of_the_transforms_of_the_dynamics():
-    heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(2))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 128).heights((2048,), 4, range(2))
     punch, body = heights.max(axis=1, keepdims=True) - heights, ElasticBody(0.3, None).response((2048,))
     laws = Interactions(True, cohesive=XuNeedlemanLaw(2e-3, 1e-3, 3e-3))
     first = equilibrate(punch, body, 0.02, NEWTON, laws)
@@ -163,7 +163,7 @@ def test_a_weak_attraction_across_a_wide_gap_is_solved_for_itself(solver):
 
 def test_dynamics_that_diverges_says_so_by_its_status_alone():
     """Numbers overflow in the law then, which NumPy would warn of."""
-    heights = self_affine.profiles(0.8, 2, 128, 2048, 4, range(1, 2))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 128).heights((2048,), 4, range(1, 2))
     laws = Interactions(False, cohesive=XuNeedlemanLaw(1e-4 * np.pi * 1.024 * np.e**2, 1e-3, 3e-3))
     body = ElasticBody(0.3, None).response((2048,))
     for raised in (0.0, 0.01, 0.03):

@@ -25,7 +25,7 @@ NEWTON = Options("active_set_newton")
 
 
 def punches(hurst, n, seed, rows=2, least=2):
-    heights = self_affine.profiles(hurst, least, n // 4, n, seed, range(rows))
+    heights = self_affine.SelfAffineWaves(hurst, least, n // 4).heights((n,), seed, range(rows))
     return heights.max(axis=1, keepdims=True) - heights
 
 

@@ -48,7 +48,7 @@ def test_stability_limit_is_where_a_mode_starts_to_grow(zeta, softest):
 
 
 def scene(nx=256, rows=4, hurst=0.5):
-    heights = self_affine.profiles(hurst, 2, nx // 4, nx, 5, range(rows))
+    heights = self_affine.SelfAffineWaves(hurst, 2, nx // 4).heights((nx,), 5, range(rows))
     return heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(nx))
 
 

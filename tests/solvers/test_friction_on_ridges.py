@@ -29,7 +29,7 @@ LAYERS = ElasticBody.layered((0.05, 0.2), (Material(1.0, 0.2), Material(0.1, 0.4
 def test_ridges_are_profiles(body, friction, along):
     """Dragged along their profile and back; a ridge has the stiffness of a profile, and nothing moves along it."""
     n, across = 64, 6
-    heights = self_affine.profiles(0.8, 2, 16, n, 3, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 16).heights((n,), 3, range(1))
     punch = heights.max() - heights
     ridges = np.repeat(punch[:, np.newaxis], across, axis=1)
     ridges = ridges if along == "x" else ridges.swapaxes(1, 2)

@@ -21,7 +21,7 @@ ATTRACTION, REPULSION = ExponentialLaw(2e-4, 2e-3), ExponentialLaw(-2e-4, 2e-3)
 
 
 def rough(nx, seed, hurst=0.8, waves=32, rows=1):
-    heights = self_affine.profiles(hurst, 2, waves, nx, seed, range(rows))
+    heights = self_affine.SelfAffineWaves(hurst, 2, waves).heights((nx,), seed, range(rows))
     return heights.max(axis=1, keepdims=True) - heights
 
 

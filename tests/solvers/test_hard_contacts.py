@@ -26,7 +26,7 @@ SHAPES = {
     "every other node": np.arange(128) % 2 * 1.0,
     "a single node": np.eye(1, 128, 7)[0],
     "a spike": WAVE + 1e6 * np.eye(1, 128, 7)[0],
-    "white noise": self_affine.profiles(0.0, 1, 64, 128, 2, range(1))[0],
+    "white noise": self_affine.SelfAffineWaves(0.0, 1, 64).heights((128,), 2, range(1))[0],
     "nothing but Nyquist": (-1.0) ** np.arange(128),
     "far from zero": WAVE + 1e4,
     "four nodes": np.array([0.0, 1.0, 0.3, -1.0]),
@@ -100,7 +100,7 @@ def test_an_incompressible_body_needs_room(displacement):
 
 
 def test_a_member_without_room_does_not_take_the_others_along():
-    heights = self_affine.profiles(0.8, 1, 16, 64, 2, range(4))
+    heights = self_affine.SelfAffineWaves(0.8, 1, 16).heights((64,), 2, range(4))
     punch = heights.max(axis=1, keepdims=True) - heights
     room = punch.mean(axis=1)
     punch -= np.where(np.arange(4) % 2, 0.5, 1.5)[:, None] * room[:, None]
@@ -189,7 +189,7 @@ def test_a_badly_damped_run_is_right_or_says_that_it_is_not(damping, solver):
 
 @pytest.mark.long
 def test_a_million_steps_do_not_move_the_state():
-    heights = self_affine.profiles(0.8, 1, 8, 32, 3, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 1, 8).heights((32,), 3, range(1))
     punch, body = heights.max() - heights, stiffness.half_space(grid.wavenumbers(32))
     early, late = (
         equilibrate(
@@ -205,10 +205,10 @@ def test_a_million_steps_do_not_move_the_state():
 @pytest.mark.long
 @pytest.mark.parametrize("nx", [2**20, 3**12])
 def test_a_million_nodes_are_solved(nx):
-    heights = self_affine.profiles(0.8, 2, nx // 64, nx, 1, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, nx // 64).heights((nx,), 1, range(1))
     result = press(heights, 0.05, "active_set_newton", residual=1e-7)
     assert result.pressure.mean() == pytest.approx(0.05, rel=1e-6)
-    coarser = self_affine.profiles(0.8, 2, nx // 64, nx // (2 if nx % 2 == 0 else 3), 1, range(1))
+    coarser = self_affine.SelfAffineWaves(0.8, 2, nx // 64).heights((nx // (2 if nx % 2 == 0 else 3),), 1, range(1))
     coarse = press(coarser, 0.05, "active_set_newton", residual=1e-7)
     assert result.touching.mean() == pytest.approx(coarse.touching.mean(), rel=0.1)
 

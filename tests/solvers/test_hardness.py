@@ -34,10 +34,7 @@ def press(punch, load, hardness, solver="active_set_newton", slab=None, **option
 
 
 def rough(shape, hurst=0.8, seed=1, realisations=range(2)):
-    if len(shape) == 1:
-        heights = self_affine.profiles(hurst, 2, shape[0] // 4, shape[0], seed, realisations)
-    else:
-        heights = self_affine.maps(hurst, 2, shape[0] // 4, shape[0], seed, realisations)
+    heights = self_affine.SelfAffineWaves(hurst, 2, shape[0] // 4).heights(shape, seed, realisations)
     return heights.max(axis=tuple(range(1, heights.ndim)), keepdims=True) - heights
 
 

@@ -19,7 +19,9 @@ def punches(draw):
     """Heights `[1, nx]` of a rough punch, white noise and smooth ones among them, on even, odd and prime grids."""
     nx = draw(st.sampled_from([16, 31, 64, 101, 128]))
     hurst, realisation = draw(st.floats(0, 1)), draw(st.integers(0, 1000))
-    return self_affine.profiles(hurst, draw(st.integers(1, 2)), nx // 4, nx, 0, range(realisation, realisation + 1))
+    return self_affine.SelfAffineWaves(hurst, draw(st.integers(1, 2)), nx // 4).heights(
+        (nx,), 0, range(realisation, realisation + 1)
+    )
 
 
 @st.composite
@@ -89,7 +91,7 @@ def test_equilibrium_has_the_least_energy(heights, kind, load, seed, size):
 @quick
 def test_full_contact_superposes_and_is_reciprocal(first, seed, kind):
     nx, load = first.shape[1], 1e4
-    second = self_affine.profiles(0.5, 1, nx // 4, nx, 7, range(seed, seed + 1))
+    second = self_affine.SelfAffineWaves(0.5, 1, nx // 4).heights((nx,), 7, range(seed, seed + 1))
     body = body_of(kind, nx)
     load = 10.0 * (body[1:].max() * (np.ptp(first) + np.ptp(second)))  # no suction anywhere
     a, b, both = (press(h, load, body=body).pressure - load for h in (first, second, first + second))
@@ -102,7 +104,9 @@ def test_full_contact_superposes_and_is_reciprocal(first, seed, kind):
 def test_refinement_changes_no_more_than_the_error_said(seed, hurst, load):
     areas, errors = [], []
     for nx in (256, 512, 1024):
-        touching = press(self_affine.profiles(hurst, 1, 16, nx, 5, range(seed, seed + 1)), load).touching[0]
+        touching = press(
+            self_affine.SelfAffineWaves(hurst, 1, 16).heights((nx,), 5, range(seed, seed + 1)), load
+        ).touching[0]
         edges = 2 * np.count_nonzero(touching & ~np.roll(touching, 1))
         areas.append((touching.sum() - HALF_SPACE.excess * edges) / nx)
         errors.append(np.sqrt(edges / 12) / nx)

@@ -8,7 +8,6 @@ import gfmd_numba
 from gfmd_numba.contact import evaluation
 from gfmd_numba.contact.load_path import PathRecord, solve_path
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.rough_surfaces import given_surface
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -16,6 +15,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness import self_affine
+from gfmd_numba.roughness.surfaces import given_surface
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.status import Status
@@ -26,8 +26,8 @@ ATTRACTS, REPELS = ExponentialLaw(2e-4, 0.02), ExponentialLaw(-1e-3, 0.02)
 
 
 def rough(shape=(64,), seed=3):
-    make = self_affine.profiles if len(shape) == 1 else self_affine.maps
-    return given_surface(make(0.8, 2, shape[0] // 4, shape[0], seed, range(1))[0])[0].heights
+    waves = self_affine.SelfAffineWaves(0.8, 2, shape[0] // 4)
+    return given_surface(waves.heights(shape, seed, range(1))[0])[0].heights
 
 
 def stiff(shape, body=SLAB):

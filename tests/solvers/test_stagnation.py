@@ -98,7 +98,9 @@ def test_the_message_names_the_residual_that_rounding_left_and_what_to_do(tmp_pa
 def run(random, solver):
     """One random contact, and a next load on it, of a solver that is not always well chosen."""
     n = int(random.choice([64, 128, 256]))
-    heights = self_affine.profiles(random.uniform(0.3, 0.9), 2, n // 4, n, int(random.integers(1000)), range(3))
+    heights = self_affine.SelfAffineWaves(random.uniform(0.3, 0.9), 2, n // 4).heights(
+        (n,), int(random.integers(1000)), range(3)
+    )
     punch = heights.max(axis=1, keepdims=True) - heights
     body = ElasticBody(0.3, float(random.choice([0.05, 0.5])) if random.random() < 0.5 else None)
     length, load = 10 ** random.uniform(-2.3, -1.0), 10 ** random.uniform(-2.5, -0.3)

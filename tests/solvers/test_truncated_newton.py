@@ -132,7 +132,7 @@ def test_a_fold_is_passed_downhill_and_the_surfaces_part():
 def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges):
     """Beyond some 350 ranges the squares of the tractions underflow; the body springs back all the same."""
     law = ExponentialLaw(1e-5, 1e-3)
-    heights = self_affine.profiles(0.8, 2, 32, 128, 4, range(1))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((128,), 4, range(1))
     punch = heights.max() - heights
     slab = slab_stiffness.slab(grid.wavenumbers(128), 0.3, 1.0)
     options, laws = Options("truncated_newton", max_iterations=500), Interactions(True, law)
@@ -145,7 +145,7 @@ def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges)
 
 
 def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics():
-    heights = self_affine.profiles(0.8, 2, 32, 512, 4, range(6))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((512,), 4, range(6))
     punch, body = heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(512))
     law = Interactions(True, ExponentialLaw(0.1 * np.pi * 256 * 3e-3**2, 3e-3))
     at_once, dynamics = (

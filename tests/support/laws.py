@@ -9,7 +9,7 @@ from gfmd_numba.roughness import self_affine
 
 
 def surface(nx=512):
-    heights = self_affine.profiles(0.8, 2, 32, nx, 4, range(3))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((nx,), 4, range(3))
     return heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(nx))
 
 

@@ -30,7 +30,7 @@ def press(punch, load, solver="active_set_newton", slab=None):
 
 
 def rough(nx, realisations=range(1), hurst=0.8, seed=3):
-    heights = self_affine.maps(hurst, 2, nx // 4, nx, seed, realisations)
+    heights = self_affine.SelfAffineWaves(hurst, 2, nx // 4).heights((nx, nx), seed, realisations)
     return heights.max(axis=(1, 2), keepdims=True) - heights
 
 

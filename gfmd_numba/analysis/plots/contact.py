@@ -18,7 +18,7 @@ from gfmd_numba.analysis.forms import DRAWN_CONTACT, STATISTICS, UnusableDataErr
 from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
 from gfmd_numba.analysis.plots.style import COLOURS, Width
-from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays import Flags
 
 _BEYOND = 2e-3
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")
@@ -254,22 +254,14 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     draw_image(
         axis, dataset, np.where(shown, size, np.nan), label, "max", cmap=colours, vmin=0.0, vmax=most(size) or 1.0
     )
-    square = [-(-n // _ARROWS) for n in size.shape]
-    along_x, along_y = (_mean_of_squares(component, square) for component in traction)
-    places = [
-        _mean_of_squares(each, square) for each in np.meshgrid(*(style.scaled(dataset[i], "", "")[0] for i in "xy"))
-    ]
-    pulled = np.hypot(along_x, along_y) > 0.0
-    if pulled.any():
-        arrows = (each[pulled] for each in (*places, along_x, along_y))
+    places = {dim: style.scaled(dataset[dim], "", "")[0] for dim in "yx"}
+    squares = {dim: -(-len(at) // _ARROWS) for dim, at in places.items()}
+    along = xr.Dataset({"x_": (("y", "x"), traction[0]), "y_": (("y", "x"), traction[1])}, places)
+    mean = along.coarsen(squares, boundary="trim").mean().stack(at=("y", "x"))
+    pulled = mean.isel(at=np.hypot(mean["x_"].values, mean["y_"].values) > 0.0)
+    if pulled.sizes["at"]:
+        arrows = (pulled[name].values for name in ("x", "y", "x_", "y_"))
         axis.quiver(*arrows, color="0.1", width=0.005, pivot="middle", edgecolor="white", linewidth=0.4)
-
-
-def _mean_of_squares(values: Reals, square: list[int]) -> Reals:
-    """Mean of values `[y, x]` over squares of so many nodes; those beyond the last whole square are left out."""
-    down, across = (n // k for n, k in zip(values.shape, square, strict=True))
-    whole = values[: down * square[0], : across * square[1]]
-    return np.asarray(whole.reshape(down, square[0], across, square[1]).mean(axis=(1, 3)))
 
 
 def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:

@@ -10,6 +10,7 @@ from gfmd_numba.analysis.forms import CURVES, UnusableDataError
 from gfmd_numba.analysis.plots.style import COLOURS, Width, log_ticks, prefix, sheet
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
+from gfmd_numba.text.recorded_scene import described
 
 _PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
     ("contact_area_fraction", "Contact area fraction", "", True),
@@ -56,7 +57,10 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     counts = dataset["n_realisations"]
     least, most = int(counts.min()), int(counts.max())
     surfaces = f"{most}" if least == most else f"{least} to {most}"
-    title = f"Mean of {surfaces} surfaces, band: standard error" if most > 1 else ""
+    title = described(dataset.attrs.get("scene", "{}"), load=dim in _OVER)
+    title = f"{title[:1].upper()}{title[1:]}"
+    if most > 1:
+        title = f"{title}\nMean of {surfaces} surfaces, band: standard error".lstrip()
     with sheet(len(panels), 2, (4.8, 3.2), width, title=title, sharex=True) as (figure, axes):
         for axis, (name, text, natural, logarithmic) in zip(axes, panels, strict=True):
             drawn = _draw(axis, dataset, name, text, natural, factor * over.values)

@@ -34,6 +34,7 @@ Width = Annotated[Literal["single", "double"], Kind(Literal["single", "double"],
 _INCHES = {"single": 3.4, "double": 7.0}  # columns of journals
 _POINTS, _POINTS_OF_COLUMNS = 11.0, 8.0
 _STACKED = 0.55  # height over width of a panel that would stand beside others, were the column wider
+_EM_OF_LETTER = 0.62  # at most, on average
 _LOWEST = 1.7  # inches that it has at least
 _SIZES = {  # in points, of text of 11 points
     "font.size": 11.0,
@@ -111,8 +112,12 @@ def sheet(
         for spare in axes[count:]:
             spare.remove()
         if title:
-            figure.suptitle(title, x=0.01, ha="left")
-            _grow(figure, 1.6 * scale * _POINTS / 72.0)
+            em = scale * _POINTS / 72.0
+            wide = int(figure.get_figwidth() / (_EM_OF_LETTER * em))
+            tied = re.sub(r"(?<=\d) (?=[^\W\d])", "\xa0", title)  # a number stays with its unit
+            lines = [line for each in tied.splitlines() for line in textwrap.wrap(each, wide)]
+            figure.suptitle("\n".join(lines).replace("\xa0", " "), x=0.01, ha="left")
+            _grow(figure, (0.3 + 1.3 * len(lines)) * em)
         yield figure, axes[:count]
         for bins in (4, 4, 3, 3, 2, 2) if width is not None else ():
             # labels that are longer than their place are broken, and labels of ticks that collide thinned or turned

@@ -231,7 +231,8 @@ class MapContact:
             closing = self._closing()
             closing.error()
             pressure = _flat(self.pressure)
-            pressure[closing.nodes] = np.maximum(pressure[closing.nodes] + closing.change, 0.0)
+            changed = closing.changed
+            pressure[closing.nodes] = np.maximum(changed, 0.0, out=changed)
             np.greater(self.pressure, 0.0, out=self.contact)
             self.count = int(np.count_nonzero(self.contact))
             if self._load is not None:
@@ -274,7 +275,7 @@ class MapContact:
         ahead = loosely and 0 < iterations < _ITERATIONS
         iterate.t[:] = iterate.p
         if ahead:
-            iterate.p[nodes] += closing.change
+            iterate.p[nodes] = closing.changed
         total = 0.0 if self._load is None else self._load * self.transform.n
         changed = kernels.revise_contact(
             iterate, contact, nodes, nodes.size, contact.size, total, self._rounding, self.free_mean
@@ -295,7 +296,8 @@ class MapContact:
         iterate = kernels.Iterate(*map(_flat, (self.pressure, self._gap, self._direction, self._moved)))
         soften, room = partial(self._soften, self._direction, self._moved), np.empty((2, nodes.size))
         # uniform pressures take off what changes the load
-        return Closing(iterate, nodes, inverse, soften, np.ones(nodes.size), self._rounding, self.free_mean, room)
+        uniform = np.broadcast_to(1.0, nodes.size)
+        return Closing(iterate, nodes, inverse, soften, uniform, self._rounding, self.free_mean, room)
 
     def _soften(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""

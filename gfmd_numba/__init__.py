@@ -494,7 +494,7 @@ def leakage(
         Over `direction` x and y: `hydraulic_gap`, the gap of parallel walls that leak as much, in the unit of the gap;
         `flow_factor`, its cube over that of the mean gap; `flow_residual`, the relative difference of two ways to
         count the flow, beyond 1e-3 of which the others are nan; `local_flow` (direction, y, x) over its mean. With a
-        viscosity also `flow` (m^3/s).
+        viscosity also `flow` (m^3/s), and what was given of the fluid and the seal.
 
     Raises
     ------
@@ -528,8 +528,8 @@ def contact_conductance(
     xarray.Dataset
         `conductance` in 1/m (1/L_x without a length): times 2 s_1 s_2 / (s_1 + s_2) of two half-spaces of
         conductivities s_1 and s_2, it is the current per nominal area over the difference of potential or temperature.
-        `current_density` over (y, x) is the current through each node over the mean. With a conductivity also the
-        `resistance` (ohm or K/W) of the nominal area.
+        `current_density` over (y, x) is the current through each node over the mean. With a conductivity also
+        `resistance_times_area` (ohm m^2 or K m^2/W), and of maps the `resistance` of the nominal area.
 
     Raises
     ------

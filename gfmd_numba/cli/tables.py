@@ -138,10 +138,14 @@ _MEASURES = {  # of a solved contact: words, and the unit of a contact without u
     "n_gaps": ("separate gaps", ""),
     "hydraulic_gap": ("hydraulic gap", "L_x"),
     "flow_factor": ("flow factor", ""),
+    "viscosity": ("viscosity", ""),
+    "pressure_drop": ("pressure drop", ""),
+    "seal_length": ("seal length", ""),
+    "seal_width": ("seal width", ""),
     "flow": ("flow", ""),
     "conductance": ("conductance", "1/L_x"),
     "resistance": ("resistance", ""),
-    "resistance_times_width": ("resistance times width", ""),
+    "resistance_times_area": ("resistance times area", ""),
 }
 _PRESCRIBED = (
     *("reduced_pressure", "prescribed_pressure", "line_load", "force", "punch_displacement"),

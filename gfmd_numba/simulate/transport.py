@@ -30,6 +30,7 @@ _OF_RIDGES = (
 )
 _OF_NOTHING = "Nothing touches, so that the bodies conduct nothing to each other"
 _RESISTANCES = {ELECTRICAL_CONDUCTIVITY: "ohm", THERMAL_CONDUCTIVITY: "K W-1"}
+_TIMES_AREA = {"ohm": "ohm m2", "K W-1": "K m2 W-1"}
 
 
 def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.Dataset:
@@ -45,8 +46,8 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
     along y, which the attribute `validity` says after the warnings about the contact.
 
-    The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the `resistance`
-    R = 1 / (G s A) of the nominal area A too, of a profile `resistance_times_width`, along y. Raises InputError for
+    The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the
+    `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their nominal area. Raises InputError for
     other conductivities, a contact whose length they need, a dataset that no contact was solved for, or a run that is
     not ok.
     """
@@ -100,14 +101,16 @@ def _conductivity(given: object) -> WithUnit:
 
 
 def _resistance(conductance: xr.DataArray, known: list[WithUnit], lengths: dict[str, float]) -> dict[str, xr.DataArray]:
-    """Return the resistance of the nominal area, by its name."""
-    mean, area = len(known) / sum(1.0 / one for one in known), lengths["x"] * lengths.get("y", 1.0)
-    unit, long_name = _RESISTANCES[known[0].quantity], "resistance of the touching spots of the nominal area"
-    name = "resistance"
-    if "y" not in lengths:
-        name, unit = f"{name}_times_width", unit.replace("ohm", "ohm m").replace("K ", "K m ")
-        long_name = f"{long_name}, times its width along y"
-    return {name: (1.0 / (conductance * mean * area)).assign_attrs(cf_attributes(long_name, unit))}
+    """Return what the touching spots resist, times the nominal area, and of maps the resistance of that area."""
+    mean, unit = len(known) / sum(1.0 / one for one in known), _RESISTANCES[known[0].quantity]
+    specific = 1.0 / (conductance * mean)
+    long_name = "resistance of the touching spots, times the nominal area"
+    found = {"resistance_times_area": specific.assign_attrs(cf_attributes(long_name, _TIMES_AREA[unit]))}
+    if "y" in lengths:
+        whole = specific / (lengths["x"] * lengths["y"])
+        attributes = cf_attributes("resistance of the touching spots of the nominal area", unit)
+        found["resistance"] = whole.assign_attrs(attributes)
+    return found
 
 
 def _reduced(touching: Flags, ends: tuple[bool, ...]) -> tuple[float, Reals]:
@@ -176,7 +179,16 @@ def leakage(contact: xr.Dataset, viscosity: object = None, pressure: object = No
     found = channels.leakage(contact)
     flow = found["hydraulic_gap"] ** 3 * fluid.pressure / (12.0 * fluid.viscosity) * shape
     whole = "map" if fluid.seal is None else "seal"
-    return found.assign(flow=flow.assign_attrs(cf_attributes(f"flow through the {whole}", "m3 s-1")))
+    known = {
+        "flow": (flow, f"flow through the {whole}", "m3 s-1"),
+        "viscosity": (xr.DataArray(fluid.viscosity), "viscosity of the fluid", "Pa s"),
+        "pressure_drop": (xr.DataArray(fluid.pressure), f"fall of the pressure over the {whole}", "Pa"),
+        "seal_length": (xr.DataArray(along), f"length of the {whole} along the flow along x", "m"),
+        "seal_width": (xr.DataArray(width), f"width of the {whole} across that", "m"),
+    }
+    return found.assign(
+        {name: each.assign_attrs(cf_attributes(long_name, unit)) for name, (each, long_name, unit) in known.items()}
+    )
 
 
 def _lengths(found: xr.Dataset, argument: str, given: object) -> dict[str, float]:

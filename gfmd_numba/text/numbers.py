@@ -16,7 +16,7 @@ _PREFIXES = (
 )
 _AREAS = ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²"), (1e-18, "nm²"))
 _PREFIXED = {"m": "m", "Pa": "Pa", "N": "N"} | dict.fromkeys(("N m-1", "N/m"), "N/m")  # as engineers write them
-_PREFIXED |= {"ohm": "ohm", "ohm m": "ohm m", "K W-1": "K/W", "K W-1 m": "K/W m"}
+_PREFIXED |= {"ohm": "ohm", "ohm m2": "ohm m²", "K W-1": "K/W", "K m2 W-1": "K m²/W", "Pa s": "Pa s"}
 _PREFIXED |= dict.fromkeys(("J m-2", "J/m^2"), "J/m²") | {"m s-1": "m/s"}
 _OTHERS = {"Pa m-1": (1e-12, "MPa/µm")}
 _LEAST = 1e-15  # below which a number of the smallest prefix would be no shorter than one without

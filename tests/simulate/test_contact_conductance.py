@@ -41,12 +41,15 @@ def test_the_resistance_is_that_of_the_nominal_area():
         ("60 MS/m", 60e6, "ohm"),
         (["0.4 kW/(m K)", "16 W/m/K"], 800.0 / 26.0, "K W-1"),
     ):
-        found = gfmd_numba.contact_conductance(spot, given)["resistance"]
+        conductance = gfmd_numba.contact_conductance(spot, given)
+        found, times_area = conductance["resistance"], conductance["resistance_times_area"]
         assert float(found) == pytest.approx(holm / mean, rel=0.01)
-        assert found.units == unit
+        assert float(times_area) == pytest.approx(1e-6 * holm / mean, rel=0.01)  # of a square of 1 mm
+        assert (found.units, times_area.units) == (unit, {"ohm": "ohm m2", "K W-1": "K m2 W-1"}[unit])
     with pytest.warns(UserWarning, match="ridges without end"):
-        found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")["resistance_times_width"]
-    assert found.units == "ohm m"
+        found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")
+    assert "resistance" not in found
+    assert found["resistance_times_area"].units == "ohm m2"
 
 
 @pytest.mark.parametrize("given", ["60", 60.0, [], ["60 S/m", "16 W/m/K"], ["1 S/m"] * 3, "0 S/m", "1 S", None, [[]]])

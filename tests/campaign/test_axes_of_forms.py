@@ -60,7 +60,7 @@ def test_the_files_of_a_grid_have_a_form_too(tmp_path, monkeypatch):
     rng = np.random.default_rng(1)
     for name in ("one", "other"):
         np.savetxt(f"{name}.csv", 1e-2 * np.cumsum(rng.standard_normal(64)), header="height (um)")
-    rough = {"method": "measured", "periodic": "mirror", "spacing": "7.8125 um"}
+    rough = {"method": "measured", "detrend": "tilt", "periodic": "mirror", "spacing": "7.8125 um"}
     grid = {"file": ["one.csv", "other.csv"], "radius": ["2 mm", "4 mm"]}
     found = gfmd_numba.run(campaign({"radius": "2 mm"}, rough, grid), "out")
     assert found.sizes["case"] == 4

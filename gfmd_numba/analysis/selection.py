@@ -214,7 +214,8 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
 @checked
 def ensemble_mean(cases: Annotated[xr.Dataset, CAMPAIGN], variable: Variable) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
-    values = cases[variable].where(good(cases, variable)).astype(float)
+    usable = good(cases, variable)
+    values = cases[variable].where(usable).astype(float)
     error = values.std("realisation", ddof=1) / values.count("realisation") ** 0.5
     return values.mean("realisation").values, error.values
 

@@ -63,7 +63,7 @@ def test_jobs_that_are_killed_are_replaced_and_change_no_number(finished, tmp_pa
     assert failures == {}
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(path)), numbers(finished))
     scripts = [path.read_text() for path in slurm.glob("*.script")]
-    assert len(scripts) == 3
+    assert len(scripts) >= 3  # a worker that a busy machine loses is replaced, too
     for script in scripts:
         assert "#SBATCH --nice\n" in script
         assert "#SBATCH -t 60\n" in script

@@ -46,7 +46,7 @@ COMMANDS = {
         "output": things.new("f.nc"),
         "body": "body",
         "x": None,
-        "y": "5e-5",
+        "y": "50um",
         "plane": [],
     },
     "fit": lambda things: {

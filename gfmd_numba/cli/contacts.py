@@ -218,9 +218,10 @@ def curve(
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")
     described, document = _with_threads(*load_scene(file), threads)
-    units = [value.unit for _, value in given_with_units(described.scene.loading)]
-    if units and loads and not any(isinstance(load, str) for load in loads):
-        written = ", ".join(f"{load:.6g}{units[0]}" for load in loads[:2])
+    loading = described.scene.loading
+    unit = next((value.unit for place, value in given_with_units(loading) if place[-1] == loading.control), "")
+    if unit and loads and all(isinstance(load, int | float) for load in loads):
+        written = ", ".join(f"{load:.6g}{unit}" for load in loads[:2])
         raise arguments.not_allowed("--loads without a unit", f"units, as loading has one in {file}: {written}, ...")
     check_output(output, file, *input_files(described))
     for path in (picture, table):

@@ -218,3 +218,7 @@ def test_loads_without_a_unit_are_refused_where_the_loading_has_one(tmp_path, lo
     assert "--loads without a unit" in said
     assert told in said
     assert not (tmp_path / "c.nc").exists()
+    assert "loads" in refused("curve", file, "--loads", "null,5", "-o", tmp_path / "c.nc")
+    other = file.read_text().replace("10 MPa}", "1e7, duration: 10 s}")
+    file.write_text(other)
+    assert "without a unit" not in refused("curve", file, "--loads", loads, "-o", tmp_path / "c.nc")

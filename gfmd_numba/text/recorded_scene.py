@@ -32,8 +32,17 @@ def is_elastic_contact(text: str) -> bool:
 
 
 def described(text: str, load: bool = True) -> str:
-    """Return what was pressed on what, and under which `load`, as far as the scene says it in units; "" without."""
-    scene = json.loads(text).get("scene", {})
+    """Return what was pressed on what, and under which `load`, as far as the scene says it in units; "" without.
+
+    A record that was altered by hand says nothing: it is a title, not a number.
+    """
+    try:
+        return _described(json.loads(text).get("scene", {}), load)
+    except (AttributeError, TypeError, ValueError):
+        return ""
+
+
+def _described(scene: dict[str, Any], load: bool) -> str:
     if not scene.get("body"):
         return ""
     parts = [_surface(scene), f"on {_body(scene['body'])}"]

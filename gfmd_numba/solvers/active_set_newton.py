@@ -1,18 +1,16 @@
 """Active-set Newton method for the hard wall (Hintermueller, Ito & Kunisch, SIAM J. Optim. 13:865, 2002)."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.solvers.exponential_sums.exponential_sum import ProfileInverse
+from gfmd_numba.arrays import Indices
 from gfmd_numba.solvers.iteration import Batch
+from gfmd_numba.solvers.preconditioners import PRECONDITIONERS
 from gfmd_numba.solvers.pressures import UPHILL_FROM_THE_START, Closing, LastPressure, PressureIterate
 from gfmd_numba.solvers.table import Options
-from gfmd_numba.solvers.tiles.near_field import FarField
 
 # what follows is tuned on half-spaces of 2^13 to 2^20 nodes at H = 0.3 and 0.8; other values cost slightly more
 _COARSEST = 256  # nodes up to which the first guess is full contact
@@ -20,12 +18,6 @@ _COARSE_STEPS = 6  # on the coarser grid, at most
 _SETTLED = 0.02  # share of the contact that may still change when the coarser grid is left
 _TIGHTEN = 0.1  # factor on the error allowed in the pressure after a step that left the contact as it was
 _FEW = 16  # nodes to and fro between their bounds: where more change sides, a step uphill mostly leads on
-
-
-_INVERSE: dict[int, Callable[[Reals, Reals, tuple[int, ...]], ProfileInverse | FarField]] = {  # by the dimension
-    1: lambda stiffness, compliance, shape: ProfileInverse(stiffness, compliance.astype(np.float64) * shape[0], *shape),
-    2: lambda stiffness, compliance, shape: FarField(stiffness, shape),
-}
 
 
 class ActiveSetNewton(PressureIterate):
@@ -56,7 +48,7 @@ class ActiveSetNewton(PressureIterate):
         self._last = LastPressure(self.pressure) if self.hardness < np.inf else None
         self._careful = np.zeros(rows, dtype=np.bool_)
         shape = self.field.shape
-        self._inverse = _INVERSE[len(shape)](batch.response.normal, self.compliance, shape)
+        self._inverse = PRECONDITIONERS[len(shape)].of_contact(batch.response.normal, self.compliance, shape)
         self._tuning = self._inverse.tuning
         if n > _COARSEST:
             self._guess(batch, options)
@@ -83,10 +75,6 @@ class ActiveSetNewton(PressureIterate):
                 tighter = min(self._tuning.tighten * self._tolerance[i], self._tuning.ahead * changed / max(count, 1))
             self._tolerance[i] = max(tighter, self._target) if changed else min(tighter, self._target)
             self.changed[i], self.touching[i] = changed, count
-
-    def residual(self, active: Indices) -> Reals:
-        """Relative violation of the contact conditions; costs two transforms a row."""
-        return self.violation(active)
 
     def _open_gap(self, row: Indices) -> None:
         """Gap under the pressure, up to the approach."""

@@ -13,6 +13,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 
 _NO_TRACTION = 1e-140  # in E*, below which the squares of tractions underflow
+_AT_ONCE = 2**18  # nodes that are transformed at once: a map may fill a good part of the memory
 
 
 @dataclass(frozen=True)
@@ -113,6 +114,6 @@ def pressure_scale(punch: Reals, response: SpectralResponse) -> Reals:
     shape = punch.shape[1:]
     weight = grid.multiplicity(shape[-1]) * abs(stiffness) ** 2
     weight.flat[0] = 0.0
-    batches = [punch] if len(shape) == 1 else punch[:, np.newaxis]  # a map may fill a good part of the memory
-    powers = (np.abs(grid.coefficients(some, len(shape))) ** 2 * weight for some in batches)
+    some_rows = np.array_split(punch, min(len(punch), -(-punch.size // _AT_ONCE)))
+    powers = (np.abs(grid.coefficients(some, len(shape))) ** 2 * weight for some in some_rows)
     return np.asarray(np.sqrt(np.concatenate([power.reshape(len(power), -1).sum(axis=1) for power in powers])))

@@ -40,7 +40,7 @@ class ConjugateGradients(PressureIterate):
         """Relative violation of the contact conditions; costs four transforms a row, two for the next step."""
         self._open_gap(active)
         self._is_open = True
-        return self.violation(active)
+        return super().residual(active)
 
     def _open_gap(self, active: Indices) -> None:
         field, n = self.field, self.field.n

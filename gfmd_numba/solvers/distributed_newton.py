@@ -116,7 +116,7 @@ class SlabNewton:
         return self._map
 
     def violation(self, certificate: Certificate) -> float:
-        """Relative violation of the contact conditions, as `PressureIterate.violation` has it.
+        """Relative violation of the contact conditions, as `PressureIterate.residual` has it.
 
         The `displacement` takes the place of the gap.
         """

@@ -14,7 +14,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import Certificate, RigidMean
-from gfmd_numba.solvers.table import OF_CORNERS, SOLVERS, Options
+from gfmd_numba.solvers.table import OF_CORNERS, ONLY_IN, SOLVERS, Options
 
 HARD_WALL = Interactions(hard_wall=True)
 
@@ -168,9 +168,10 @@ def begin(batch: Batch, options: Options) -> Iteration:
     if lacks:
         raise ValueError(f"the solver {options.solver} knows no {lacks[0]}")
     for path in solver.condensed if batch.response.components == 1 else solver.coupled:
-        iteration = _implementation(path)(batch if path in OF_CORNERS else batch.whole, options)
-        if iteration is not None:
-            return iteration
+        if ONLY_IN.get(path, len(batch.shape)) == len(batch.shape):
+            iteration = _implementation(path)(batch if path in OF_CORNERS else batch.whole, options)
+            if iteration is not None:
+                return iteration
     raise ValueError(f"the solver {options.solver} follows the normal displacement alone")
 
 

@@ -59,7 +59,7 @@ class PressureIterate:
             refine(p[:m].reshape(-1, coarse.field.shape[-1]), fine[:n].reshape(-1, nx))
         self.elsewhere[:] = coarse.n_transforms * relative_cost(m, n)
 
-    def violation(self, active: Indices) -> Reals:
+    def residual(self, active: Indices) -> Reals:
         """Relative violation of the contact conditions by the nearest displacement that penetrates plastic nodes alone.
 
         Leaves it and its restoring traction in the state; costs two transforms a row.

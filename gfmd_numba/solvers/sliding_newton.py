@@ -70,10 +70,6 @@ class SlidingNewton(PressureIterate):
                 self.pressure[i] = last
                 self._weights[i] = max(_MORE * weight, _FIRST, self._lag / _LAG)
 
-    def residual(self, active: Indices) -> Reals:
-        """Relative violation of the contact conditions; costs two transforms a row."""
-        return self.violation(active)
-
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure on a coarser grid."""
         shape = tuple(-(-nodes // _COARSER) for nodes in self.field.shape)

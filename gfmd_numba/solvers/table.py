@@ -56,7 +56,8 @@ _ACTIVE_SETS = (
     "gfmd_numba.solvers.exponential_sums.newton:decay_newton",
     "gfmd_numba.solvers.active_set_newton:ActiveSetNewton",
 )
-OF_CORNERS = frozenset({"gfmd_numba.solvers.tiles.newton:tile_newton"})  # take a punch without the grid around it
+ONLY_IN = {_ACTIVE_SETS[0]: 2, _ACTIVE_SETS[1]: 1}  # the dimension of the surfaces that some take
+OF_CORNERS = frozenset({_ACTIVE_SETS[0]})  # take a punch without the grid around it
 _TIME_STEP, _DAMPING = {"time_step": 0.95}, {"damping": 0.5}
 
 SOLVERS = {

@@ -137,7 +137,7 @@ _ROUNDING = 1e-14  # of a change of energy, over the sum of its parts, in double
 _FAR = 3.0  # ranges of an attraction beyond which a gap closes freely, and below which by one range a step
 _HELD = 10.0  # stiffness that holds a mean over the largest of the body, where no law softens
 _SHORTEST = 1e-12  # step along a Newton direction that is tried before the gradient takes its place
-_COARSEST = 64  # nodes along the shorter side of a map up to which bodies begin at rest
+_COARSEST = {1: math.inf, 2: 64}  # nodes along the shorter side up to which bodies begin at rest: on profiles all
 _SETTLED = 1e-2  # residual with which a coarser grid is left
 _COARSE_STEPS = 60  # Newton steps there, at most
 
@@ -486,7 +486,7 @@ def _on_coarser_grids(batch: Batch, options: Options) -> tuple[Batch, Indices]:
     (rows, *fine), slides = batch.punch.shape, np.shape(batch.sliding)
     at_rest = batch.begun is None and batch.load is not None and batch.response.window is None
     alike = batch.interface.hardness is None and not isinstance(batch.interface.normal_law, PatternedLaw)
-    if not at_rest or not alike or math.prod(slides[1:]) > 1 or len(fine) < 2 or min(fine) <= _COARSEST:
+    if not at_rest or not alike or math.prod(slides[1:]) > 1 or min(fine) <= _COARSEST[len(fine)]:
         return batch, np.zeros(rows, dtype=np.int64)
     shape, active = tuple(-(-nodes // 2) for nodes in fine), np.arange(rows)
     fewer = batch.coarsened(shape)

@@ -97,7 +97,7 @@ def test_decays_are_close_to_the_compliance_at_all_wave_numbers(n, free_mean):
     body = slab_stiffness.slab(grid.wavenumbers(n), 0.3, 0.5)
     if free_mean:
         body[0] = 0.0
-    model = decay_model(body, (n,), free_mean)
+    model = decay_model(body, n, free_mean)
     count = min(n, 4096)
     source, product = np.zeros((2, n))
     source[0] = 1.0
@@ -112,8 +112,8 @@ def test_decays_are_close_to_the_compliance_at_all_wave_numbers(n, free_mean):
 
 def test_a_model_is_made_once_for_a_body_and_a_grid():
     body = stiffness.half_space(grid.wavenumbers(512))
-    assert decay_model(body, (512,), True) is decay_model(body.copy(), (512,), True)
-    assert decay_model(2.0 * body, (512,), True) is not decay_model(body, (512,), True)
+    assert decay_model(body, 512, True) is decay_model(body.copy(), 512, True)
+    assert decay_model(2.0 * body, 512, True) is not decay_model(body, 512, True)
 
 
 @pytest.mark.parametrize("free_mean", [True, False])
@@ -121,7 +121,7 @@ def test_decays_in_a_window_are_those_of_the_half_space_itself(free_mean):
     """As energies of pressures in the window, which have no mean if that is free, beside the kernel that ends."""
     n = 256
     response = free_body.response((n,), ElasticBody(None, None))
-    model = decay_model(response.normal, (2 * n,), free_mean, response.window)
+    model = decay_model(response.normal, 2 * n, free_mean, response.window)
     products, next_nodes = np.empty((n, n)), np.ones(n, dtype=np.int64)
     fine = kernels.DecaySum(model.powers, model.powers, model.weights, model.white, model.mean)
     for source, product in zip(np.eye(n), products, strict=True):

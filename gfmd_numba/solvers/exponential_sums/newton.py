@@ -57,16 +57,11 @@ class DecayModel:
     coarser: "DecayModel | None"
 
 
-def decay_model(
-    stiffness: Reals, shape: tuple[int, ...], free_mean: bool, window: Window | None = None
-) -> DecayModel | None:
-    """Model of a stiffness on the nodes of a profile, None on maps and where decays are far; made once for both.
+def decay_model(stiffness: Reals, n: int, free_mean: bool, window: Window | None = None) -> DecayModel | None:
+    """Model of a stiffness on the n nodes of a profile, None where decays are far; made once for both.
 
     In a `window` of a half-space decays are fitted to that itself and have no images: no decay ends as its kernel does.
     """
-    n, *of_maps = shape
-    if of_maps:
-        return None
     if window is not None and window.stiffness(np.zeros(1))[0] > 0.0:  # the kernel of a slab has ended before
         window = None
     return _of_stiffness(stiffness.tobytes(), n, free_mean, window)
@@ -178,8 +173,7 @@ def decay_newton(batch: Batch, options: Options) -> "DecayNewton | None":
     """Begin without a hardness, where a sum of decays is close to the compliance."""
     if batch.interface.hardness is not None:
         return None
-    response, shape = batch.response, batch.punch.shape[1:]
-    model = decay_model(response.normal, shape, batch.load is not None, response.window)
+    model = decay_model(batch.response.normal, batch.punch.shape[1], batch.load is not None, batch.response.window)
     return None if model is None else DecayNewton(batch, options, model)
 
 

@@ -21,9 +21,8 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.exponential_sums.exponential_sum import ProfileInverse
 from gfmd_numba.solvers.friction.coulomb_cone import Bound, FrictionGuess, Tangent
-from gfmd_numba.solvers.tiles.near_field import NearField
+from gfmd_numba.solvers.preconditioners import PRECONDITIONERS, as_stiffness
 
 
 class NearTractions:
@@ -36,15 +35,14 @@ class NearTractions:
     """
 
     def __init__(self, response: SpectralResponse, shape: tuple[int, ...]) -> None:
-        elements, dimension = response.inverse(), len(shape)
-        tangential, normal = _TANGENTIAL[dimension](elements), elements[-1]
-        self._tangential, self._normal = (_NEAR[dimension](each, shape) for each in (tangential, normal))
+        elements, self._kind = response.inverse(), PRECONDITIONERS[len(shape)]
+        tangential, normal = self._kind.tangential(elements), elements[-1]
+        self._tangential, self._normal = (self._kind.of_component(each, shape) for each in (tangential, normal))
         share = grid.multiplicity(shape[-1]) / np.prod(shape)
-        self.tangential_of_a_node = float((_inverse(tangential) * share).sum())
-        self.normal_of_a_node = float((_inverse(normal) * share).sum())
+        self.tangential_of_a_node = float((as_stiffness(tangential) * share).sum())
+        self.normal_of_a_node = float((as_stiffness(normal) * share).sum())
         # a rigid mean is not one of the sum, in which an attraction would move it
         self.takes_law = self._normal.takes_own and not response.is_rigid
-        self._in_order = dimension == 1  # nodes have to be in their order around the period
         self._order: Indices | slice = slice(None)
 
     @property
@@ -60,7 +58,7 @@ class NearTractions:
         if nodes.size:
             self._normal.factor(nodes, nodes.size, own if self.takes_law else None)
         if dragged.size:
-            self._order = np.argsort(dragged) if self._in_order else slice(None)
+            self._order = np.argsort(dragged) if self._kind.in_order else slice(None)
             self._tangential.factor(nodes[dragged[self._order]], dragged.size)
 
     def solve(self, normal: Reals, tangential: Reals) -> tuple[Reals, Reals]:
@@ -74,32 +72,6 @@ class NearTractions:
                 self._tangential.solve(u[self._order], found)
                 t[self._order] = found
         return pressure, traction
-
-
-def _inverse(compliance: Reals) -> Reals:
-    """Stiffness; a mean displacement that is rigid has none, and one nearly so would reach over the whole map."""
-    stiffness = _reciprocal(compliance)
-    stiffness.flat[0] = min(stiffness.flat[0], stiffness.flat[1])
-    return stiffness
-
-
-def _reciprocal(compliance: Reals) -> Reals:
-    return np.divide(1.0, compliance, out=np.zeros_like(compliance), where=compliance > 0.0)
-
-
-def _alike_both_ways(elements: Reals) -> Reals:
-    """Compliance of a map whose two tangential components have the mean of their stiffnesses."""
-    xx, xy, yy = elements[:3]
-    trace = 0.5 * (xx + yy)
-    return np.asarray(np.divide(xx * yy - xy**2, trace, out=np.zeros_like(trace), where=trace > 0.0))
-
-
-# by the dimension of the grid: the tangential compliance, and what a compliance has for an approximate inverse
-_TANGENTIAL: dict[int, Callable[[Reals], Reals]] = {1: lambda elements: elements[0], 2: _alike_both_ways}
-_NEAR: dict[int, Callable[[Reals, tuple[int, ...]], ProfileInverse | NearField]] = {
-    1: lambda compliance, shape: ProfileInverse(_reciprocal(compliance), compliance, *shape),
-    2: lambda compliance, shape: NearField(_inverse(compliance), shape),
-}
 
 
 def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: float, most: int) -> tuple[Reals, Reals]:

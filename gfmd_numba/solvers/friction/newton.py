@@ -19,6 +19,7 @@ from gfmd_numba.solvers.friction.coulomb_cone import (
 )
 from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin
+from gfmd_numba.solvers.preconditioners import PRECONDITIONERS
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 
@@ -34,7 +35,6 @@ _TIGHTEN = 0.1  # factor on that error, or on the last one, where it was not sma
 _PATIENCE = 4  # steps that may come no closer; then one node alone changes, or the normal contact is found anew
 _CLOSER = 0.5  # part of the smallest change of the tractions so far that is closer
 _CLOSE = 1e3  # change of the tractions over the residual asked for below which the certificate is looked at
-_DIRECTIONS = {1: 100, 2: 40}  # of the linear solution, at most; of maps fewer, as these are large
 
 
 @dataclass
@@ -102,8 +102,7 @@ class FrictionalNewton:
         self._law, self._batch = laws.normal_law, batch
         held = response.with_mean(0.0) if response.is_rigid else response
         self._products = products = Products(held, rows, shape, sources=2)
-        self._near = NearTractions(response, shape)
-        self.field, self._components = products.field, response.components - 1
+        self._near, self._kind, self.field = NearTractions(response, shape), PRECONDITIONERS[len(shape)], products.field
         n = self.field.n
         u, ku = products.displacement, products.restoring
         anchor, wall = np.zeros_like(u[:, :-1]), np.zeros_like(u[:, -1])
@@ -116,8 +115,8 @@ class FrictionalNewton:
         self._drifts = response.drifts
         self._rounding = np.finfo(np.float64).eps * np.ptp(wall[:, :n], axis=1)
         self._asked = options.residual
-        one_way = self._components == 1 and laws.slip_rate is None
-        self._is_linear = self._law is None and one_way  # the problem of a guess that stands
+        # the problem of a guess that stands
+        self._is_linear = self._law is None and laws.slip_rate is None and not self._kind.turns
         self._spent = np.zeros(rows, dtype=np.int64)  # transforms of first guesses and preconditioners
         self._guesses = self._first_guesses(batch, options)
         inner = _INNER if self._law is None else _INNER_OF_LAW
@@ -178,7 +177,7 @@ class FrictionalNewton:
         """Guesses from the waves that a coarser grid holds, of coarse grids and with a law from the normal contact."""
         start, n = batch.start, self.field.n
         every = range(len(batch.punch))
-        if self._law is not None or self._components == 2 or n <= _COARSEST:
+        if self._law is not None or self._kind.turns or n <= _COARSEST:
             return [self._first_guess(i) for i in every]
         coarse = FrictionalNewton(on_coarser_grid(batch, start.anchor, -(-n // _COARSENING)), options)
         for i in every:
@@ -195,7 +194,7 @@ class FrictionalNewton:
         state.u[i, :-1, :n] = start.tangential[i].reshape(-1, n)
         state.u[i, -1, :n] = np.minimum(start.displacement[i].ravel(), state.wall[i, :n])
         held = (start.displacement[i].ravel() >= state.wall[i, :n]) & start.tangential[i].any()
-        shear = np.zeros((self._components, n))
+        shear = np.zeros_like(state.anchor[i, :, :n])
         if held.any():
             self._products.restore(np.array([i]))
             shear = np.where(held, state.ku[i, :-1, :n], 0.0)
@@ -249,18 +248,18 @@ class FrictionalNewton:
 
         def product(direction: Reals) -> Reals:
             displaced = problem.deflected(direction)
-            if self._components == 1:
+            if not self._kind.turns:
                 found.append(displaced)
             return problem.correction(problem.restricted(displaced, direction))[0]
 
-        basis, shares = minimal_residual(product, change, aim, min(_DIRECTIONS[self._components], change.size))
+        basis, shares = minimal_residual(product, change, aim, min(self._kind.directions, change.size))
         x += shares @ basis
         if not np.isfinite(x).all():
             progress.moved = np.nan
             return
         for share, displaced in zip(shares, found, strict=False):
             u += share * displaced
-        if self._components > 1 and shares.size:
+        if self._kind.turns and shares.size:
             u = problem.deflected(x, known=True)
         problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
         self._revise(i, u, problem.tractions(x))
@@ -272,7 +271,7 @@ class FrictionalNewton:
         n, guess, progress, state = self.field.n, self._guesses[i], self._progress[i], self.state
         wall, anchor, contact = state.wall[i, :n], state.anchor[i, :, :n], guess.contact
         pressure = np.where(contact, tractions[-1], 0.0)
-        all_slip = self._components == 1 and contact.any() and guess.direction[0, contact].all()
+        all_slip = not self._kind.turns and contact.any() and guess.direction[0, contact].all()
         if self._drifts and all_slip and isinstance(self._bound, kernels.Conditions):
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (
@@ -310,7 +309,7 @@ class FrictionalNewton:
         slid, shear, pressure = found.u[:-1] - found.anchor, found.tractions[:-1], found.tractions[-1]
         bears, slips = guess.contact & (pressure > 0.0), guess.direction.any(axis=0)
         forth = np.where(slips, -(slid * shear).sum(axis=0), 0.0)  # slip against the traction, times that
-        if self._components == 1:
+        if not self._kind.turns:
             return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
         against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
         size = length(slid)

@@ -41,7 +41,7 @@ _FITTED = 64  # waves in each direction on which that is fitted
 
 def fits(shape: tuple[int, ...]) -> bool:
     """Whether tiles cover a map of this shape, and its coarser grid is wider than a tile's neighbourhood."""
-    return len(shape) == 2 and all(n % TILE == 0 and n >= 8 * TILE for n in shape)
+    return all(n % TILE == 0 and n >= 8 * TILE for n in shape)
 
 
 class SplitCompliance:

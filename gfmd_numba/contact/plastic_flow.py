@@ -18,9 +18,10 @@ from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.plastic_measures import NAME, Flow, equivalent, stresses
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Contact, State, Tell, relative_difference
+from gfmd_numba.contact.state import Contact, State, Tell, relative_difference, with_costs
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.solvers import anderson
+from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 RESIDUAL = 100.0  # that of the flow over that of the contact
@@ -56,21 +57,19 @@ def follow(problem: Problem, state: State, largest: float, tell: Tell) -> Contac
 
 def _divided(problem: Problem, state: State, increments: int, tell: Callable[[], None]) -> Contact:
     """The contact that a step ends with, in so many increments, or the first that is not ok."""
-    start = state.step_before(problem.step)
-    transforms = iterations = np.zeros(1, dtype=np.int64)
-    before = state.memory[NAME].strain
+    start, before = state.step_before(problem.step), state.memory[NAME].strain
+    spent: list[Equilibrium] = []
     for increment in range(1, increments + 1):
         step = start.towards(problem.step, increment / increments) if increment < increments else problem.step
         guess = 2.0 * state.memory[NAME].strain - before if increment > 2 else state.memory[NAME].strain
         before = state.memory[NAME].strain
         found = _increment(problem.under(step), state, guess)
         tell()
-        transforms = transforms + found.equilibrium.n_transforms
-        iterations = iterations + found.equilibrium.n_iterations
+        spent.append(found.equilibrium)
         if found.equilibrium.status[0] != Status.ok:
             break
         state = found.after
-    return replace(found, equilibrium=replace(found.equilibrium, n_transforms=transforms, n_iterations=iterations))
+    return replace(found, equilibrium=with_costs(found.equilibrium, spent))
 
 
 def _increment(problem: Problem, state: State, strain: Reals) -> Contact:

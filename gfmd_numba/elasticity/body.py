@@ -12,7 +12,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
-from gfmd_numba.elasticity.layers import Stack, Transfer, merged
+from gfmd_numba.elasticity.layers import Stack, merged
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stiffness import Compliance, half_space
@@ -135,10 +135,6 @@ class ElasticBody:
         found[:, 1:] = np.divide(self.layers.compliance(q), q)
         found[[0, 2], 0] = [1.0 / uniform if uniform else 0.0 for uniform in self.uniform_stiffness()]
         return Compliance(*found)
-
-    def transfer(self, depth: float, q: Reals) -> Transfer:
-        """Transfer of waves q > 0 from the surface to a depth (2.4)."""
-        return self.layers.transfer(depth, q)
 
     def compliance_across(self, q: Reals) -> Reals:
         """Compliance of waves q > 0 of shear, whose displacement is across q and along the surface, in L_x/E*."""

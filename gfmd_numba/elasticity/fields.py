@@ -291,7 +291,7 @@ def _transfer(q: Reals, depth: float, body: ElasticBody) -> Reals:
     """
     found = np.zeros((11, q.size))
     found[0] = q
-    waves = body.transfer(depth, q[1:])
+    waves = body.layers.transfer(depth, q[1:])
     pairs = waves.u1, waves.u3, waves.p, waves.w, body.layers.transfer_across(depth, q[1:])
     found[1:, 1:] = [each for pair in pairs for each in pair]
     return found

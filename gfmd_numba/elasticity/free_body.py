@@ -97,24 +97,25 @@ def compliance(
     shape: tuple[int, ...], body: ElasticBody = HALF_SPACE, ends: tuple[bool, ...] = (), couples: bool = False
 ) -> Reals:
     """Elements of the compliance `[element, (y,) x]` that `response` is made of, in L_x/E*."""
-    n, ends = _side(shape), ends or (True,) * len(shape)
-    number = {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1)
+    n, padded, number = (
+        _side(shape),
+        padded_shape(shape, ends),
+        {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1),
+    )
+    rows, both = (1, *padded)[-2], (False, *(ends or (True,) * len(shape)))[-2:]  # a profile is a map of one row
     if number > 1 and body.stack is not None and body.aspect_ratio is None:
         raise ValueError("layers on a half-space, under tangential tractions without a period")
-    if number == 1 and _is_deep(body) and all(ends):
-        quarter = _of_deep(n, body, len(shape)).reshape(1, -1, n + 1)
-    elif body.aspect_ratio is None and all(ends):
-        quarter = _of_half_space(n, body, number) if len(shape) > 1 else _of_line_loads(n, body, number)[:, np.newaxis]
+    if number == 1 and _is_deep(body) and all(both):
+        quarter = _of_deep(n, body, 2)[np.newaxis]
+    elif body.aspect_ratio is None and all(both):
+        quarter = _of_half_space(n, body, number)
     else:
-        quarter = _sampled(n, ends, body, number)
-    if len(shape) == 1:
-        return quarter[:, 0]
-    rows, _ = padded_shape(shape, ends)
+        quarter = _sampled(rows, n, both, body, number)
     whole = np.concatenate((quarter, quarter[:, (rows - 1) // 2 : 0 : -1]), axis=1)
     for element, (odd_y, _) in zip(whole, _ODD[number], strict=True):
         if odd_y:
             np.negative(element[quarter.shape[1] :], out=element[quarter.shape[1] :])
-    return whole
+    return whole.reshape(number, *padded[:-1], -1)
 
 
 def _side(shape: tuple[int, ...]) -> int:
@@ -211,26 +212,29 @@ def _of_line_loads(n: int, body: ElasticBody, number: int) -> Reals:
 
 
 @lru_cache(maxsize=2)
-def _sampled(n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> Reals:
-    """Elements `[element, y, x]` of kernels that decay along each axis that `ends`, from the waves 0 on."""
-    if not ends[-1]:
-        swapped = _sampled(n, ends[::-1], body, number)
+def _sampled(rows: int, n: int, ends: tuple[bool, ...], body: ElasticBody, number: int) -> Reals:
+    """Elements `[element, y, x]` of kernels that decay along each axis (y, x) that `ends`, from the waves 0 on.
+
+    Along y, unless that ends, there are so many rows to a period.
+    """
+    if not ends[1]:
+        swapped = _sampled(n, n, ends[::-1], body, number)
         return np.ascontiguousarray(swapped[_X_FOR_Y[number]].swapaxes(1, 2))
     deep = body.aspect_ratio is None or (number == 1 and _is_deep(body))
     half = _STRIPS if deep else ceil(0.5 + 0.5 * _HEIGHTS * (body.aspect_ratio or 0.0)) + 1
     q_x = np.pi / half * np.arange(half * n + 1, dtype=np.float64)
-    q_y = np.zeros(1) if len(ends) == 1 else q_x if ends[0] else 2.0 * np.pi * np.arange(n // 2 + 1)
+    q_y = q_x if ends[0] else 2.0 * np.pi * np.arange(rows // 2 + 1)
     found = np.empty((number, q_y.size, n + 1))
-    for i, each in enumerate(q_y):
+    if deep:
+        found[:, 0] = _of_line_loads(n, body, number)
+    for i, each in enumerate(q_y[int(deep) :], int(deep)):
         for row, waves, (_, odd) in zip(
             found[:, i], _of_waves(body, float(each), q_x, number), _ODD[number], strict=True
         ):
             row[:] = _kept(waves, half, odd)
-    if ends[0] and len(ends) > 1:
+    if ends[0]:
         return np.array([_kept(each.T, half, odd).T for each, (odd, _) in zip(found, _ODD[number], strict=True)])
-    if deep:
-        found[:, 0] = _of_line_loads(n, body, number)
-    if len(ends) > 1 and n % 2 == 0:  # the grid does not tell the waves q_y and -q_y there
+    if rows % 2 == 0:  # the grid does not tell the waves q_y and -q_y there
         found[[odd for odd, _ in _ODD[number]], -1] = 0.0
     return found
 

@@ -26,10 +26,7 @@ from gfmd_numba.fourier import grid
 _PERIOD = 2.0  # of the first sum, in windows
 _FALLS, _WITHIN = 32.0, 8.0  # wave number (1/L_x) around which X falls, and half the way on which it does
 _HIGHEST = _FALLS + 4.0 * _WITHIN  # beyond which X is below 1e-8
-_SUMS = {
-    1: 30,
-    2: 18,
-}  # by the axes that end: what stresses miss falls with the period, or its square
+_SUMS = {1: 30, 2: 18}  # by the axes that end: what stresses miss falls with the period, or its square
 
 
 def _share(q: Reals, period: float) -> Reals:
@@ -42,8 +39,8 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
 
     The window `ends` along (y,) x, or along all axes.
     """
-    rows, ends = fields.in_rows(tractions), ends or (True,) * (tractions.ndim - 1)
-    shape, both = rows.shape[1:], ends if len(ends) > 1 else (False, *ends)
+    rows, both = fields.in_rows(tractions), (False, *(ends or (True,) * (tractions.ndim - 1)))[-2:]
+    shape = rows.shape[1:]
     parts: list[Surface] = []
     shorter, period = 1.0, _PERIOD
     for _ in range(_SUMS[sum(both)]):

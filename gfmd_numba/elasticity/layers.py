@@ -134,16 +134,18 @@ class Stack:
             scale = 2.0 * material.shear
             inside = depth <= (above + height) * (1.0 + 1e-12)
             # to the last digit at the bottom, as a wave may decay within less than the rounding of a depth
-            state = layer.state(q * min(depth - above, height) if inside else q * height, traction / scale)
+            moved, borne = layer.state(q * min(depth - above, height) if inside else q * height, traction / scale)
             if inside:
                 break
-            traction, above = scale * state.traction, above + height
+            traction, above = scale * borne, above + height
         else:
             if self.base is None:
                 raise ValueError("depth below the rigid base")
             material = self.base
-            state = half_space_state(q * (depth - above), material.poissons_ratio, traction / (2.0 * material.shear))
-        (u1, u3), (t1, t3) = state.displacement, 2.0 * state.traction
+            moved, borne = half_space_state(
+                q * (depth - above), material.poissons_ratio, traction / (2.0 * material.shear)
+            )
+        (u1, u3), (t1, t3) = moved, 2.0 * borne
         over = moduli.kolosov(material.poissons_ratio) + 1.0
         # sigma_33 = G q (2 U_1 + (kolosov + 1) P) and sigma_13 = G q (2 U_3 + (kolosov + 1) W)
         p, w = (t3 - 2.0 * u1) / over, (t1 - 2.0 * u3) / over
@@ -201,14 +203,6 @@ def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Ma
     return Stack(tuple(float(f"{height:.15g}") for height, _ in kept), tuple(material for _, material in kept), base)
 
 
-@dataclass(frozen=True)
-class StateVector:
-    """Displacements U and tractions t on a plane, in units of 2 G q `[component, load, wave]`."""
-
-    displacement: Reals
-    traction: Reals
-
-
 class Layer:
     """A layer of thickness k = q h `[wave]` on something of compliance S `[2, 2, wave]`, in 1/(2 G q)."""
 
@@ -220,23 +214,25 @@ class Layer:
         top = np.empty((2, 2, 2, len(k)))  # displacement and traction at the top, for two independent loads
         top[..., thin] = self._of_bottom(k[thin], below[..., thin])
         self._reflection = self._reflected(below[..., ~thin])
-        top[..., ~thin] = self._of_waves(
-            _decaying(np.zeros_like(k[~thin])), self._returned(k[~thin], np.zeros_like(k[~thin]))
-        )
+        at_top = np.zeros_like(k[~thin])
+        top[..., ~thin] = of_waves(_decaying(at_top), self._returned(k[~thin], at_top), poissons_ratio)
         self._top_displacement, self._to_loads = top[0], inverse(top[1])
 
     def compliance(self) -> Reals:
         """Compliance `[2, 2, wave]` of the top, in 1/(2 G q)."""
         return symmetric(product(self._top_displacement, self._to_loads))
 
-    def state(self, d: Reals, traction: Reals) -> StateVector:
-        """State at d = q depth `[wave]` below the top, from tractions there `[component, load, wave]`."""
+    def state(self, d: Reals, traction: Reals) -> tuple[Reals, Reals]:
+        """Displacements and tractions at d = q depth `[wave]` below the top, from tractions there.
+
+        All are `[component, load, wave]`, in units of 2 G q.
+        """
         loads = product(self._to_loads, traction)
         thin, k = self._thin, self._k
         found = np.empty((2, 2, 2, len(k)))
         found[..., thin] = self._of_bottom(k[thin] - d[thin], self._below[..., thin])
-        found[..., ~thin] = self._of_waves(_decaying(d[~thin]), self._returned(k[~thin], d[~thin]))
-        return StateVector(product(found[0], loads), product(found[1], loads))
+        found[..., ~thin] = of_waves(_decaying(d[~thin]), self._returned(k[~thin], d[~thin]), self._nu)
+        return product(found[0], loads), product(found[1], loads)
 
     def _of_bottom(self, y: Reals, below: Reals) -> Reals:
         """Displacements and tractions at q times a height y above the bottom, for unit tractions there."""
@@ -263,9 +259,6 @@ class Layer:
         """Amplitudes of w at d below the top for unit amplitudes of v at the top."""
         return product(product(_decaying(k - d), self._reflection), _decaying(k))
 
-    def _of_waves(self, v: Reals, w: Reals) -> Reals:
-        return of_waves(v, w, self._nu)
-
 
 def of_waves(v: Reals, w: Reals, poissons_ratio: float) -> Reals:
     """Displacements and tractions `[2, component, load, wave]` of amplitudes of v and w `[2, load, wave]`.
@@ -289,12 +282,12 @@ def half_space(poissons_ratio: float) -> Reals:
     return np.array([[2.0 * (1.0 - nu), lead], [lead, 2.0 * (1.0 - nu)]])[..., np.newaxis]
 
 
-def half_space_state(d: Reals, poissons_ratio: float, traction: Reals) -> StateVector:
-    """State at d = q depth in a half-space, from tractions `[component, load, wave]` on its surface."""
+def half_space_state(d: Reals, poissons_ratio: float, traction: Reals) -> Reals:
+    """What `Layer.state` finds, at d = q depth in a half-space, from tractions `[component, load, wave]` on it."""
     nu = poissons_ratio
     v = np.array([2.0 * (1.0 - nu) * traction[0] - (1.0 - 2.0 * nu) * traction[1], traction[0] - traction[1]])
     v = product(_decaying(d), v)
-    return StateVector(*of_waves(v, np.zeros_like(v), nu))
+    return of_waves(v, np.zeros_like(v), nu)
 
 
 def _decaying(d: Reals) -> Reals:

@@ -24,12 +24,6 @@ class Hardening(NamedTuple):
 
 
 @jit
-def von_mises(xx: float, zz: float, xz: float, xy: float, yz: float) -> float:
-    """Equivalent stress of a deviatoric one."""
-    return math.sqrt(3.0 * (xx * xx + zz * zz + xx * zz + xz * xz + xy * xy + yz * yz))
-
-
-@jit
 def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) -> float:
     """Equivalent plastic strain that a step adds, whose elastic stress is a trial; Newton's method from below."""
     added = 0.0
@@ -47,19 +41,19 @@ def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) ->
 def return_to_yield(strain: Reals, before: Reals, equivalent: Reals, hardening: Hardening, shear: float) -> None:
     """Turn deviatoric strains `[component, point]` at the end of a step into the plastic ones there.
 
-    `before` are the plastic strains and `equivalent` `[point]` the equivalent one that the step began with.
+    `before` are the plastic strains and `equivalent` `[point]` the equivalent one that the step began with. Components
+    are xx and zz, and then shear.
     """
     n, least = strain.shape[0], hardening.stress / (2.0 * shear)
     for i in range(strain.shape[1]):
-        xx, zz, xz = strain[0, i] - before[0, i], strain[1, i] - before[1, i], strain[2, i] - before[2, i]
-        xy = strain[3, i] - before[3, i] if n > 3 else 0.0
-        yz = strain[4, i] - before[4, i] if n > 3 else 0.0
-        size = von_mises(xx, zz, xz, xy, yz)
+        for c in range(n):
+            strain[c, i] -= before[c, i]
+        xx, zz = strain[0, i], strain[1, i]
+        square = xx * xx + zz * zz + xx * zz
+        for c in range(2, n):
+            square += strain[c, i] * strain[c, i]
+        size = math.sqrt(3.0 * square)
         added = flow(equivalent[i], 2.0 * shear * size, hardening, shear) if size > least else 0.0
         share = 1.5 * added / size if added > 0.0 else 0.0
-        strain[0, i] = before[0, i] + share * xx
-        strain[1, i] = before[1, i] + share * zz
-        strain[2, i] = before[2, i] + share * xz
-        if n > 3:
-            strain[3, i] = before[3, i] + share * xy
-            strain[4, i] = before[4, i] + share * yz
+        for c in range(n):
+            strain[c, i] = before[c, i] + share * strain[c, i]

@@ -175,15 +175,7 @@ def equilibrate(
     unstable = result.status == Status.unstable
     if load is None and response.is_rigid and "time_step" not in SOLVERS[options.solver].options:
         result.status[unstable], unstable = Status.no_equilibrium, np.zeros_like(unstable)
-    return _with_growing_waves(result, unstable, response) if unstable.any() else result
-
-
-def _with_growing_waves(result: Equilibrium, unstable: Flags, response: SpectralResponse) -> Equilibrium:
-    """Equilibrium that tells which wave grew in unstable realisations."""
-    sideways = None if result.tangential is None else result.tangential.displacement[unstable]
-    growing = np.full(unstable.size, -1, dtype=np.int64)
-    growing[unstable] = _growing_wave(result.displacement[unstable], sideways, response)
-    return replace(result, growing_wave=growing)
+    return replace(result, growing_wave=_growing_waves(result, unstable, response)) if unstable.any() else result
 
 
 def _check_hardness(load: float | None, interface: Interactions) -> None:
@@ -317,20 +309,20 @@ def _iterate(
     result.n_transforms[rows] += solver.n_transforms
 
 
-def _growing_wave(displacement: Reals, sideways: Reals | None, response: SpectralResponse) -> Indices:
+def _growing_waves(result: Equilibrium, unstable: Flags, response: SpectralResponse) -> Indices:
     """Return the index `[realisation]` of the wave with the largest restoring traction: the run blew up from nothing.
 
-    `displacement` is normal, `[realisation, (y,) x]`; `sideways` the tangential one `[realisation, (component, y,) x]`,
-    None without any (L_x). The `response` is the one that the run has had.
+    It is -1 in realisations that are not `unstable`. The `response` is the one that the run has had.
     """
-    rows, shape = len(displacement), displacement.shape[1:]
-    moved = displacement[:, np.newaxis]
-    if sideways is not None:
-        moved = np.concatenate((sideways.reshape(rows, -1, *shape), moved), axis=1)
+    moved, found = result.displacement[unstable][:, np.newaxis], np.full(unstable.size, -1, dtype=np.int64)
+    rows, shape = len(moved), moved.shape[2:]
+    if result.tangential is not None:
+        moved = np.concatenate((result.tangential.displacement[unstable].reshape(rows, -1, *shape), moved), axis=1)
     stiffness = response.diagonal[-moved.shape[1] :]
     wider = [m // n for m, n in zip(stiffness.shape[1:-1], shape, strict=False)]  # of a grid around the displacement
     wider.append((stiffness.shape[-1] - 1) // (shape[-1] // 2))
     held = stiffness[(..., *(m * k for m, k in zip(wider, grid.wave_indices(shape), strict=True)))]
     tractions = (np.abs(grid.coefficients(moved, len(shape))) * held).max(axis=1)
     index = grid.magnitudes(shape).ravel() / (2.0 * np.pi)
-    return np.asarray(np.round(index[tractions.reshape(rows, -1).argmax(axis=1)]), dtype=np.int64)
+    found[unstable] = np.round(index[tractions.reshape(rows, -1).argmax(axis=1)])
+    return found

@@ -32,7 +32,7 @@ def test_transfer_is_2_4(nu):
     for k in [*np.logspace(-5, 2.4, 30), 0.999, 1.001]:
         for part in (0.0, 1e-3, 0.3, 0.6, 0.999, 1.0):
             depth = 0.5 * part
-            found = ElasticBody(nu, 0.5).transfer(depth, np.array([k / 0.5]))
+            found = ElasticBody(nu, 0.5).layers.transfer(depth, np.array([k / 0.5]))
             with mpmath.workdps(60 + int(k)):
                 true = exact(mpmath.mpf(k), mpmath.mpf(k) * (1 - mpmath.mpf(part)), nu)
                 for row, pair in enumerate((found.u1, found.u3, found.p, found.w)):
@@ -138,7 +138,7 @@ def test_a_displaced_surface_is_where_it_was_put_up_to_nyquist():
 @pytest.mark.parametrize("nu", RATIOS)
 def test_deep_slab_is_the_half_space(nu):
     q, depth = 2 * np.pi * np.array([1.0, 10.0, 1e3, 1e6, 1e9]), 0.003
-    deep, limit = ElasticBody(nu, 20.0).transfer(depth, q), ElasticBody(nu, None).transfer(depth, q)
+    deep, limit = (ElasticBody(nu, height).layers.transfer(depth, q) for height in (20.0, None))
     for found, true in zip(vars(deep).values(), vars(limit).values(), strict=True):
         np.testing.assert_allclose(found, true, rtol=1e-12, atol=1e-300)
 

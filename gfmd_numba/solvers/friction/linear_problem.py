@@ -113,6 +113,7 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
     return basis[: k + 1], shares
 
 
+_ACROSS = np.array([[-1.0], [1.0]])  # turns a direction (x, y), read from its end, by a right angle
 _LEAST_GROWTH = 1e-12  # slope of friction by slip, over the stiffness of a node, below which it is as good as 0
 # slope of a repulsion times the compliance of a node from which on it is told by its inverse, where not every law is
 _STIFF = 0.3
@@ -188,17 +189,15 @@ class StickSlip:
         self._drag = -drag * along  # tangential traction over pressure
         self._limit = None if limit is None else -limit * along
         # ways in which slipping nodes have tractions of their own, what they give way by for each, and from where
-        self._ways, self._slip_compliance, self._begun = along[:, :0], np.empty(0), np.empty(0)
-        if components == 2:
-            self._ways, self._slip_compliance = np.array([-along[1], along[0]]), guess.slip_compliance[self.slipping]
-            self._begun = np.zeros(self.slipping.size)
-        self._n_across = self._begun.size
+        self._n_across = across = (components - 1) * self.slipping.size
+        self._ways = (along[::-1] * _ACROSS[:components])[:, :across]
+        self._slip_compliance, self._begun = guess.slip_compliance[self.slipping[:across]], np.zeros(across)
         if growth is not None:
             compliance = 1.0 / np.maximum(growth, _LEAST_GROWTH * body.near.tangential_of_a_node)
             self._ways = np.concatenate((self._ways, along), axis=1)
             self._slip_compliance = np.append(self._slip_compliance, compliance)
             self._begun = np.append(self._begun, guess.slid[self.slipping])
-        self._turning = np.tile(self.slipping, (components == 2) + (growth is not None))
+        self._turning = np.tile(self.slipping, components - 1 + (growth is not None))
         self._yield = 1.0 / np.sqrt(1.0 + self._slip_compliance * body.near.tangential_of_a_node)
         dragged = np.concatenate((of_stuck, self._of_slipping if self._turning.size else self._of_slipping[:0]))
         body.near.factor(rows.nodes[: rows.held], dragged, None if rows.own is None else rows.own[: rows.held])

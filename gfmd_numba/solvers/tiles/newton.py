@@ -54,11 +54,6 @@ class Level:
         """Tiles (y, x) of what is held."""
         return self.held[0] // TILE, self.held[1] // TILE
 
-    @property
-    def is_filled_in_part(self) -> bool:
-        """Whether some rows never hold a pressure."""
-        return self.ends[0]
-
     @cached_property
     def inverse(self) -> TileField:
         """Preconditioner of the compliance."""
@@ -90,7 +85,7 @@ class Level:
 
     def transform(self, rows: int = 1) -> Transform:
         """Transform in place of maps on this grid."""
-        return Transform(rows, *self.shape, in_place=True, filled=self.held[0] if self.is_filled_in_part else None)
+        return Transform(rows, *self.shape, in_place=True, filled=self.held[0] if self.ends[0] else None)
 
     def transforms(self) -> float:
         """Transforms of coarser grids made so far, in proportion to the cost of one of this grid."""
@@ -177,7 +172,7 @@ class MapContact:
 
     def displace(self) -> None:
         """Replace what `put` has put there by the displacement that it causes."""
-        self.transform.soften(self._level.stiffness, self._level.is_filled_in_part)
+        self.transform.soften(self._level.stiffness, self._level.ends[0])  # some rows are then never loaded
 
     def look(self, gap: Reals) -> None:
         """Fill the exact gap `[y, x]`, up to the approach, and find the tiles that the contact may reach."""
@@ -408,7 +403,7 @@ def guess(
 
     team().by_rows(begin, wall.shape)
     stiffness = grids[0].stiffness if finest and not any(grids[0].ends) else None
-    contact.full_contact = transform.coarsen(own, grids[0].is_filled_in_part, stiffness)
+    contact.full_contact = transform.coarsen(own, grids[0].ends[0], stiffness)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
     before = guess(grids[1:], smooth, around, own, load, start, np.empty(coarse.held), False)
     before.settle(_SETTLED)

@@ -235,80 +235,69 @@ def _of_processes() -> Iterator[Refusal]:
     yield from _not_built("hardness", "", {"pattern": "no pattern with a hardness"})
 
 
+_PHYSICS = {  # what is allowed in place of a feature, by the one that it makes no sense with
+    "dimension 2": {
+        "plane stress": "'plane_strain' with dimension 2, as a contact over x and y is not plane",
+        "line_load": "a force with dimension 2",
+    },
+    "dimension 1": {
+        "force": "a line_load with dimension 1",
+        "anisotropy": "nothing with dimension 1; anisotropy needs dimension 2",
+        "sliding_y": "nothing with dimension 1; sliding_y needs dimension 2",
+        "radius_y": "nothing with dimension 1; radius_y needs dimension 2",
+        "boundary along y": "nothing with dimension 1; this needs dimension 2",
+        "model of maps": "another model with dimension 1",
+    },
+    "hardness": {
+        **{law: f"a hard_wall without hardness, {_JUNCTIONS_GROW}" for law in LAWS if LAWS[law].tangential},
+        "lennard_jones": "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart",
+    },
+    "contact without reach": {
+        "negative displacement": "a finite number of at least 0, as nothing acts across an open gap",
+    },
+    "punch": {
+        "prescribed displacement": "only tractions with a punch, as the punch prescribes displacements (to make it "
+        "stick: friction with coefficient .inf); in a scene without roughness, interface and loading also displacements"
+    },
+    "accuracy": {
+        "tractions of a file": "numbers for `gfmd accuracy`, as a file fits one grid alone",
+        "measured surface": "a random surface for `gfmd accuracy`",
+    },
+    "plasticity": {
+        "hardness": "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself"
+    },
+    "hardness on inclined surfaces": {
+        "higher topography_order": "0, or nothing, with a hardness under a rough punch or between two elastic bodies, "
+        "as it does not say which of the two surfaces yields"
+    },
+    "form between elastic bodies": {
+        "higher topography_order": "0, or nothing, with a form between two elastic bodies, as it does not say which of "
+        "the two has it"
+    },
+}
+_A_PRESSURE = f"{{ways}}a pressure or another load in place of loading.displacement, {_NO_REFERENCE}"
+_OF_A_ROUGHNESS = "{ways}a pressure with a form alone: a reduced_pressure counts in the rms gradient of a roughness"
+
+
+def _with_ways() -> Iterator[Refusal]:
+    """What makes no sense until a feature is added, of which each way is told."""
+    window, base = ("periodic false", "no period"), ("base rigid", "slab")
+    yield Refusal("displacement", "half-space", _A_PRESSURE, "physics", (_SLAB, window))
+    yield Refusal("displacement", "layers on a half-space", _A_PRESSURE, "physics", (("rigid", "slab"), window))
+    yield Refusal("contact without drag", "sliding", "nothing{ways}", "physics", _DRAG)
+    for feature, way in (("half-space", _SLAB), ("layers on a half-space", base)):
+        yield Refusal(feature, "sliding", f"nothing{{ways}}, {_NO_REFERENCE}", "physics", (way,))
+    loads = tuple((f"a {load}", load) for load in ("line_load", "force", "displacement"))
+    yield Refusal("form alone", "reduced_pressure", _OF_A_ROUGHNESS, "physics", loads)
+
+
 REFUSALS = (
-    Refusal(
-        "dimension 2",
-        "plane stress",
-        "'plane_strain' with dimension 2, as a contact over x and y is not plane",
-        "physics",
-    ),
-    Refusal("dimension 1", "force", "a line_load with dimension 1", "physics"),
-    Refusal("dimension 2", "line_load", "a force with dimension 2", "physics"),
-    Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
-    Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),
-    Refusal("dimension 1", "radius_y", "nothing with dimension 1; radius_y needs dimension 2", "physics"),
-    Refusal("dimension 1", "boundary along y", "nothing with dimension 1; this needs dimension 2", "physics"),
-    Refusal("dimension 1", "model of maps", "another model with dimension 1", "physics"),
+    *(row for present, features in _PHYSICS.items() for row in _each(present, "physics", "", features)),
     *_laws_with_each_other(),
-    *(
-        Refusal("hardness", law, f"a hard_wall without hardness, {_JUNCTIONS_GROW}", "physics")
-        for law in LAWS
-        if LAWS[law].tangential
-    ),
-    Refusal(
-        "hardness",
-        "lennard_jones",
-        "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart",
-        "physics",
-    ),
-    Refusal(
-        "displacement",
-        "half-space",
-        f"{{ways}}a pressure or another load in place of loading.displacement, {_NO_REFERENCE}",
-        "physics",
-        (_SLAB, ("periodic false", "no period")),
-    ),
-    Refusal(
-        "displacement",
-        "layers on a half-space",
-        f"{{ways}}a pressure or another load in place of loading.displacement, {_NO_REFERENCE}",
-        "physics",
-        (("rigid", "slab"), ("periodic false", "no period")),
-    ),
-    Refusal(
-        "contact without reach",
-        "negative displacement",
-        "a finite number of at least 0, as nothing acts across an open gap",
-        "physics",
-    ),
-    Refusal("contact without drag", "sliding", "nothing{ways}", "physics", _DRAG),
-    Refusal("half-space", "sliding", f"nothing{{ways}}, {_NO_REFERENCE}", "physics", (_SLAB,)),
-    Refusal(
-        "layers on a half-space", "sliding", f"nothing{{ways}}, {_NO_REFERENCE}", "physics", (("base rigid", "slab"),)
-    ),
-    Refusal(
-        "punch",
-        "prescribed displacement",
-        "only tractions with a punch, as the punch prescribes displacements (to make it stick: friction with "
-        "coefficient .inf); in a scene without roughness, interface and loading also displacements",
-        "physics",
-    ),
-    Refusal(
-        "accuracy",
-        "tractions of a file",
-        "numbers for `gfmd accuracy`, as a file fits one grid alone",
-        "physics",
-    ),
-    Refusal("accuracy", "measured surface", "a random surface for `gfmd accuracy`", "physics"),
+    *_with_ways(),
     *_without_a_period(),
     *_in_time(),
     *_not_built("plasticity", " with plasticity of the body", _OF_FLOW),
-    Refusal(
-        "plasticity",
-        "hardness",
-        "a hard_wall without hardness with plasticity of the body, which bounds the pressure by itself",
-        "physics",
-    ),
     *(Refusal(each, "threads", _ONE_THREAD, "without effect") for each in ("dimension 1", "prescribed", "hardness")),
     Refusal(
         "campaign",
@@ -322,26 +311,6 @@ REFUSALS = (
         "topography_order",
         "nothing where no deformable body is rough and only one deforms: there is no topography to follow",
         "without effect",
-    ),
-    Refusal(
-        "hardness on inclined surfaces",
-        "higher topography_order",
-        "0, or nothing, with a hardness under a rough punch or between two elastic bodies, as it does not say which of "
-        "the two surfaces yields",
-        "physics",
-    ),
-    Refusal(
-        "form alone",
-        "reduced_pressure",
-        "{ways}a pressure with a form alone: a reduced_pressure counts in the rms gradient of a roughness",
-        "physics",
-        tuple((f"a {load}", load) for load in ("line_load", "force", "displacement")),
-    ),
-    Refusal(
-        "form between elastic bodies",
-        "higher topography_order",
-        "0, or nothing, with a form between two elastic bodies, as it does not say which of the two has it",
-        "physics",
     ),
 )
 PHRASES = {

@@ -209,8 +209,6 @@ class TruncatedNewton:
 
     def __init__(self, batch: Batch, options: Options) -> None:
         interface, (rows, *shape) = batch.interface, batch.punch.shape
-        if batch.response.components > 1 and (interface.cohesive is None or interface.friction is not None):
-            raise ValueError("this solver of all displacements knows a cohesive law alone")
         batch, self._coarse_transforms = _on_coarser_grids(batch, options)
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)

@@ -155,12 +155,9 @@ def middle_slip(slid: Reals, held: Reals, contact: Flags) -> int:
 
 def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
     """The problem of the waves that a grid of nx nodes holds; its nodes slip from the `anchor` `[realisation, x]`."""
-    punch, anchor = (
-        np.concatenate([resample(row[np.newaxis], (nx,)) for row in rows])  # each whatever the others
-        for rows in (batch.punch, anchor)
-    )
-    start = replace(Start.at_rest(punch), tangential=anchor)
-    return replace(batch, punch=punch, response=batch.response.coarsened((nx,)), begun=start)
+    coarse = batch.coarsened((nx,))
+    tangential = np.concatenate([resample(row[np.newaxis], (nx,)) for row in anchor])  # each whatever the others
+    return replace(coarse, begun=replace(Start.at_rest(coarse.punch), tangential=tangential))
 
 
 class Tangent(NamedTuple):

@@ -48,12 +48,13 @@ _SPACING = 1e-3  # of the spacing, by which positions are rounded
 class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
-    `done` tells what was done, and `doubts` what makes it implausible.
+    `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible.
     """
 
     heights: Reals
     lengths: tuple[float, ...]
     unit: Literal["m", "1"]
+    found: str
     done: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -64,11 +65,12 @@ class MeasuredSurface:
 
     @property
     def outcome(self) -> tuple[str, ...]:
-        """What was done, and the size of the surface that came out."""
+        """What was measured, what was done, and the size of the surface that came out."""
         height = float(statistics.rms_height(self.heights, self.lengths))
         gradient = float(statistics.rms_gradient(self.heights, self.lengths))
-        size = with_prefix(height, "m") if self.unit == "m" else f"{height:.4g} L_x"
-        return *self.done, f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
+        size = _size(height, self.unit)
+        made = f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
+        return self.found, *self.done, made
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,26 @@ def periodic_surface(
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    return MeasuredSurface(made.heights, made.lengths, unit, done, doubts)
+    return MeasuredSurface(made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts)
+
+
+def _size(length: float, unit: str) -> str:
+    return with_prefix(length, "m") if unit == "m" else f"{length:.4g} L_x"
+
+
+def _found(found: Measurement, sizes: tuple[float, ...], unit: str) -> str:
+    """Say what was measured: whoever knows the instrument sees whether the file was understood."""
+    shape = found.heights.shape[::-1]
+    points, spacing, size = (
+        " x ".join(some)
+        for some in (
+            map(str, shape),
+            (_size(length / n, unit) for length, n in zip(sizes[::-1], shape, strict=True)),
+            (_size(length, unit) for length in sizes[::-1]),
+        )
+    )
+    heights = f"heights in {found.units['z']}" if "z" in found.units else "heights"
+    return f"found {points} {heights}, {spacing} apart, over {size}"
 
 
 def _is_sharp(heights: Reals) -> bool:

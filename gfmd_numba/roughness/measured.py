@@ -111,19 +111,20 @@ def measured_surfaces(
         at, own = ("scene", *place), None if place == first else length  # whose period is told by nobody else
         with usable(document, at, field.record):
             found = periodic_surface(field, own, dimension, scene.has_moduli, told_by, scene.periodic)
-        _check_square(found, field.record, at, document)
+        _check_square(found, field, at, document)
         doubts = (*found.doubts, _FADED) if field.record.periodic == "window" else found.doubts
         surfaces[place] = replace(found, doubts=doubts)
     return surfaces, length
 
 
-def _check_square(found: MeasuredSurface, record: Measured, place: Place, document: Document) -> None:
+def _check_square(found: MeasuredSurface, field: Field, place: Place, document: Document) -> None:
     """Raise InputError for a map of more points, or a larger size, along one axis than along the other."""
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
     if len(set(found.heights.shape)) > 1 or unequal:
-        points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
-        unit = "L_x" if found.unit == "1" else "m"
-        given = f"{record.shown} ({points} points over {sizes} {unit})"
+        record, parts = field.record, field.fields
+        points = " x ".join(f"{n / parts:g}" for n in found.heights.shape[::-1])
+        sizes = " x ".join(_size(length / parts, found.unit) for length in found.lengths[::-1])
+        given = f"{record.shown} ({points} points over {sizes} along x and y)"
         remedy = (
             "crop: square cuts one out"
             if unequal
@@ -261,7 +262,7 @@ def _sizes(
     found = field.found
     if found.unit is None and (length is not None or in_si):
         known, units = ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
-        raise ValueError(f"heights without a unit, but {known}: write units: {units} with theirs, next to file")
+        raise ValueError(f"heights without a unit, but {known}: write units: {units} with theirs, in the same block")
     if found.unit == "1" and length is not None:
         if told_by != "length":
             raise ValueError(f"heights in units of the period, but {length:.7g} m in {told_by}: give both in m or L_x")

@@ -39,7 +39,7 @@ _QUOTED_CELL = re.compile(r'(?:^|,)"([^"]*)"(?=,|$)')
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _STATED = re.compile(
     r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;\"]{1,12})"
-    r"|(?<=\w)\s+in\s+([^\s\[\]()/,;\"]{1,12})(?=\s*(?:[\",;\t]|$))"
+    r"|(?<=\w)(?:\s+in\s+([^\s\[\]()/,;\"]{1,12})|_([pnuµμmc]?m))(?=\s*(?:[\",;\t]|$))"
 )
 _NAMES = {  # without accents, in English, German, French, Spanish and Italian
     "x": r"x|\w*positions?|distance|lateral|length|\w*(?:weg|abstand|strecke|lae?nge)|abscisse|longueur|abscisa"
@@ -555,13 +555,13 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
     found, begin = [], 0
     slashes = sum(length_unit(match[3]) is not None for match in _STATED.finditer(line or part) if match[3])
     for match in _STATED.finditer(part):
-        square, round_, slashed, in_words = match.groups()
+        square, round_, slashed, in_words, of_name = match.groups()
         label, rest = part[begin : match.start()], part[match.end() :]
         if _VALUE.search(label) or _OF_A_PROTOCOL.match(rest):
             continue  # an entry of a protocol, such as `scan length (mm): 4`
         if slashed and slashes < 2 and _axis(label) is None:
             continue  # a quotient, such as px/mm; two are names of columns in another language
-        unit = length_unit(square or round_ or slashed or in_words)
+        unit = length_unit(square or round_ or slashed or in_words or of_name)
         if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
             unit = square or round_
         if unit is not None:

@@ -445,3 +445,14 @@ def test_one_or_two_rows_are_a_profile(tmp_path):
 def test_values_of_nodes_in_one_row_are_those_of_a_profile(tmp_path):
     (tmp_path / "row.csv").write_text("0.5 1 2 3 4 -5\n")
     np.testing.assert_array_equal(read_values(tmp_path / "row.csv", 1), [0.5, 1.0, 2.0, 3.0, 4.0, -5.0])
+
+
+@pytest.mark.parametrize("header", [",x_um,z_nm", "x_um;z_nm", "position_um,height_nm", "distance_µm,Height_nm"])
+def test_units_behind_an_underscore_are_read(tmp_path, header):
+    """So data frames name their columns; the first of them has an index."""
+    lines = [f"{'7,' * header.startswith(',')}{0.5 * i}{',;'[';' in header]}{np.sin(i):.4f}" for i in range(32)]
+    path = tmp_path / "line.csv"
+    path.write_text("\n".join([header, *lines]), encoding="utf-8")
+    found = measurement(read_content(path))
+    assert found.units == {"x": "um", "z": "nm"}
+    np.testing.assert_allclose(found.heights, 1e-9 * np.sin(np.arange(32)), atol=1e-13)

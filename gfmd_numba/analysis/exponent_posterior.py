@@ -18,7 +18,7 @@ import numpy as np
 import scipy  # its modules load with their first use
 
 from gfmd_numba.analysis.laws import Law, Parameter, power
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 
 Laws = dict[str, Law]
 # What is known before any cross level says more, measured from H = 0.3 to 1. An interaction is 0 within half of the
@@ -89,20 +89,15 @@ def linear(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Linear:
     # from the columns' coefficients to the TFC limit, corrections and interactions, in the unit of the variable
     limits = list(means.levels)
     change = np.zeros((len(nodes), 1 + len(before), coefficients.shape[1]))
-    change[:, 0, 0] = 1.0
-    exponents, units = np.empty((len(nodes), len(limits))), _units(before)
-    own = 1
+    counted = _counted(means, laws)
+    change[:, counted, np.arange(coefficients.shape[1])] = np.append(1.0, _units(before))[counted]
+    exponents = np.empty((len(nodes), len(limits)))
     for row, limit in enumerate(limits, start=1):
         at = means.reference[limit]
         around = excess(laws, limit, at * np.exp([-0.01, 0.0, 0.01]), nodes)
         exponents[:, row - 1] = np.log(around[:, 2] / around[:, 0]) / 0.02
         if laws[limit].whole:
             change[:, row, 0] = around[:, 1]
-        else:
-            change[:, row, own] = units[row - 1]
-            own += 1
-    for pair, unit in enumerate(units[len(limits) :]):
-        change[:, 1 + len(limits) + pair, own + pair] = unit
     return Linear(
         misfit=(residual**2).sum(axis=1),
         coefficients=np.einsum("nkl,nl->nk", change, coefficients),
@@ -173,8 +168,12 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
 
 def certainty(means: Means, laws: Laws, before: Reals) -> Reals:
     """Return one over the variance (coefficient) of each coefficient before, in the units of `columns`: 1 or 0."""
-    counts = [not laws[limit].whole for limit in means.levels] + [True] * len(means.pairs)
-    return np.isfinite([np.inf, *before[counts]]).astype(np.float64)
+    return np.isfinite(np.append(np.inf, before))[_counted(means, laws)].astype(np.float64)
+
+
+def _counted(means: Means, laws: Laws) -> Flags:
+    """Return which of the TFC limit, corrections and interactions have a coefficient: all but those of whole laws."""
+    return np.array([True, *(not laws[limit].whole for limit in means.levels), *[True] * len(means.pairs)])
 
 
 def _units(before: Reals) -> Reals:

@@ -168,7 +168,7 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
 
 def certainty(means: Means, laws: Laws, before: Reals) -> Reals:
     """Return one over the variance (coefficient) of each coefficient before, in the units of `columns`: 1 or 0."""
-    return np.isfinite(np.append(np.inf, before))[_counted(means, laws)].astype(np.float64)
+    return np.asarray(np.isfinite(np.append(np.inf, before))[_counted(means, laws)], dtype=np.float64)
 
 
 def _counted(means: Means, laws: Laws) -> Flags:

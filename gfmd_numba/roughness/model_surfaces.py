@@ -162,7 +162,10 @@ def _usable(power: Reals) -> Reals:
 
 
 _POWERS = {"psd": psd_power, "fourier_filter": filter_power}
-_ISOTROPIC = {"exponential": spectra.ExponentialSpectrum, "k_correlation": spectra.KCorrelationSpectrum}
+_ISOTROPIC: dict[str, type[spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum]] = {
+    "exponential": spectra.ExponentialSpectrum,
+    "k_correlation": spectra.KCorrelationSpectrum,
+}
 
 
 def _lengths(record: records.LengthAnisotropy | records.ScalingAnisotropy) -> tuple[float, float]:

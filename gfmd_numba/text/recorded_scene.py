@@ -37,20 +37,15 @@ def described(text: str, load: bool = True) -> str:
     A record that was altered by hand says nothing: it is a title, not a number.
     """
     try:
-        return _described(json.loads(text).get("scene", {}), load)
+        scene = json.loads(text).get("scene", {})
+        parts = [_surface(scene), f"on {_body(scene['body'])}"] if scene.get("body") else []
+        if parts and scene.get("counter_body"):
+            parts.append(f"against {_body(scene['counter_body'])}")
+        for name, value in (scene.get("loading") or {}).items() if parts and load else ():
+            if name in _LOADS and value is not None:
+                parts.append(f"under {with_prefix(value, _LOADS[name])}")
     except (AttributeError, TypeError, ValueError):
         return ""
-
-
-def _described(scene: dict[str, Any], load: bool) -> str:
-    if not scene.get("body"):
-        return ""
-    parts = [_surface(scene), f"on {_body(scene['body'])}"]
-    if scene.get("counter_body"):
-        parts.append(f"against {_body(scene['counter_body'])}")
-    for name, value in (scene.get("loading") or {}).items():
-        if load and name in _LOADS and value is not None:
-            parts.append(f"under {with_prefix(value, _LOADS[name])}")
     return ", ".join(parts)
 
 

@@ -72,7 +72,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     import gfmd_numba
     from gfmd_numba.storage import mark
     from gfmd_numba.storage.atomic_file import replace
-    from gfmd_numba.text.recorded_scene import described
+    from gfmd_numba.text.recorded_scene import asked, described
 
     fitted = None
     if "case" in dataset.dims and has_limits(dataset) and running is None:
@@ -93,7 +93,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
         pictures=list(_drawn(dataset, fitted)),
         warnings=list(_warnings(dataset)),
         left_out=[(label, each) for label, name in _TREATED for each in str(known.get(name, "")).splitlines() if each],
-        asked=_asked(dataset),
+        asked="\n".join(asked(dataset.attrs).values()) or "The file does not say.",
         cost=list(_cost(dataset)),
         provenance=[(name.replace("_", " "), known[name]) for name in _PROVENANCE if known.get(name, "") != ""],
     )
@@ -138,17 +138,6 @@ def _warnings(dataset: xr.Dataset) -> Iterable[str]:
         for name, which, sentence in endings(dataset["status"]):
             if name not in _UNFINISHED:
                 yield f"{int(which.sum())} of {which.size} ended as {name}, and stand in no mean. {sentence}"
-
-
-def _asked(dataset: xr.Dataset) -> str:
-    """Return the campaign file, or the scene as YAML, as far as they are known."""
-    import yaml
-
-    if "campaign" in dataset.attrs:
-        return str(dataset.attrs["campaign"])
-    given = dataset.attrs.get("scene", "{}")
-    scene = json.loads(given, object_hook=lambda found: {key: each for key, each in found.items() if each is not None})
-    return yaml.safe_dump(scene, sort_keys=False, default_flow_style=False) if scene else "The file does not say."
 
 
 def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -1,11 +1,18 @@
 """What the text of a scene says that a dataset was solved from, to those who know datasets alone."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from gfmd_numba.text.numbers import with_prefix
 
+_TEXTS = ("campaign", "yaml")  # attributes that hold what a user wrote
 _LOADS = {"pressure": "Pa", "line_load": "N m-1", "force": "N"}
+
+
+def asked(attributes: Mapping[Any, Any]) -> dict[str, str]:
+    """Return those attributes of a dataset that hold what its user wrote, for what is computed from it."""
+    return {name: attributes[name] for name in _TEXTS if name in attributes}
 
 
 def has_form(text: str) -> bool:

@@ -7,10 +7,13 @@ import subprocess
 from html import unescape
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import xarray as xr
 
+import gfmd_numba
 from gfmd_numba.campaign.status import Progress
+from gfmd_numba.scene.document import read_document
 from support.campaigns import campaign
 from support.command_line import gfmd, refused, unfolded
 from support.scenes import SCENE
@@ -100,6 +103,54 @@ def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folde
     (tmp_path / "same.yaml").write_text(asked)
     same = gfmd("solve", tmp_path / "same.yaml", "-o", tmp_path / "same.nc")
     assert same.output.splitlines()[1:] == printed
+
+
+WRITTEN = """\
+scene:
+  length: 0.2 mm                 # of the specimen
+  body: {youngs_modulus: 70 GPa, poissons_ratio: 0.33}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.02}
+  interface: {hard_wall: {}}
+  loading: {pressure: 50 MPa}
+discretisation: {eps_c: 1/2, eps_f: 1/8, eps_t: 1}
+"""
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        ["solve scene.yaml -o found.nc"],
+        ["curve scene.yaml --loads 20MPa:50MPa:2 -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "statistics contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "leakage contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "conductance contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "fields contact.nc -o found.nc"],
+    ],
+)
+def test_a_page_shows_the_scene_as_its_user_wrote_it(commands, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.yaml").write_text(WRITTEN)
+    for command in (*commands, "report found.nc"):
+        said = gfmd(*command.split())
+        assert said.exit_code == 0, said.output
+    assert unescape(re.search(r"<pre>(.*?)</pre>", (tmp_path / "found.html").read_text(), re.DOTALL)[1]) == WRITTEN
+
+
+def test_a_scene_of_python_is_shown_as_yaml_with_numbers_as_people_write_them(tmp_path):
+    body = {"youngs_modulus": 70e9, "poissons_ratio": np.float64(0.1 + 0.2)}
+    scene = {"length": "0.2 mm", "body": body, "interface": {"hard_wall": {}}, "loading": {"pressure": "1 GPa"}}
+    scene["roughness"] = {"units": {"z": "um"}}
+    solved = gfmd_numba.solve(scene, heights=0.1 * np.cos(np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)))
+    lines = solved.attrs["yaml"].splitlines()
+    for line in (
+        "  length: 0.2 mm",
+        "  body: {youngs_modulus: 7.0e+10, poissons_ratio: 0.30000000000000004}",
+        "  loading: {pressure: 1 GPa}",
+        "    heights: '...'",
+    ):
+        assert line in lines
+    (tmp_path / "again.yaml").write_text(solved.attrs["yaml"])
+    assert read_document(tmp_path / "again.yaml").data["scene"]["body"] == body
 
 
 @pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])

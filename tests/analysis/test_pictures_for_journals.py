@@ -270,7 +270,7 @@ def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):
     for found in (gfmd_numba.solve(file | {"discretisation": eps}), gfmd_numba.run(file | whole, tmp_path / "out")):
         depth, area = plot_path(found).axes
         assert depth.get_ylabel().startswith("Mean worn depth")
-        assert area.get_ylabel() == "Contact area"
+        assert area.get_ylabel() == "Contact area fraction"
 
 
 def test_only_steps_that_lose_energy_between_two_others_jump():

@@ -115,7 +115,7 @@ def sheet(
             em = scale * _POINTS / 72.0
             wide = int(figure.get_figwidth() / (_EM_OF_LETTER * em))
             tied = re.sub(r"(?<=\d) (?=[^\W\d])", "\xa0", title)  # a number stays with its unit
-            lines = [line for each in tied.splitlines() for line in textwrap.wrap(each, wide)]
+            lines = [line for each in tied.splitlines() for line in textwrap.wrap(each, wide, break_on_hyphens=False)]
             figure.suptitle("\n".join(lines).replace("\xa0", " "), x=0.01, ha="left")
             _grow(figure, (0.3 + 1.3 * len(lines)) * em)
         yield figure, axes[:count]
@@ -195,6 +195,14 @@ def ordered_colours(count: int) -> list[str]:
 def few_ticks(axis: Axis) -> None:
     """Leave room between the labels of a linear axis of a small panel."""
     axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
+
+
+def least_span(axis: Axis) -> None:
+    """Let a linear axis span a tenth of its values at least, so that differences by rounding look like none."""
+    low, high = axis.get_data_interval()
+    room = 0.05 * max(abs(low), abs(high))
+    if high - low < 2.0 * room:
+        axis.set_view_interval(0.5 * (low + high) - room, 0.5 * (low + high) + room, ignore=True)
 
 
 def log_ticks(axis: Axis) -> None:

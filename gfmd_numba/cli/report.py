@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from gfmd_numba.campaign.status import Progress
 
 _SECONDS_BETWEEN = 10
+_ACROSS, _BETWEEN = 42, 2  # characters of a table that a telephone has room for, and between its columns
 _UNFINISHED = ("unfinished", "not_asked")
 _TREATED = (("measured surface", "processing"), ("left out", "dropped_effects"))
 _PROVENANCE = ("seed", "solver", "versions", "git_commit", "fft_plans", "campaign_sha256", "content_sha256")
@@ -113,7 +114,10 @@ def _parts(told: list[Table | Line]) -> Iterator[dict[str, Any] | list[tuple[str
         shared = {heading: cells[0] for heading, cells in each.parameters.items() if len(set(cells)) == 1}
         title = ", ".join((each.title, *(f"{heading} = {cell}" for heading, cell in shared.items() if cell != "-")))
         columns = {name: cells for name, cells in {**each.parameters, **each.values}.items() if name not in shared}
-        yield {"title": title, "headings": list(columns), "rows": list(zip(*columns.values(), strict=True))}
+        widths = [max(map(len, [*name.split(), *cells]), default=0) for name, cells in columns.items()]
+        rows = list(zip(*columns.values(), strict=True))
+        stacked = sum(widths) + _BETWEEN * len(widths) > _ACROSS
+        yield {"title": title, "headings": list(columns), "rows": rows, "stacked": stacked}
     if lines:
         yield lines
 

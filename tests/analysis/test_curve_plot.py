@@ -88,7 +88,7 @@ def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields(width):
     np.testing.assert_array_equal(drawn, np.where(yields > 0.0, yields, np.nan))
     assert np.isfinite(drawn).any()
     (legend,) = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == ["part of it at the hardness", "hardness"]
+    assert [text.get_text() for text in legend.get_texts()] == ["area at the hardness", "hardness"]
     assert faults(figure) == []
 
 

@@ -101,7 +101,7 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
         axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)
     if name == "contact_area_fraction" and _YIELDED in dataset:
         part = dataset[_YIELDED].where(dataset[_YIELDED] > 0.0)
-        axis.plot(x, part, "s--", color=COLOURS[1], label="part of it at the hardness")
+        axis.plot(x, part, "s--", color=COLOURS[1], label="area at the hardness")
     if name == "peak_pressure" and (limit := hardness(dataset.attrs.get("scene", "{}"))) is not None:
         axis.axhline(factor * limit, color="0.25", ls=":", label="hardness")
     if name == "contact_stiffness":  # with E* or L_x where the scene leaves but one of them open

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import plot_body, plot_conductance, plot_contact, plot_leakage
+from gfmd_numba.analysis import leakage, plot_body, plot_conductance, plot_contact, plot_leakage
 from gfmd_numba.analysis.plots.bodies import plot_flow, plot_loaded_body
 from gfmd_numba.analysis.plots.contact import plot_statistics
 from gfmd_numba.analysis.plots.path import plot_path
@@ -186,7 +186,7 @@ def pressed_map():
 
 @pytest.mark.parametrize("width", [None, "single", "double"])
 def test_a_direction_in_which_nothing_flows_has_no_panel_but_a_sentence(dragged, width):
-    figure = plot_leakage(gfmd_numba.leakage(dragged.isel(step=-1)), width)
+    figure = plot_leakage(leakage(dragged.isel(step=-1)), width)
     (axis,) = figure.axes
     assert axis.get_ylabel().replace("\n", " ") == "Flow along $y$ over its mean"
     assert figure.get_suptitle() == "No flow along $x$"
@@ -194,7 +194,7 @@ def test_a_direction_in_which_nothing_flows_has_no_panel_but_a_sentence(dragged,
 
 
 def test_a_map_through_which_nothing_flows_has_no_colours_to_explain(pressed_map):
-    closed = gfmd_numba.leakage(pressed_map.assign(gap=0.0 * pressed_map["gap"]))
+    closed = leakage(pressed_map.assign(gap=0.0 * pressed_map["gap"]))
     figure = plot_leakage(closed)
     (axis,) = figure.axes
     assert axis.images[0].get_array().mask.all()
@@ -217,7 +217,7 @@ def test_bodies_that_do_not_touch_are_drawn_in_a_unit_of_their_gap():
     assert [label.get_text() for label in pressure.get_yticklabels()] == ["0"]
 
 
-@pytest.mark.parametrize("place", [3, 77])
+@pytest.mark.parametrize("place", [3, 60])
 def test_the_title_of_a_close_up_keeps_off_the_numbers_of_its_colours(dragged, place):
     fields = gfmd_numba.body_fields(dragged).isel(step=-1).copy(deep=True)
     fields["von_mises"][dict(x=place, z=int(np.argmin(abs(fields["z"].values + 5.76e-6))))] = 1e9
@@ -228,7 +228,9 @@ def test_the_title_of_a_close_up_keeps_off_the_numbers_of_its_colours(dragged, p
 
 
 def test_a_path_in_a_column_has_no_equation_broken_in_its_title(dragged):
-    lines = plot_body(gfmd_numba.body_fields(dragged), "single").get_suptitle().splitlines()
+    fields = gfmd_numba.body_fields(dragged)
+    longer = {name: 1.2346 * fields[name] for name in ("reduced_pressure", "sliding")}
+    lines = plot_body(fields.assign_coords(longer), "single").get_suptitle().splitlines()
     assert len(lines) > 1
     assert not [line for line in lines if line.startswith("=") or line.endswith("=")]
 
@@ -242,7 +244,7 @@ def test_what_has_flowed_has_four_panels_and_of_a_map_names_its_row(dimension):
     _, dents, _, _, *bars = figure.axes
     assert len(bars) == 2
     assert dents.get_ylabel().replace("\n", " ").startswith("Residual $u_z$ (")
-    row = int(solved["equivalent_plastic_strain"].max(["depth", "x"]).argmax()) if dimension == 2 else None
+    row = int(np.argmax(solved["equivalent_plastic_strain"].max(["depth", "x"]).values)) if dimension == 2 else None
     moved = solved["residual_displacement"] if row is None else solved["residual_displacement"][row]
     np.testing.assert_allclose(
         dents.lines[0].get_ydata() * abs(moved).max().item(), moved * abs(dents.lines[0].get_ydata()).max()

@@ -13,6 +13,8 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign.status import Progress
+from gfmd_numba.cli.report import _parts
+from gfmd_numba.cli.terminal import Table
 from gfmd_numba.scene.document import read_document
 from support.campaigns import campaign
 from support.command_line import gfmd, refused, unfolded
@@ -231,6 +233,35 @@ def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, 
         assert "4 of 10 blocks are done, about 90 s left" in content
     assert 'http-equiv="refresh"' not in page.read_text()
     assert "and its limit" in Page(page).text
+
+
+def test_a_table_too_wide_for_a_phone_names_each_number_and_a_short_one_stays_a_table(folder, tmp_path):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / "curve.nc", "-o", page).exit_code == 0
+    (table,) = re.findall("<table.*?</table>", page.read_text(), re.DOTALL)
+    assert table.startswith('<table class="stacked">')
+    headings = re.findall('<th scope="col">(.*?)</th>', table)
+    assert re.findall('<td data-column="(.*?)">', table) == 3 * headings
+    short = Table("steps", {"step": ["0", "1"]}, {"area": ["0.1", "0.2"], "gap (nm)": ["100", "50"]})
+    (part,) = _parts([short])
+    assert not part["stacked"]
+
+
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
+def test_no_table_scrolls_sideways_on_a_phone(folder, tmp_path):
+    for name in ("small", "path.nc", "curve.nc", "fit.nc"):
+        page = tmp_path / "page.html"
+        assert gfmd("report", folder / name, "-o", page).exit_code == 0
+        (tmp_path / "frame.html").write_text(
+            '<iframe id="it" src="page.html" width="390" height="900"></iframe><script>onload = () => {'
+            "const tables = [...document.getElementById('it').contentDocument.querySelectorAll('.scroll')];"
+            "document.title = tables.filter((each) => each.scrollWidth > each.clientWidth).length}</script>"
+        )
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--dump-dom"]
+        frame = (tmp_path / "frame.html").as_uri()
+        done = subprocess.run(["chromium", *options, frame], capture_output=True, text=True, timeout=120)
+        assert re.search(r"<title>(\d+)</title>", done.stdout)[1] == "0", name
 
 
 @pytest.mark.long

@@ -19,11 +19,13 @@ from gfmd_numba.cli.terminal import Line, Table, waiting
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from gfmd_numba.campaign.status import Progress
 
 _SECONDS_BETWEEN = 10
 _ACROSS, _BETWEEN = 42, 2  # characters of a table that a telephone has room for, and between its columns
+_DOTS_OF_TELEPHONES = 220
 _UNFINISHED = ("unfinished", "not_asked")
 _TREATED = (("measured surface", "processing"), ("left out", "dropped_effects"))
 _PROVENANCE = ("seed", "solver", "versions", "git_commit", "fft_plans", "campaign_sha256", "content_sha256")
@@ -123,15 +125,22 @@ def _parts(told: list[Table | Line]) -> Iterator[dict[str, Any] | list[tuple[str
 
 
 def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[dict[str, Any]]:
-    """Yield each picture: its name, its width in inches and, as text, the PNG."""
+    """Yield each picture: its name, its width in inches and, as text, the PNG and that of a column for telephones."""
+    wide, narrow = (pictures(dataset, fitted, Path("picture.png"), width) for width in (None, "single"))
+    for path, draw in wide.items():
+        figure = draw()
+        columns = _png(narrow[path](), _DOTS_OF_TELEPHONES)
+        yield {"name": path.stem, "width": figure.get_figwidth(), "content": _png(figure), "narrow": columns}
+
+
+def _png(figure: Figure, dots: int | None = None) -> str:
+    """Return a figure as text, with so many dots per inch or those that it has."""
     import base64
     import io
 
-    for path, draw in pictures(dataset, fitted, Path("picture.png")).items():
-        figure, content = draw(), io.BytesIO()
-        figure.savefig(content, format="png")
-        text = base64.b64encode(content.getvalue()).decode()
-        yield {"name": path.stem, "width": figure.get_figwidth(), "content": text}
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=dots or "figure")
+    return base64.b64encode(content.getvalue()).decode()
 
 
 def _warnings(dataset: xr.Dataset) -> Iterable[str]:

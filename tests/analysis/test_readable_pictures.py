@@ -259,3 +259,8 @@ def test_no_legend_explains_a_line_that_is_not_there(pressed_map):
     assert "Persson" in [text.get_text() for text in plot_statistics(statistics).legends[0].get_texts()]
     statistics["pressure_density_persson"] = 0.0 * statistics["pressure_density_persson"]
     assert "Persson" not in [text.get_text() for text in plot_statistics(statistics).legends[0].get_texts()]
+
+
+def test_a_small_load_has_a_power_of_ten_in_the_title(dragged):
+    light = dragged.assign_coords(reduced_pressure=1e-5 * dragged["reduced_pressure"])
+    assert r"$p^*$ = $5 \times 10^{-7}$" in plot_contact(light).get_suptitle()

@@ -20,7 +20,7 @@ from support.campaigns import campaign
 from support.command_line import gfmd, refused, unfolded
 from support.scenes import SCENE
 
-VOID = {"meta", "img", "br"}
+VOID = {"meta", "img", "br", "source"}
 
 
 class Page(HTMLParser):
@@ -34,7 +34,7 @@ class Page(HTMLParser):
         self.text = unfolded(self.text)
 
     def handle_starttag(self, tag, attrs):
-        self.sources += [value for name, value in attrs if name in ("src", "href")]
+        self.sources += [value for name, value in attrs if name in ("src", "srcset", "href")]
         if tag not in VOID:
             self.open.append(tag)
 
@@ -79,6 +79,18 @@ def test_a_page_needs_no_other_file(folder, tmp_path, name):
         assert heading in read.text
     assert "No warning" in read.text
     assert "reloads itself" not in read.text
+
+
+def test_a_phone_has_pictures_of_one_column(folder, tmp_path, monkeypatch):
+    def png(figure, dots=None):
+        return base64.b64encode(f"{figure.get_figwidth():.1f} inches".encode()).decode()
+
+    page = tmp_path / "page.html"
+    monkeypatch.setattr("gfmd_numba.cli.report._png", png)
+    assert gfmd("report", folder / "curve.nc", "-o", page).exit_code == 0
+    drawn = [base64.b64decode(each.partition(",")[2]) for each in Page(page).sources]
+    assert drawn == [b"3.4 inches", b"9.6 inches"]
+    assert '<source media="(max-width: 34rem)" srcset="data:image/png;base64,' in page.read_text()
 
 
 def test_a_page_says_what_the_fit_prints(folder, tmp_path):

@@ -243,8 +243,14 @@ def with_unit(text: str, variable: xr.DataArray) -> str:
 
 def told(value: float, unit: str, digits: int = 4) -> str:
     """Return a number with its unit for a sentence; a unit that begins with a power of ten is multiplied."""
-    times = r"$\times$" if unit.startswith("$10^") else " "
-    return f"{value:.{digits}g}" + (times + unit if unit else "")
+    times, number = r"$\times$" if unit.startswith("$10^") else " ", f"{value:.{digits}g}"
+    return (f"${in_formula(number)}$" if "e" in number else number) + (times + unit if unit else "")
+
+
+def in_formula(number: str) -> str:
+    """Return a number as a formula has it: with a power of ten for an exponent, which may stand alone."""
+    mantissa, e, exponent = number.replace("inf", r"\infty").partition("e")
+    return rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}" if e else mantissa
 
 
 def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]:

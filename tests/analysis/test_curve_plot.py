@@ -108,7 +108,7 @@ def test_a_curve_of_a_body_that_flows_shows_its_plastic_strain(found):
 @pytest.mark.parametrize("width", [None, "single"])
 def test_what_hardly_changes_spans_a_small_part_of_its_axis(found, width):
     """Peak pressures that differ by 2e-4 have no axis from 2.4500 to 2.4504."""
-    near = found.copy(deep=True)
+    near = found.drop_vars("peak_pressure_standard_error").copy(deep=True)
     near["peak_pressure"][:] = [2.4500e9, 2.4502e9, 2.4504e9]
     figure = plot_curve(near, width)
     figure.draw_without_rendering()

@@ -201,7 +201,7 @@ def _scales(
             )
         if content.about_lengths is not None:
             told = f"heights without a unit under a header that says {content.about_lengths}"
-            raise ValueError(f"{told}: write units: {{z: um}}, with theirs, next to file")
+            raise ValueError(f"{told}: write units: {{z: um}}, with theirs, in the same block")
         return {"z": 1.0}, None, {}
     if missing:
         raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs{counted}")

@@ -17,6 +17,7 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.analysis.contact_stiffness import nearness
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
@@ -259,14 +260,10 @@ def _approached(curve: LoadCurve) -> tuple[float, ...]:
 
 
 def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:
-    """Rise of the mean pressure over the fall of the mean gap, infinite where the gap is closed already.
-
-    Without a period, over the way of the punch.
-    """
-    name, ends = ("approach", (before, step)) if "approach" in step else ("mean_gap", (step, before))
+    """Rise of the mean pressure over how much nearer the surfaces come, infinite where the gap is closed already."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = step["mean_pressure"].values - before["mean_pressure"].values
-        return float(rise / (ends[1][name].values - ends[0][name].values))
+        return float(rise / (nearness(step) - nearness(before)).values)
 
 
 def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:

@@ -45,7 +45,7 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
-    return Made(heights, lengths, "1" if file.length is None else "m", (), (), power)
+    return Made(heights, lengths, "1" if file.length is None else "m", "", (), (), power)
 
 
 def _measured(file: SurfaceFile, record: Measured) -> Made:

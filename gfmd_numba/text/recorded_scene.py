@@ -74,7 +74,11 @@ def _surface(scene: dict[str, Any]) -> str:
         said += f", Hurst exponent {rough['hurst']:g}" if "hurst" in rough else ""
     said += " with a form" if scene.get("form") else ""
     length = scene.get("length")
-    return said if length is None else f"{said}, {with_prefix(length, 'm')} long"
+    if length is None:
+        return said
+    is_doubled = rough and rough.get("periodic") == "mirror" and scene.get("periodic", True) is True
+    size = with_prefix(length, "m")
+    return f"{said}, mirrored to a period of {size}" if is_doubled else f"{said}, {size} long"
 
 
 def _body(body: dict[str, Any]) -> str:

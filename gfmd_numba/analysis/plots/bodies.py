@@ -138,10 +138,10 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
     panels = sheet(4, 1, (9.0, 2.2), width, title=step, sharex=True, height_ratios=[2, 2, 4, 4])
     with panels as (figure, (above, dents, strain, stress)):
         pressure, label = scaled(dataset["pressure"], "Pressure", "E^*")
-        fill(above, x, pressure, ylabel=label)
+        fill(above, x, pressure, ylabel=label.replace(" (", "\n("))
         moved, label = scaled(dataset["residual_displacement"], "Residual $u_z$", "L_x")
         dents.plot(x, moved, color=COLOURS[0])
-        dents.set(ylabel=label)
+        dents.set(ylabel=label.replace(" (", "\n("))
         factor, unit = prefix(dataset["von_mises_stress"], "E^*")
         plastic, von_mises = dataset["equivalent_plastic_strain"].values, factor * dataset["von_mises_stress"].values
         for axes, values, name, colours in (

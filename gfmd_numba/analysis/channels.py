@@ -16,6 +16,7 @@ from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import regions
 from gfmd_numba.text.numbers import steps_told
+from gfmd_numba.text.recorded_scene import asked
 
 
 def sizes(labels: npt.NDArray[np.int32]) -> npt.NDArray[np.int64]:
@@ -153,7 +154,8 @@ def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
         output_core_dims=[["direction"], ["direction"], ["direction", *nodes]],
         vectorize=True,
     )
-    result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs={"title": "leakage through a contact"})
+    attributes = {"title": "leakage through a contact", **asked(dataset.attrs)}
+    result = xr.Dataset(coords={"direction": list(_DIRECTIONS)}, attrs=attributes)
     result["hydraulic_gap"] = hydraulic
     result["flow_factor"] = (hydraulic / dataset["gap"].mean(nodes).where(hydraulic > 0.0, 1.0)) ** 3
     result["flow_residual"] = residual

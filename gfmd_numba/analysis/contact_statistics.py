@@ -13,7 +13,7 @@ from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.arrays.regions import regions
-from gfmd_numba.text.recorded_scene import has_form
+from gfmd_numba.text.recorded_scene import asked, has_form
 from gfmd_numba.theory import persson
 
 _BINS = 60
@@ -50,7 +50,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     pressures = np.linspace(lowest, highest if highest > lowest else lowest + 1.0, _BINS + 1)
     deepest, widest = min(0.0, float(gap.min())), float(gap.max())  # below 0 where a law lets surfaces overlap
     gaps = np.linspace(deepest, widest if widest > deepest else deepest + 1.0, _BINS + 1)
-    result = xr.Dataset(attrs={"title": "statistics of a rough contact"})
+    result = xr.Dataset(attrs={"title": "statistics of a rough contact", **asked(dataset.attrs)})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
     result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)
     counted, size = _CONTACTS[len(nodes)]

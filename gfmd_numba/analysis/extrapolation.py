@@ -26,6 +26,7 @@ from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import counted, with_error
+from gfmd_numba.text.recorded_scene import asked
 
 MODEL = (
     "{variable} = {variable}_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = "
@@ -82,6 +83,7 @@ def fit_tfc(
         fixed=", ".join(shown) or "none",
         omit_nyquist=str(omit_nyquist),
         **processor_time(dataset),
+        **asked(dataset.attrs),
     )
 
 

@@ -19,10 +19,13 @@ from gfmd_numba.cli.terminal import Line, Table, waiting
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
     from gfmd_numba.campaign.status import Progress
 
 _SECONDS_BETWEEN = 10
+_ACROSS, _BETWEEN = 42, 2  # characters of a table that a telephone has room for, and between its columns
+_DOTS_OF_TELEPHONES = 220
 _UNFINISHED = ("unfinished", "not_asked")
 _TREATED = (("measured surface", "processing"), ("left out", "dropped_effects"))
 _PROVENANCE = ("seed", "solver", "versions", "git_commit", "fft_plans", "campaign_sha256", "content_sha256")
@@ -72,7 +75,7 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
     import gfmd_numba
     from gfmd_numba.storage import mark
     from gfmd_numba.storage.atomic_file import replace
-    from gfmd_numba.text.recorded_scene import described
+    from gfmd_numba.text.recorded_scene import asked, described
 
     fitted = None
     if "case" in dataset.dims and has_limits(dataset) and running is None:
@@ -89,11 +92,12 @@ def _write(page: Path, dataset: xr.Dataset, file: Path, running: Progress | None
         running=_state(running) if running else None,
         pressed=described(dataset.attrs.get("scene", "{}"), load="prescribed_load" not in dataset.dims),
         told=list(_parts(told)),
+        has_notes=any(isinstance(each, Line) and each.label == "note" for each in told),
         meanings=meanings(told, dataset, fitted),
         pictures=list(_drawn(dataset, fitted)),
         warnings=list(_warnings(dataset)),
         left_out=[(label, each) for label, name in _TREATED for each in str(known.get(name, "")).splitlines() if each],
-        asked=_asked(dataset),
+        asked="\n".join(asked(dataset.attrs).values()) or "The file does not say.",
         cost=list(_cost(dataset)),
         provenance=[(name.replace("_", " "), known[name]) for name in _PROVENANCE if known.get(name, "") != ""],
     )
@@ -113,21 +117,31 @@ def _parts(told: list[Table | Line]) -> Iterator[dict[str, Any] | list[tuple[str
         shared = {heading: cells[0] for heading, cells in each.parameters.items() if len(set(cells)) == 1}
         title = ", ".join((each.title, *(f"{heading} = {cell}" for heading, cell in shared.items() if cell != "-")))
         columns = {name: cells for name, cells in {**each.parameters, **each.values}.items() if name not in shared}
-        yield {"title": title, "headings": list(columns), "rows": list(zip(*columns.values(), strict=True))}
+        widths = [max(map(len, [*name.split(), *cells]), default=0) for name, cells in columns.items()]
+        rows = list(zip(*columns.values(), strict=True))
+        stacked = sum(widths) + _BETWEEN * len(widths) > _ACROSS
+        yield {"title": title, "headings": list(columns), "rows": rows, "stacked": stacked}
     if lines:
         yield lines
 
 
 def _drawn(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Iterator[dict[str, Any]]:
-    """Yield each picture: its name, its width in inches and, as text, the PNG."""
+    """Yield each picture: its name, its width in inches and, as text, the PNG and that of a column for telephones."""
+    wide, narrow = (pictures(dataset, fitted, Path("picture.png"), width) for width in (None, "single"))
+    for path, draw in wide.items():
+        figure = draw()
+        columns = _png(narrow[path](), _DOTS_OF_TELEPHONES)
+        yield {"name": path.stem, "width": figure.get_figwidth(), "content": _png(figure), "narrow": columns}
+
+
+def _png(figure: Figure, dots: int | None = None) -> str:
+    """Return a figure as text, with so many dots per inch or those that it has."""
     import base64
     import io
 
-    for path, draw in pictures(dataset, fitted, Path("picture.png")).items():
-        figure, content = draw(), io.BytesIO()
-        figure.savefig(content, format="png")
-        text = base64.b64encode(content.getvalue()).decode()
-        yield {"name": path.stem, "width": figure.get_figwidth(), "content": text}
+    content = io.BytesIO()
+    figure.savefig(content, format="png", dpi=dots or "figure")
+    return base64.b64encode(content.getvalue()).decode()
 
 
 def _warnings(dataset: xr.Dataset) -> Iterable[str]:
@@ -138,17 +152,6 @@ def _warnings(dataset: xr.Dataset) -> Iterable[str]:
         for name, which, sentence in endings(dataset["status"]):
             if name not in _UNFINISHED:
                 yield f"{int(which.sum())} of {which.size} ended as {name}, and stand in no mean. {sentence}"
-
-
-def _asked(dataset: xr.Dataset) -> str:
-    """Return the campaign file, or the scene as YAML, as far as they are known."""
-    import yaml
-
-    if "campaign" in dataset.attrs:
-        return str(dataset.attrs["campaign"])
-    given = dataset.attrs.get("scene", "{}")
-    scene = json.loads(given, object_hook=lambda found: {key: each for key, each in found.items() if each is not None})
-    return yaml.safe_dump(scene, sort_keys=False, default_flow_style=False) if scene else "The file does not say."
 
 
 def _cost(dataset: xr.Dataset) -> Iterator[tuple[str, str]]:

@@ -228,7 +228,7 @@ def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
         dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
     warned = path_warnings(given, problem, dataset)
     dataset.attrs |= {
-        "scene": file.model_dump_json(),
+        **given.record,
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
         "processing": "\n".join(sentence for surface in given.measured for sentence in surface.outcome),
@@ -500,7 +500,7 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
         row, value = OBSERVABLES[name], getattr(deformed, name)
         value = np.int8(value) if name == "status" else value
         found[name] = unit.variable((), row.unit, _TOLD.get(name, row.long_name), value, name)
-    attributes = {"Conventions": CONVENTIONS, "title": "loaded body", "scene": file.model_dump_json()}
+    attributes = {"Conventions": CONVENTIONS, "title": "loaded body", **given.record}
     attributes |= {"solver": solved.solver} | modulus_attributes(scene)
     positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
     dataset = xr.Dataset(found, positions, attributes)

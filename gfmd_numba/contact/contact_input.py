@@ -37,13 +37,19 @@ class Input:
     """A scene file, and the surfaces `measured` in the files that it names, with what was done to them.
 
     The `scales` are what its numbers count in, and its elastic bodies in these units. Where topographies are followed,
-    `bodies` have those of one realisation.
+    `bodies` have those of one realisation. What was `written` is its text.
     """
 
+    written: str
     file: SceneFile
     measured: tuple[MeasuredSurface, ...]
     scales: Scales
     bodies: tuple[RoughBody, ...]
+
+    @property
+    def record(self) -> dict[str, str]:
+        """Attributes of what was solved: the scene as its user wrote it, and with all defaults in SI units."""
+        return {"yaml": self.written, "scene": self.file.model_dump_json()}
 
     @property
     def implausible(self) -> list[str]:
@@ -118,7 +124,7 @@ def read(file: SceneFile, document: Document) -> BoundaryInput | ContactInput:
     bodies = () if surfaces is None else check_drawn(scene, surfaces, file.realisation, document)
     shape = shape if surfaces is None else surfaces.surface.shape
     arrays = {} if scene.boundary is None else read_boundary(document, scene.boundary, dimension, shape)
-    found = file, tuple(measured.values()), scales, bodies
+    found = document.written, file, tuple(measured.values()), scales, bodies
     if surfaces is None or not scene.has_punch:
         name, first = next(iter(arrays.items()))
         place: Location = ("scene", "boundary", name) if surfaces is None else ("scene", "body", "roughness")

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from functools import cache
-from math import isinf
+from math import isfinite, isinf
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -69,6 +69,12 @@ class Document:
         """Folder that names of files are relative to: `home`, if that is another than the folder of its own file."""
         own = Path() if self.path is None else self.path.parent
         return own if self.home is None else self.home
+
+    @property
+    def written(self) -> str:
+        """What was written: the text of the file, or a mapping as YAML, with an array as `...`."""
+        own: dict[str, Any] = {"sort_keys": False, "allow_unicode": True, "width": 100, "default_flow_style": None}
+        return self.text or yaml.dump(_plain(self.data), Dumper=_PlainDumper, **own)
 
     def value(self, location: Location) -> object:
         """Value at a location, or ABSENT."""
@@ -209,6 +215,22 @@ class _PlainLoader(yaml.SafeLoader):
     def fault(self, mark: yaml.Mark, location: Location, given: str, allowed: str) -> InputError:
         """InputError at a mark."""
         return InputError(_line(self.name, _position(mark), location, given, allowed))
+
+
+class _PlainDumper(yaml.SafeDumper):
+    """PyYAML's safe dumper with floats as people write them, 7.0e+10, and `...` for what is no plain value."""
+
+
+def _shortest(dumper: yaml.SafeDumper, value: float) -> yaml.Node:
+    mantissa, e, exponent = f"{value:g}".partition("e")
+    short = mantissa + ".0" * ("." not in mantissa) + e + exponent
+    if not isfinite(value) or float(short) != value:
+        return dumper.represent_float(value)
+    return dumper.represent_scalar("tag:yaml.org,2002:float", short)
+
+
+_PlainDumper.add_representer(float, _shortest)
+_PlainDumper.add_multi_representer(object, lambda dumper, _: dumper.represent_str("..."))
 
 
 def plain_scalar(text: str) -> object:

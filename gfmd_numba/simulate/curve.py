@@ -356,7 +356,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
         **found.attrs,
         "Conventions": CONVENTIONS,
         "title": _TITLES.get(curve.prescribed, "load curve"),
-        "scene": curve.given.file.model_dump_json(),
+        **curve.given.record,
         "processing": "\n".join(sentence for surface in curve.given.measured for sentence in surface.outcome),
         "prescribed": curve.prescribed,
     }

@@ -29,6 +29,7 @@ from gfmd_numba.scene import COMPONENTS, Body, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import beyond_memory
 from gfmd_numba.scene.measured_record import AXES
 from gfmd_numba.text.input_error import brief
+from gfmd_numba.text.recorded_scene import asked
 
 _LEVELS = 101
 _BELOW = 1e-9  # of the depth of an interface is the level below it deeper than that above
@@ -218,7 +219,7 @@ def _dataset(
     coordinates = {"z": ("z", z, cf_attributes("height above the undeformed surface", units.names["length"]))}
     dataset = xr.Dataset(
         coords=coordinates | {dim: section[dim] for dim in nodes},
-        attrs={"Conventions": CONVENTIONS, "scene": step.attrs["scene"]},
+        attrs={"Conventions": CONVENTIONS, "scene": step.attrs["scene"], **asked(step.attrs)},
     )
     failed = int(step["status"]) != 0
     for name, field in values.items():

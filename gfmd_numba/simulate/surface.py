@@ -64,7 +64,7 @@ def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:
             allowed = f"a range that holds waves, not {error}"
             raise document.refused(("hurst_range",), allowed) from None
     dataset.attrs["validity"] = "\n".join([*implausible(file), *made.doubts])
-    dataset.attrs["surface"] = file.model_dump_json()
+    dataset.attrs |= {"yaml": document.written, "surface": file.model_dump_json()}
     return dataset
 
 

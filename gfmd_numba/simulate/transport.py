@@ -22,6 +22,7 @@ from gfmd_numba.scene import Document, InputError, validate
 from gfmd_numba.scene.quantities import RECORD, Length, Pressure, Size
 from gfmd_numba.scene.units import ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY, VISCOSITY, WithUnit
 from gfmd_numba.text.input_error import brief
+from gfmd_numba.text.recorded_scene import asked
 
 _RESIDUAL = 1e-10
 _OF_RIDGES = (
@@ -66,7 +67,7 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     spacing = float(contact["x"][1] - contact["x"][0])
     unit = str(contact["x"].attrs.get("units", "1"))
     long_name = "contact conductance per nominal area over the harmonic mean of the conductivities"
-    result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact"})
+    result = xr.Dataset(attrs={"Conventions": CONVENTIONS, "title": "conductance of a contact", **asked(contact.attrs)})
     result["conductance"] = reduced / (spacing * contact.sizes["x"])
     result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density

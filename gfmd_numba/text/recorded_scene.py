@@ -1,11 +1,19 @@
 """What the text of a scene says that a dataset was solved from, to those who know datasets alone."""
 
 import json
+from collections.abc import Mapping
 from typing import Any
 
 from gfmd_numba.text.numbers import with_prefix
 
+_TEXTS = ("campaign", "yaml")  # attributes that hold what a user wrote
+_FLOWS = ("plasticity", "relaxation")
 _LOADS = {"pressure": "Pa", "line_load": "N m-1", "force": "N"}
+
+
+def asked(attributes: Mapping[Any, Any]) -> dict[str, str]:
+    """Return those attributes of a dataset that hold what its user wrote, for what is computed from it."""
+    return {name: attributes[name] for name in _TEXTS if name in attributes}
 
 
 def has_form(text: str) -> bool:
@@ -23,12 +31,16 @@ def is_form_alone(text: str) -> bool:
 def is_elastic_contact(text: str) -> bool:
     """Return whether elastic bodies met a hard wall, at whose pressures most solids would flow."""
     scene = json.loads(text).get("scene", {})
-    wall, bodies = (
-        scene.get("interface", {}).get("hard_wall"),
-        (scene.get("body") or {}, scene.get("counter_body") or {}),
+    flows = any((scene.get(each) or {}).get(name) for each in ("body", "counter_body") for name in _FLOWS)
+    return scene.get("interface", {}).get("hard_wall") is not None and hardness(text) is None and not flows
+
+
+def hardness(text: str) -> float | None:
+    """Return the hardness of the wall, in the unit of pressures; None of a wall that does not yield."""
+    value: float | None = (json.loads(text).get("scene", {}).get("interface", {}).get("hard_wall") or {}).get(
+        "hardness"
     )
-    flows = any(each.get("plasticity") or each.get("relaxation") for each in bodies)
-    return wall is not None and wall.get("hardness") is None and not flows
+    return value
 
 
 def described(text: str, load: bool = True) -> str:

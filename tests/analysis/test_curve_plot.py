@@ -9,6 +9,7 @@ import xarray as xr
 from gfmd_numba import load_curve, solve
 from gfmd_numba.analysis import UnusableDataError, plot_contact, plot_curve
 from support.contacts import scene_file
+from support.legible import faults
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +69,53 @@ def test_infinite_stiffness_is_left_out(found):
 def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
     stiffness = plot_curve(load_curve(scene_file(length, modulus), [0.05, 0.5])).axes[2]
     assert unit in stiffness.get_ylabel()
+
+
+@pytest.mark.filterwarnings("ignore:.*the grid has too few nodes")
+@pytest.mark.parametrize("width", [None, "single", "double"])
+def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields(width):
+    scene = scene_file(1e-4, 70e9)
+    scene["scene"]["interface"] = {"hard_wall": {"hardness": "0.5 GPa"}}
+    curve = load_curve(scene, ["10 MPa", "30 MPa", "100 MPa"])
+    figure = plot_curve(curve, width)
+    area, _, _, peak = figure.axes
+    line = next(each for each in peak.lines if each.get_label() == "hardness")
+    assert set(line.get_ydata()) == {500.0}
+    assert peak.get_ylabel() == "Peak pressure (MPa)"
+    assert peak.get_ylim()[0] < 500.0 < peak.get_ylim()[1]
+    yields = curve["plastic_area_fraction"].values
+    drawn = next(each for each in area.lines if "hardness" in each.get_label()).get_ydata()
+    np.testing.assert_array_equal(drawn, np.where(yields > 0.0, yields, np.nan))
+    assert np.isfinite(drawn).any()
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["area at the hardness", "hardness"]
+    assert faults(figure) == []
+
+
+def test_a_curve_of_a_body_that_flows_shows_its_plastic_strain(found):
+    flows = found.assign(largest_plastic_strain=("prescribed_load", [0.0, 0.01, 0.02]))
+    figure = plot_curve(flows, "double")
+    strain = figure.axes[-1]
+    assert strain.get_ylabel() == "Largest plastic strain"
+    np.testing.assert_array_equal(strain.lines[0].get_ydata(), [0.0, 0.01, 0.02])
+    below = [axis for axis in figure.axes if axis.get_xlabel()]
+    assert below == figure.axes[-2:]
+    figure.draw_without_rendering()
+    assert all(any(label.get_visible() for label in axis.get_xticklabels()) for axis in below)
+    assert faults(figure) == []
+
+
+@pytest.mark.parametrize("width", [None, "single"])
+def test_what_hardly_changes_spans_a_small_part_of_its_axis(found, width):
+    """Peak pressures that differ by 2e-4 have no axis from 2.4500 to 2.4504."""
+    near = found.drop_vars("peak_pressure_standard_error").copy(deep=True)
+    near["peak_pressure"][:] = [2.4500e9, 2.4502e9, 2.4504e9]
+    figure = plot_curve(near, width)
+    figure.draw_without_rendering()
+    low, high = figure.axes[3].get_ylim()
+    assert low < 2.45 < 2.4504 < high
+    assert high - low > 0.2
+    assert max(len(label.get_text()) for label in figure.axes[3].get_yticklabels()) <= 4
 
 
 def test_other_datasets_are_no_curves():

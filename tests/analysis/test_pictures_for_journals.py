@@ -160,6 +160,16 @@ def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     assert [each for each in recwarn if "layout" in str(each.message)] == []
 
 
+@pytest.mark.parametrize("width", ["single", "double"])
+def test_the_names_of_rounds_stand_inside_the_axes(width):
+    figure = plot_rounds(rounds(), width)
+    figure.draw_without_rendering()
+    (axis,) = figure.axes
+    named = [each for each in axis.texts if each.get_text()]
+    assert [each.get_text() for each in named] == ["pilot", "1", "2", "3"]
+    assert min(each.get_window_extent().x0 for each in named) > axis.get_window_extent().x0
+
+
 @pytest.mark.parametrize("kind", ["pdf", "svg"])
 def test_text_stays_text_in_vector_graphics(kind, tmp_path):
     write_picture(tmp_path / f"rounds.{kind}", DRAWN["rounds"]("single"))
@@ -270,7 +280,7 @@ def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):
     for found in (gfmd_numba.solve(file | {"discretisation": eps}), gfmd_numba.run(file | whole, tmp_path / "out")):
         depth, area = plot_path(found).axes
         assert depth.get_ylabel().startswith("Mean worn depth")
-        assert area.get_ylabel() == "Contact area"
+        assert area.get_ylabel() == "Contact area fraction"
 
 
 def test_only_steps_that_lose_energy_between_two_others_jump():

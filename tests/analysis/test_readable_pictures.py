@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import plot_body, plot_contact
-from gfmd_numba.analysis.plots.bodies import plot_loaded_body
+from gfmd_numba.analysis import leakage, plot_body, plot_conductance, plot_contact, plot_leakage
+from gfmd_numba.analysis.plots.bodies import plot_flow, plot_loaded_body
 from gfmd_numba.analysis.plots.contact import plot_statistics
 from gfmd_numba.analysis.plots.path import plot_path
 from gfmd_numba.analysis.plots.surface import plot_surface
@@ -169,3 +169,98 @@ def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
 def test_what_rounding_leaves_just_below_a_prefix_has_it():
     assert si_prefix(1e9 * (1.0 - 1e-14), "Pa") == (1e-9, "GPa")
     assert si_prefix(0.99999e9, "Pa") == (1e-6, "MPa")
+
+
+def widest_bare_rim(figure):
+    """Height in inches that is left bare above or below all that is drawn."""
+    figure.draw_without_rendering()
+    boxes = [axis.get_tightbbox() for axis in figure.axes]
+    return max(figure.bbox.y1 - max(box.y1 for box in boxes), min(box.y0 for box in boxes)) / figure.dpi
+
+
+@pytest.fixture(scope="module")
+def pressed_map():
+    wall = {"hard_wall": {}}
+    return gfmd_numba.solve({"scene": SCENE | {"dimension": 2, "interface": wall}, "discretisation": GRID})
+
+
+@pytest.mark.parametrize("width", [None, "single", "double"])
+def test_a_direction_in_which_nothing_flows_has_no_panel_but_a_sentence(dragged, width):
+    figure = plot_leakage(leakage(dragged.isel(step=-1)), width)
+    (axis,) = figure.axes
+    assert axis.get_ylabel().replace("\n", " ") == "Flow along $y$ over its mean"
+    assert figure.get_suptitle() == "No flow along $x$"
+    assert faults(figure) == []
+
+
+def test_a_map_through_which_nothing_flows_has_no_colours_to_explain(pressed_map):
+    closed = leakage(pressed_map.assign(gap=0.0 * pressed_map["gap"]))
+    figure = plot_leakage(closed)
+    (axis,) = figure.axes
+    assert axis.images[0].get_array().mask.all()
+    assert figure.get_suptitle() == "No flow along $x$ or $y$"
+
+
+@pytest.mark.parametrize("width", ["single", "double"])
+def test_the_map_of_a_conductance_fills_its_picture(pressed_map, width):
+    assert widest_bare_rim(plot_conductance(gfmd_numba.contact_conductance(pressed_map), width)) < 0.3
+
+
+def test_bodies_that_do_not_touch_are_drawn_in_a_unit_of_their_gap():
+    scene = SCENE | {"interface": {"hard_wall": {}}, "loading": {"displacement": 0.0}}
+    figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))
+    figure.draw_without_rendering()
+    whole, close, pressure = figure.axes
+    assert [whole.get_ylabel(), close.get_ylabel()] == ["Height (nm)", "Close-up (nm)"]
+    assert {axis.yaxis.get_offset_text().get_text() for axis in figure.axes} == {""}
+    assert close.get_ylim()[1] > 0.5 * whole.get_ylim()[1]
+    assert [label.get_text() for label in pressure.get_yticklabels()] == ["0"]
+
+
+@pytest.mark.parametrize("place", [3, 60])
+def test_the_title_of_a_close_up_keeps_off_the_numbers_of_its_colours(dragged, place):
+    fields = gfmd_numba.body_fields(dragged).isel(step=-1).copy(deep=True)
+    fields["von_mises"][dict(x=place, z=int(np.argmin(abs(fields["z"].values + 5.76e-6))))] = 1e9
+    figure = plot_body(fields, "single")
+    assert faults(figure) == []
+    lines = [line for axis in figure.axes for line in axis.get_title().splitlines()]
+    assert not [line for line in lines if line.startswith("=") or line.endswith("=")]
+
+
+def test_a_path_in_a_column_has_no_equation_broken_in_its_title(dragged):
+    fields = gfmd_numba.body_fields(dragged)
+    longer = {name: 1.2346 * fields[name] for name in ("reduced_pressure", "sliding")}
+    lines = plot_body(fields.assign_coords(longer), "single").get_suptitle().splitlines()
+    assert len(lines) > 1
+    assert not [line for line in lines if line.startswith("=") or line.endswith("=")]
+
+
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_what_has_flowed_has_four_panels_and_of_a_map_names_its_row(dimension):
+    body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "plasticity": {"yield_stress": 5e6, "sublayers": 8}}
+    scene = SCENE | {"interface": {"hard_wall": {}}, "body": body, "dimension": dimension}
+    solved = gfmd_numba.solve({"scene": scene, "discretisation": GRID | {"eps_f": 1 / 2}})
+    figure = plot_flow(solved, "single")
+    _, dents, _, _, *bars = figure.axes
+    assert len(bars) == 2
+    assert dents.get_ylabel().replace("\n", " ").startswith("Residual $u_z$ (")
+    row = int(np.argmax(solved["equivalent_plastic_strain"].max(["depth", "x"]).values)) if dimension == 2 else None
+    moved = solved["residual_displacement"] if row is None else solved["residual_displacement"][row]
+    np.testing.assert_allclose(
+        dents.lines[0].get_ydata() * abs(moved).max().item(), moved * abs(dents.lines[0].get_ydata()).max()
+    )
+    told = "" if row is None else f"Section at $y$ = {1e6 * float(solved['y'][row]):.4g} µm"
+    assert figure.get_suptitle() == told
+    assert faults(figure) == []
+
+
+def test_no_legend_explains_a_line_that_is_not_there(pressed_map):
+    statistics = gfmd_numba.contact_statistics(pressed_map)
+    assert "Persson" in [text.get_text() for text in plot_statistics(statistics).legends[0].get_texts()]
+    statistics["pressure_density_persson"] = 0.0 * statistics["pressure_density_persson"]
+    assert "Persson" not in [text.get_text() for text in plot_statistics(statistics).legends[0].get_texts()]
+
+
+def test_a_small_load_has_a_power_of_ten_in_the_title(dragged):
+    light = dragged.assign_coords(reduced_pressure=1e-5 * dragged["reduced_pressure"])
+    assert r"$p^*$ = $5 \times 10^{-7}$" in plot_contact(light).get_suptitle()

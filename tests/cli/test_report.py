@@ -7,15 +7,20 @@ import subprocess
 from html import unescape
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import xarray as xr
 
+import gfmd_numba
 from gfmd_numba.campaign.status import Progress
+from gfmd_numba.cli.report import _parts
+from gfmd_numba.cli.terminal import Table
+from gfmd_numba.scene.document import read_document
 from support.campaigns import campaign
 from support.command_line import gfmd, refused, unfolded
 from support.scenes import SCENE
 
-VOID = {"meta", "img", "br"}
+VOID = {"meta", "img", "br", "source"}
 
 
 class Page(HTMLParser):
@@ -29,7 +34,7 @@ class Page(HTMLParser):
         self.text = unfolded(self.text)
 
     def handle_starttag(self, tag, attrs):
-        self.sources += [value for name, value in attrs if name in ("src", "href")]
+        self.sources += [value for name, value in attrs if name in ("src", "srcset", "href")]
         if tag not in VOID:
             self.open.append(tag)
 
@@ -76,6 +81,18 @@ def test_a_page_needs_no_other_file(folder, tmp_path, name):
     assert "reloads itself" not in read.text
 
 
+def test_a_phone_has_pictures_of_one_column(folder, tmp_path, monkeypatch):
+    def png(figure, dots=None):
+        return base64.b64encode(f"{figure.get_figwidth():.1f} inches".encode()).decode()
+
+    page = tmp_path / "page.html"
+    monkeypatch.setattr("gfmd_numba.cli.report._png", png)
+    assert gfmd("report", folder / "curve.nc", "-o", page).exit_code == 0
+    drawn = [base64.b64decode(each.partition(",")[2]) for each in Page(page).sources]
+    assert drawn == [b"3.4 inches", b"9.6 inches"]
+    assert '<source media="(max-width: 34rem)" srcset="data:image/png;base64,' in page.read_text()
+
+
 def test_a_page_says_what_the_fit_prints(folder, tmp_path):
     page = tmp_path / "page.html"
     assert gfmd("report", folder / "small", "-o", page).exit_code == 0
@@ -100,6 +117,54 @@ def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folde
     (tmp_path / "same.yaml").write_text(asked)
     same = gfmd("solve", tmp_path / "same.yaml", "-o", tmp_path / "same.nc")
     assert same.output.splitlines()[1:] == printed
+
+
+WRITTEN = """\
+scene:
+  length: 0.2 mm                 # of the specimen
+  body: {youngs_modulus: 70 GPa, poissons_ratio: 0.33}
+  roughness: {method: psd, hurst: 0.8, rms_gradient: 0.02}
+  interface: {hard_wall: {}}
+  loading: {pressure: 50 MPa}
+discretisation: {eps_c: 1/2, eps_f: 1/8, eps_t: 1}
+"""
+
+
+@pytest.mark.parametrize(
+    "commands",
+    [
+        ["solve scene.yaml -o found.nc"],
+        ["curve scene.yaml --loads 20MPa:50MPa:2 -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "statistics contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "leakage contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "conductance contact.nc -o found.nc"],
+        ["solve scene.yaml -o contact.nc", "fields contact.nc -o found.nc"],
+    ],
+)
+def test_a_page_shows_the_scene_as_its_user_wrote_it(commands, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.yaml").write_text(WRITTEN)
+    for command in (*commands, "report found.nc"):
+        said = gfmd(*command.split())
+        assert said.exit_code == 0, said.output
+    assert unescape(re.search(r"<pre>(.*?)</pre>", (tmp_path / "found.html").read_text(), re.DOTALL)[1]) == WRITTEN
+
+
+def test_a_scene_of_python_is_shown_as_yaml_with_numbers_as_people_write_them(tmp_path):
+    body = {"youngs_modulus": 70e9, "poissons_ratio": np.float64(0.1 + 0.2)}
+    scene = {"length": "0.2 mm", "body": body, "interface": {"hard_wall": {}}, "loading": {"pressure": "1 GPa"}}
+    scene["roughness"] = {"units": {"z": "um"}}
+    solved = gfmd_numba.solve(scene, heights=0.1 * np.cos(np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)))
+    lines = solved.attrs["yaml"].splitlines()
+    for line in (
+        "  length: 0.2 mm",
+        "  body: {youngs_modulus: 7.0e+10, poissons_ratio: 0.30000000000000004}",
+        "  loading: {pressure: 1 GPa}",
+        "    heights: '...'",
+    ):
+        assert line in lines
+    (tmp_path / "again.yaml").write_text(solved.attrs["yaml"])
+    assert read_document(tmp_path / "again.yaml").data["scene"]["body"] == body
 
 
 @pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
@@ -180,6 +245,35 @@ def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, 
         assert "4 of 10 blocks are done, about 90 s left" in content
     assert 'http-equiv="refresh"' not in page.read_text()
     assert "and its limit" in Page(page).text
+
+
+def test_a_table_too_wide_for_a_phone_names_each_number_and_a_short_one_stays_a_table(folder, tmp_path):
+    page = tmp_path / "page.html"
+    assert gfmd("report", folder / "curve.nc", "-o", page).exit_code == 0
+    (table,) = re.findall("<table.*?</table>", page.read_text(), re.DOTALL)
+    assert table.startswith('<table class="stacked">')
+    headings = re.findall('<th scope="col">(.*?)</th>', table)
+    assert re.findall('<td data-column="(.*?)">', table) == 3 * headings
+    short = Table("steps", {"step": ["0", "1"]}, {"area": ["0.1", "0.2"], "gap (nm)": ["100", "50"]})
+    (part,) = _parts([short])
+    assert not part["stacked"]
+
+
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("chromium") is None, reason="no chromium (apt-get install chromium)")
+def test_no_table_scrolls_sideways_on_a_phone(folder, tmp_path):
+    for name in ("small", "path.nc", "curve.nc", "fit.nc"):
+        page = tmp_path / "page.html"
+        assert gfmd("report", folder / name, "-o", page).exit_code == 0
+        (tmp_path / "frame.html").write_text(
+            '<iframe id="it" src="page.html" width="390" height="900"></iframe><script>onload = () => {'
+            "const tables = [...document.getElementById('it').contentDocument.querySelectorAll('.scroll')];"
+            "document.title = tables.filter((each) => each.scrollWidth > each.clientWidth).length}</script>"
+        )
+        options = ["--headless", "--no-sandbox", "--disable-gpu", "--allow-file-access-from-files", "--dump-dom"]
+        frame = (tmp_path / "frame.html").as_uri()
+        done = subprocess.run(["chromium", *options, frame], capture_output=True, text=True, timeout=120)
+        assert re.search(r"<title>(\d+)</title>", done.stdout)[1] == "0", name
 
 
 @pytest.mark.long

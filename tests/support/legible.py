@@ -1,4 +1,4 @@
-"""Whether a picture can be read: contrast of its text, labels that keep apart, and nothing beyond its edges."""
+"""Whether a picture can be read: contrast, labels and titles that keep apart, and nothing beyond its edges."""
 
 from itertools import pairwise
 
@@ -24,6 +24,10 @@ def faults(figure):
                 for (one, before), (other, after) in pairwise(ordered)
                 if getattr(before, high) >= getattr(after, low)
             ]
+    for title in (each.title for each in figure.axes if each.title.get_text()):
+        box = title.get_window_extent().padded(-1.0)
+        numbers = [each for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for each in _shown(axis)]
+        found += [f"collide: {title.get_text()} and {number}" for number, other in numbers if box.overlaps(other)]
     frame = figure.bbox
     for legend in figure.findobj(Legend):
         box = legend.get_window_extent()

@@ -126,20 +126,22 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
     if "y" in dataset.dims:
         most = dataset["equivalent_plastic_strain"].max(["depth", "x"]).values
         dataset = dataset.isel(y=int(most.argmax()))
+        (y, label) = scaled(dataset["y"], "", "L_x")
+        row = f"Section at $y$ = {told(float(y), label.strip(' ()'))}"
+        step = ". ".join(filter(None, (step, row)))
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     depth, depth_label = scaled(dataset["depth"], "Depth", "L_x")
     edges = [0.0]  # of sublayers with these middles
     for middle in depth:
         edges.append(2.0 * middle - edges[-1])
     sides = np.append(x, 2.0 * x[-1] - x[-2]) - 0.5 * (x[1] - x[0])
-    panels = sheet(3, 1, (9.0, 2.5), width, title=step, sharex=True, height_ratios=[3, 4, 4])
-    with panels as (figure, (above, strain, stress)):
+    panels = sheet(4, 1, (9.0, 2.2), width, title=step, sharex=True, height_ratios=[2, 2, 4, 4])
+    with panels as (figure, (above, dents, strain, stress)):
         pressure, label = scaled(dataset["pressure"], "Pressure", "E^*")
-        fill(above, x, pressure, ylabel=label)
+        fill(above, x, pressure, ylabel=label.replace(" (", "\n("))
         moved, label = scaled(dataset["residual_displacement"], "Residual $u_z$", "L_x")
-        other = above.twinx()
-        other.plot(x, moved, color=COLOURS[0], lw=1.1, ls="--")
-        other.set_ylabel(label, color=COLOURS[0])
+        dents.plot(x, moved, color=COLOURS[0])
+        dents.set(ylabel=label.replace(" (", "\n("))
         factor, unit = prefix(dataset["von_mises_stress"], "E^*")
         plastic, von_mises = dataset["equivalent_plastic_strain"].values, factor * dataset["von_mises_stress"].values
         for axes, values, name, colours in (

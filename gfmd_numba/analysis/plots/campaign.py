@@ -118,11 +118,7 @@ def _value(axis: xr.DataArray, value: float) -> str:
     unit = axis.attrs.get("units", "1")
     factor, unit = (1.0, unit) if unit == "1" else si_prefix(abs(value), unit)
     symbol = str(axis.attrs.get("label", axis.name)).strip("$")
-    number = f"{factor * value:g}".replace("inf", r"\infty")
-    if "e" in number:
-        mantissa, exponent = number.split("e")
-        number = rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}"
-    return f"{symbol} = {number}" + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
+    return f"{symbol} = {style.in_formula(f'{factor * value:g}')}" + (rf"\,\mathrm{{{unit}}}" if unit != "1" else "")
 
 
 ValuesOf = Callable[[xr.Dataset], tuple[Reals, Reals]]  # values (case) of cases, and their errors

@@ -60,6 +60,7 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
     counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
     colours = style.ordered_colours(len(steps))
+    persson = "pressure_density_persson" in mean and bool((mean["pressure_density_persson"] > 0.0).any())
     loads = [
         f"{float(step.reduced_pressure):.4g}"
         for step in steps
@@ -74,14 +75,14 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
         if len(panels) == 1:
             continue
         panels[0].stairs(step["pressure_density"], style.edges(step["pressure"].values), color=colour)
-        if "pressure_density_persson" in step:
+        if persson:
             panels[0].plot(step["pressure"], step["pressure_density_persson"], "--", color=colour)
         panels[2].plot(step[size], step[counted].where(step[counted] > 0), marker=marker, color=colour)
     scale = "log" if (mean["gap_density"] > 0.0).any() else "linear"
     gap.set(xlabel="Gap over rms height", ylabel="Density", yscale=scale, xlim=(0, _end(mean, "gap")))
     logarithmic: list[Axis] = [gap.yaxis] if scale == "log" else []
     if len(panels) > 1:
-        if "pressure_density_persson" in mean:
+        if persson:
             panels[0].plot([], [], "--", color="0.4", label="Persson")
         x_label, end = r"$p\,/\,p_\mathrm{rms}$ of full contact", _end(mean, "pressure")
         panels[0].set(xlabel=x_label, ylabel="Density", ylim=(0, None), xlim=(0, end))
@@ -126,11 +127,13 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     body = dataset["displacement"] + dataset.get("body_height", 0.0)
     body.attrs = dataset["displacement"].attrs
     punch = body + dataset["gap"]
-    above_it, below_it = "other body" if "counter_body_height" in dataset else "rigid punch", "elastic body"
+    above_it, below_it = "rigid punch, peaks down", "elastic body"
+    if "counter_body_height" in dataset:
+        above_it = "other body"
     named_height = str(dataset["height"].attrs.get("long_name", "")) if "height" in dataset else ""
     if "body_height" not in dataset and named_height.startswith(_SUM):
         above_it, below_it = "heights of both surfaces", "displacement of both"
-    factor, unit = style.prefix(body, "L_x")
+    factor, unit = style.prefix(body if body.any() else punch.assign_attrs(body.attrs), "L_x")
     low, high = factor * body.values, factor * punch.values
     others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
     every = [dataset[name] for name in ("pressure", *others)]
@@ -141,20 +144,20 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     with style.sheet(3, 1, (9.0, 2.1), width, title=step, sharex=True, height_ratios=[3, 6, 4]) as (figure, axes):
         whole, above, below = axes
         # valleys of the punch rise far above the contact: the close-up below follows the body
-        span = max(np.ptp(low), 1e-3 * np.ptp(high)) or 1.0
+        span = (max(np.ptp(low), 1e-3 * np.ptp(high)) if low.any() else np.ptp(high)) or 1.0
         bottom, top = low.min() - 0.25 * span, min(high.max() + 0.1 * span, low.max() + 0.6 * span)
         highest = max(top, high.max())
         whole.fill_between(x, high, highest, color="0.82", lw=0)
         whole.plot(x, high, color="0.35", lw=0.8)
         whole.plot(x, low, color=COLOURS[0])
-        whole.set(ylabel=f"Height ({unit})")
+        whole.set(ylabel=f"Position $z$ ({unit})")
         whole.margins(y=0.0)
         above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label=below_it)
         above.plot(x, high, color="0.35", lw=0.8)
         if "plastic_depth" in dataset and dataset["plastic_depth"].any():
             before = factor * (punch - dataset["plastic_depth"]).values
-            above.plot(x, before, color="0.35", lw=0.8, ls=":", label="punch before it yielded")
+            above.plot(x, before, color="0.35", lw=0.8, ls=":", label="original punch")
         above.plot(x, low, color=COLOURS[0])
         above.set(ylabel=f"Close-up ({unit})", ylim=(bottom, top), xlim=(x[0], x[-1]))
         whole.axhspan(bottom, top, color=COLOURS[5], alpha=0.25, lw=0, zorder=0, label="range of the close-up")
@@ -167,6 +170,8 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
         below.set(xlabel=x_label, ylabel=f"{named} ({unit_of_tractions})")
         if min(each.min() for each in (pressure, *tractions)) >= 0:
             below.set_ylim(bottom=0)
+        if not any(each.any() for each in (pressure, *tractions)):
+            below.set(yticks=[0.0], ylim=(-1.0, 1.0))
         handles = [handle for axis in (above, below, whole) for handle in axis.get_legend_handles_labels()[0]]
         style.add_legend(figure, handles, 4 + (len(others) == 1), "outside lower center")  # above stands the step
     return figure

@@ -7,23 +7,28 @@ from matplotlib.figure import Figure
 
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CURVES, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, Width, log_ticks, prefix, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, least_span, log_ticks, prefix, sheet
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
-from gfmd_numba.text.recorded_scene import described
+from gfmd_numba.text.recorded_scene import described, hardness
 
-_PANELS = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
+_Panel = tuple[str, str, str, bool]
+_PANELS: tuple[
+    _Panel, ...
+] = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
     ("contact_area_fraction", "Contact area fraction", "", True),
     ("mean_gap", r"Mean gap $\bar{u}$", "L_x", False),
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{u}$", "E^*/L_x", True),
     ("peak_pressure", "Peak pressure", "E^*", True),
 )
-_OF_FORM = (  # without a period
+_OF_FORM: tuple[_Panel, ...] = (  # without a period
     ("contact_radius", "Contact radius", "L_x", True),
-    ("approach", "Approach", "L_x", True),
-    ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d$approach", "E^*/L_x", True),
+    ("approach", r"Approach $\delta$", "L_x", True),
+    ("contact_stiffness", r"Stiffness $d\bar{p}\,/\,d\delta$", "E^*/L_x", True),
     _PANELS[3],
 )
+_PLASTIC = ("largest_plastic_strain", "Largest plastic strain", "", False)
+_YIELDED = "plastic_area_fraction"
 _LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""), "line_load": ("Line load", "")}
 _OVER_SPEED = (("hysteretic_friction", "Friction by hysteresis", "", False), *_PANELS[:2], _PANELS[3])
 _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANELS[3])
@@ -48,6 +53,8 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
         label, free = _LOADS.get(dataset.attrs["prescribed"], ("", ""))
         if not label:
             variable, label, free = "mean_pressure", r"Mean pressure $\bar{p}$", "E^*"
+    if _PLASTIC[0] in dataset:
+        panels = (*panels, _PLASTIC)
     dataset = dataset.isel({dim: dataset["n_realisations"].values > 0})
     if not dataset.sizes[dim]:
         what = dim.removeprefix("prescribed_")
@@ -62,16 +69,23 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     if most > 1:
         title = f"{title}\nMean of {surfaces} surfaces, band: standard error".lstrip()
     with sheet(len(panels), 2, (4.8, 3.2), width, title=title, sharex=True) as (figure, axes):
-        for axis, (name, text, natural, logarithmic) in zip(axes, panels, strict=True):
+        for i, (axis, (name, text, natural, logarithmic)) in enumerate(zip(axes, panels, strict=True)):
             drawn = _draw(axis, dataset, name, text, natural, factor * over.values)
             if logarithmic and drawn.size and 0.0 < 10.0 * drawn.min() < drawn.max():
                 axis.set_yscale("log")
                 log_ticks(axis.yaxis)
+            else:
+                least_span(axis.yaxis)
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)
-            if axis.get_subplotspec().is_last_row():  # type: ignore[union-attr]
+            if i + axis.get_gridspec().ncols >= len(axes):  # type: ignore[union-attr]
                 axis.set_xlabel(f"{label} ({unit})")
+                axis.tick_params(labelbottom=True)
+        figure.align_ylabels()
+        handles = [handle for axis in axes for handle in axis.get_legend_handles_labels()[0]]
+        if handles:
+            add_legend(figure, handles, 2, "outside lower center")
     return figure
 
 
@@ -85,6 +99,11 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
     if f"{name}_standard_error" in dataset:
         error = factor * dataset[f"{name}_standard_error"].values[known]
         axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)
+    if name == "contact_area_fraction" and _YIELDED in dataset:
+        part = dataset[_YIELDED].where(dataset[_YIELDED] > 0.0)
+        axis.plot(x, part, "s--", color=COLOURS[1], label="area at the hardness")
+    if name == "peak_pressure" and (limit := hardness(dataset.attrs.get("scene", "{}"))) is not None:
+        axis.axhline(factor * limit, color="0.25", ls=":", label="hardness")
     if name == "contact_stiffness":  # with E* or L_x where the scene leaves but one of them open
         pressure, gap = (dataset[each].attrs.get("units", "1") for each in ("mean_pressure", "mean_gap"))
         if (pressure == "1") != (gap == "1"):

@@ -114,19 +114,24 @@ def most(values: Reals) -> float | None:
 
 @checked
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
-    """Draw the flow of `leakage` through each node, a panel for each direction, of a path that of the last step."""
+    """Draw the flow of `leakage` through each node, a panel for each direction that has any, of a path at its end."""
     title, last = last_step(dataset)
     panel, around = (panel_of(last, 4.4), OF_MAPS) if "y" in last.dims else (_OF_PROFILES, {})
-    with sheet(2, 2, panel, width, title=title, **around) as (figure, axes):
-        for axis, along in zip(axes, ("x", "y"), strict=True):
-            flow = last["local_flow"].sel(direction=along).values
-            label = f"Flow along ${along}$ over its mean" if flow.any() else f"No flow along ${along}$"
+    flows = {along: last["local_flow"].sel(direction=along).values for along in ("x", "y")}
+    closed = " or ".join(f"${along}$" for along, flow in flows.items() if not flow.any())
+    title = ". ".join(filter(None, (title, closed and f"No flow along {closed}")))
+    shown = [along for along, flow in flows.items() if flow.any()] or ["x"]
+    with sheet(len(shown), 2, panel, width, title=title, **around) as (figure, axes):
+        for axis, along in zip(axes, shown, strict=True):
+            flow, label = flows[along], f"Flow along ${along}$ over its mean"
             if not around:
                 _draw_profile(axis, last, flow, label)
                 continue
-            label += ", none in grey" if flow.any() else ""
             colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
-            draw_image(axis, last, np.where(flow > 0.0, flow, np.nan), label, "both", cmap=colours, norm=decades(flow))
+            drawn = np.where(flow > 0.0, flow, np.nan)
+            bar = draw_image(axis, last, drawn, f"{label}, none in grey", "both", cmap=colours, norm=decades(flow))
+            if not flow.any():
+                bar.remove()
     return figure
 
 
@@ -136,7 +141,8 @@ def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width |
     title, last = last_step(dataset)
     label, current = "Current over its mean", last["current_density"].values
     is_map = "y" in last.dims
-    with sheet(1, 1, panel_of(last, 5.6) if is_map else _OF_PROFILES, width, title=title) as (figure, (axis,)):
+    panel, around = (panel_of(last, 5.6), OF_MAPS) if is_map else (_OF_PROFILES, {})
+    with sheet(1, 1, panel, width, title=title, **around) as (figure, (axis,)):
         if is_map:
             colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
             shown = np.where(current > 0.0, current, np.nan)

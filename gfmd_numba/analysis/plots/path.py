@@ -9,6 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
@@ -28,6 +29,7 @@ _OVER = {
     "step_sliding": ("Sliding of the punch", "L_x"),
     "step_sliding_y": ("Sliding of the punch along $y$", "L_x"),
 }
+_AREA = "contact_area_fraction", "Contact area fraction", ""
 _LOADS = ("punch_displacement", "line_load", "force", "prescribed_pressure", "reduced_pressure")  # of one contact
 _OF_STEPS = (
     *("mean_pressure", "contact_area_fraction", "mean_tangential_traction", "mean_tangential_traction_y"),
@@ -109,12 +111,7 @@ def _along(dataset: xr.Dataset) -> list[_Panel]:
     panels = []
     if float(np.ptp(dataset["step_load"].values, axis=1).max()) > 0.0:
         by_displacement = "punch_displacement" in dataset.variables
-        drawn = (
-            ("mean_pressure", "Mean pressure", "E^*")
-            if by_displacement
-            else ("contact_area_fraction", "Contact area", "")
-        )
-        panels.append(_Panel("step_load", *drawn))
+        panels.append(_Panel("step_load", *(("mean_pressure", "Mean pressure", "E^*") if by_displacement else _AREA)))
     for y, along in (("", ""), ("_y", " along $y$")):
         x, traction = f"step_sliding{y}", f"mean_tangential_traction{y}"
         if x in dataset.variables and dataset[x].any():
@@ -122,12 +119,12 @@ def _along(dataset: xr.Dataset) -> list[_Panel]:
                 panels.append(_Panel(x, traction, f"Mean tangential traction{along}", "E^*"))
             if "mean_worn_depth" in dataset:
                 panels.append(_Panel(x, "mean_worn_depth", "Mean worn depth", "L_x"))
-                panels.append(_Panel(x, "contact_area_fraction", "Contact area", ""))
+                panels.append(_Panel(x, *_AREA))
     if "stick_fraction" in dataset:
         panels.append(_Panel("step", "stick_fraction", "Sticking share of the contact", ""))
     if "energy_lost" in dataset and dataset["energy_lost"].any():
         panels.append(_Panel("step", "energy_lost", "Energy lost so far per area", "E^*L_x"))
-    return panels or [_Panel("step", "contact_area_fraction", "Contact area", "")]
+    return panels or [_Panel("step", *_AREA)]
 
 
 def _draw(axis: Axes, dataset: xr.Dataset, panel: _Panel, looks: Looks) -> None:
@@ -189,6 +186,5 @@ def _mark_jumps(axis: Axes, x: Reals, y: Reals, lost: Reals | None) -> None:
     jumps = (size > _JUMP * np.ptp(y)) & (size > 3.0 * np.maximum(before, after))
     for i in np.flatnonzero(jumps if lost is None else jumps & (lost[1:] > 0.0)):
         axis.plot(x[i : i + 2], y[i : i + 2], ":", color="white", marker="")
-        axis.annotate(
-            "jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points", fontsize=small()
-        )
+        said = axis.annotate("jump", (x[i + 1], 0.5 * (y[i] + y[i + 1])), (12, 0), textcoords="offset points")
+        said.set(fontsize=small(), path_effects=[withStroke(linewidth=2.0, foreground="white")])

@@ -63,5 +63,7 @@ def _draw(axis: Axes, dataset: xr.Dataset, target: float, number: int, whose: st
     bars = [0.0 * sure, sure]
     axis.errorbar(seconds, errors, bars, fmt=f"{marker}-", color=colour, label=f"{whose}{_BARS}")
     for which, x, y in zip(known["round"].values, seconds, errors, strict=True):
-        text = str(which) if which else "pilot"
-        axis.annotate(text, (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
+        if which:
+            axis.annotate(str(which), (x, y), textcoords="offset points", xytext=(-5, -7), ha="right", va="top")
+        else:  # on the other side, away from the numbers of the axis
+            axis.annotate("pilot", (x, y), textcoords="offset points", xytext=(6, 0), va="bottom")

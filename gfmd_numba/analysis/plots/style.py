@@ -35,6 +35,7 @@ _INCHES = {"single": 3.4, "double": 7.0}  # columns of journals
 _POINTS, _POINTS_OF_COLUMNS = 11.0, 8.0
 _STACKED = 0.55  # height over width of a panel that would stand beside others, were the column wider
 _EM_OF_LETTER = 0.62  # at most, on average
+_TIE = "\xa0"
 _LOWEST = 1.7  # inches that it has at least
 _SIZES = {  # in points, of text of 11 points
     "font.size": 11.0,
@@ -114,9 +115,10 @@ def sheet(
         if title:
             em = scale * _POINTS / 72.0
             wide = int(figure.get_figwidth() / (_EM_OF_LETTER * em))
-            tied = re.sub(r"(?<=\d) (?=[^\W\d])", "\xa0", title)  # a number stays with its unit
-            lines = [line for each in tied.splitlines() for line in textwrap.wrap(each, wide)]
-            figure.suptitle("\n".join(lines).replace("\xa0", " "), x=0.01, ha="left")
+            lines = [
+                line for each in _tied(title).splitlines() for line in textwrap.wrap(each, wide, break_on_hyphens=False)
+            ]
+            figure.suptitle("\n".join(lines).replace(_TIE, " "), x=0.01, ha="left")
             _grow(figure, (0.3 + 1.3 * len(lines)) * em)
         yield figure, axes[:count]
         for bins in (4, 4, 3, 3, 2, 2) if width is not None else ():
@@ -155,13 +157,19 @@ def _break(axes: Axes, which: str, across: float) -> bool:
     text: Text = getattr(axes, f"{which}axis").label if which else axes.title
     box, panel = text.get_window_extent(), axes.get_window_extent()
     middle = 0.5 * (box.x0 + box.x1) % across
-    upright = which == "y"
-    if (box.height if upright else box.width) <= (panel.height if upright else 2.0 * min(middle, across - middle)):
+    upright, room = which == "y", 2.0 * min(middle, across - middle)
+    room = room if which else min(room, panel.width)  # beside a panel stand the numbers of its colours
+    if (box.height if upright else box.width) <= (panel.height if upright else room):
         return False
     said, lines = text.get_text(), 2 + text.get_text().count("\n")
-    tied = re.sub(r"\$[^$]*\$", lambda formula: formula[0].replace(" ", "\0"), said.replace("\n", " "))
-    text.set_text(textwrap.fill(tied, len(tied) // lines + 4, break_long_words=False).replace("\0", " "))
+    tied = _tied(said.replace("\n", " "))
+    text.set_text(textwrap.fill(tied, len(tied) // lines + 4, break_long_words=False).replace(_TIE, " "))
     return text.get_text() != said
+
+
+def _tied(text: str) -> str:
+    """Return a text in which formulae, equations, and numbers with their units have no space to be broken at."""
+    return re.sub(r"\$[^$]*\$| = |(?<=\d) (?=[^\W\d])", lambda found: found[0].replace(" ", _TIE), text)
 
 
 def _thin(axis: Axis, bins: int) -> bool:
@@ -197,6 +205,14 @@ def few_ticks(axis: Axis) -> None:
     axis.set_major_locator(MaxNLocator(5, steps=[1, 2, 5, 10]))
 
 
+def least_span(axis: Axis) -> None:
+    """Let a linear axis span a tenth of its values at least, so that differences by rounding look like none."""
+    low, high = axis.get_data_interval()
+    room = 0.05 * max(abs(low), abs(high))
+    if high - low < 2.0 * room:
+        axis.set_view_interval(0.5 * (low + high) - room, 0.5 * (low + high) + room, ignore=True)
+
+
 def log_ticks(axis: Axis) -> None:
     """Label a logarithmic axis so that values can be read: with plain numbers, and between few powers of ten."""
     low, high = axis.get_view_interval()
@@ -227,8 +243,14 @@ def with_unit(text: str, variable: xr.DataArray) -> str:
 
 def told(value: float, unit: str, digits: int = 4) -> str:
     """Return a number with its unit for a sentence; a unit that begins with a power of ten is multiplied."""
-    times = r"$\times$" if unit.startswith("$10^") else " "
-    return f"{value:.{digits}g}" + (times + unit if unit else "")
+    times, number = r"$\times$" if unit.startswith("$10^") else " ", f"{value:.{digits}g}"
+    return (f"${in_formula(number)}$" if "e" in number else number) + (times + unit if unit else "")
+
+
+def in_formula(number: str) -> str:
+    """Return a number as a formula has it: with a power of ten for an exponent, which may stand alone."""
+    mantissa, e, exponent = number.replace("inf", r"\infty").partition("e")
+    return rf"{mantissa} \times ".removeprefix(r"1 \times ") + f"10^{{{int(exponent)}}}" if e else mantissa
 
 
 def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]:

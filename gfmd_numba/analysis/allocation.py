@@ -149,18 +149,6 @@ _GAIN = 0.998  # of the error, for which another share of a level is worth takin
 
 
 @dataclass(frozen=True)
-class Design:
-    """Realisations of each case (case), the relative error of the limit that they give, and their cost in s.
-
-    Cases of levels that are not worth their cost have 0.
-    """
-
-    realisations: NDArray[np.intp]
-    error: float
-    seconds: float
-
-
-@dataclass(frozen=True)
 class _Choice:
     """Of what a design is chosen: the groups, the levels, and the seconds of one realisation of each level."""
 
@@ -204,11 +192,12 @@ class Pilot:
         np.maximum.at(of_level, self.number, np.asarray(counts, dtype=float))
         return [_predicted(ensemble, of_level) for ensemble in self.ensembles]
 
-    def cheapest_design(self, seconds: Reals, target: float) -> Design:
+    def cheapest_design(self, seconds: Reals, target: float) -> NDArray[np.intp]:
         """Return the cheapest realisations by which every group's relative error of the TFC limit is below a target.
 
-        `seconds` is the processor time of one realisation of each case. The target is met with 90 % confidence.
-        UnusableDataError where a million realisations do not reach it.
+        `seconds` is the processor time of one realisation of each case. Cases of levels that are not worth their cost
+        have 0 realisations (case). The target is met with 90 % confidence. UnusableDataError where a million
+        realisations do not reach it.
         """
         price = np.bincount(self.number, seconds).astype(np.float64)
         fitted = np.unique(np.concatenate([ensemble.level for ensemble in self.ensembles]))
@@ -225,13 +214,13 @@ class Pilot:
         for _ in range(2):  # the best shares depend on the budget, hardly
             shares = _best_shares(choice, shares, _enough(choice, shares, target))
         shares = _without_dear_levels(choice, shares, target)
-        counts, seconds_in_all = _cheapest(choice, shares, target)
+        counts = _cheapest(choice, shares, target)[0]
         if counts.max() > _MOST:
             raise UnusableDataError(
                 f"you gave a target of {100 * target:.3g}%, for which {counts.max():.0f} realisations of a level "
                 f"would be the cheapest; gfmd allows a larger one, as {_MOST} are the most"
             )
-        return Design(counts[self.number].astype(np.intp), choice.error(counts), seconds_in_all)
+        return counts[self.number].astype(np.intp)
 
 
 def _counts(choice: _Choice, shares: Reals, budget: float) -> Reals:

@@ -58,11 +58,6 @@ def connecting(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True))
     return np.isin(pieces, [piece for piece in {*above, *ends} if root(piece)[0] in ends])
 
 
-def connects(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True)) -> bool:
-    """Whether a region leads `around` the period along `axis`, or from end to end of a window."""
-    return bool(connecting(flags, axis, around).any())
-
-
 _DIRECTIONS = {"x": 1, "y": 0}  # to the axis of [y, x] that a channel follows
 _LONG_NAMES = {
     "gap_connects": "whether an open channel leads across, around the period",
@@ -106,13 +101,14 @@ def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Re
     """Return what `_LONG_NAMES` names, of a map: the first three by direction."""
     touching = gap <= 0.0
     of_gap, of_contact = (sizes(regions(flags, *around)) for flags in (~touching, touching))
-    connected = [[connects(flags, axis, around) for axis in _DIRECTIONS.values()] for flags in (~touching, touching)]
+    axes = _DIRECTIONS.values()
+    connected = [[connecting(flags, axis, around).any() for axis in axes] for flags in (~touching, touching)]
     levels, critical = np.unique(gap[gap > 0.0]), []
-    for axis in _DIRECTIONS.values():  # the largest level at which nodes of at least that gap connect, by bisection
+    for axis in axes:  # the largest level at which nodes of at least that gap connect, by bisection
         fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
         while fewest < most:
             middle = (fewest + most) // 2
-            if connects(gap >= levels[middle], axis, around):
+            if connecting(gap >= levels[middle], axis, around).any():
                 fewest = middle + 1
             else:
                 most = middle
@@ -273,8 +269,14 @@ class _Network:
         residual = abs(out - dissipated) / dissipated
         if not residual <= _LARGEST_RESIDUAL:
             return np.nan, residual, np.full(self._n, np.nan)
-        both = (_through_nodes(one[half], other[half], through[half], self._n) for half in self._along)
-        return float(np.cbrt(dissipated * rows / across)), residual, np.hypot(*both) * across / out
+        # through each node in one direction, twice the mean of the flows through its two faces
+        both = (
+            (np.bincount(one[half], through[half], self._n) + np.bincount(other[half], through[half], self._n))[
+                : self._n
+            ]
+            for half in self._along
+        )
+        return float(np.cbrt(dissipated * rows / across)), residual, 0.5 * np.hypot(*both) * across / out
 
 
 def _faces(conductivity: Reals, number: Indices, around: bool) -> tuple[Indices, Indices, Reals, Indices]:
@@ -284,11 +286,6 @@ def _faces(conductivity: Reals, number: Indices, around: bool) -> tuple[Indices,
     both = (conductivity[rows] > 0.0) & (behind > 0.0)
     conductance = 2.0 / (1.0 / conductivity[rows][both] + 1.0 / behind[both])
     return number[rows][both], numbers[both], conductance, np.nonzero(both)[0]
-
-
-def _through_nodes(one: Indices, other: Indices, flow: Reals, n: int) -> Reals:
-    """Flow through the first n nodes in one direction, the mean of that through its two faces."""
-    return np.asarray(0.5 * (np.bincount(one, flow, n) + np.bincount(other, flow, n))[:n])
 
 
 class _Pressure:

@@ -20,6 +20,7 @@ _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows
 def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     """Return the stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces.
 
+    The gap is that of the surfaces as they were made: a hardness flattens them, which brings them nearer, too.
     Takes a campaign of several `reduced_pressure`, whose cases are equal except for the load, or the `step` of load
     paths, perhaps of several realisations. Without a period the approach of the punch takes the place of the gap. K, in
     Pa/m (E*/L_x without units), leaves out the uniform compression of the bodies. It is the difference of the mean
@@ -47,10 +48,7 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     rise = upper["mean_pressure"] - lower["mean_pressure"]
     usable = usable & (abs(rise) > _SAME_LOAD * abs(upper["mean_pressure"]))
     rise = rise.where(usable)
-    if "approach" in dataset:
-        approach = (upper["approach"] - lower["approach"]).where(usable)
-    else:
-        approach = (lower["mean_gap"] - upper["mean_gap"]).where(usable)
+    approach = (nearness(upper) - nearness(lower)).where(usable)
     load = _logarithmic_mean(lower["mean_pressure"], upper["mean_pressure"]).where(usable)
     result = xr.Dataset(attrs={"title": "contact stiffness"})
     result["mean_pressure"] = load.mean(others)
@@ -65,6 +63,14 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
         at = _logarithmic_mean(lower[_LOAD], upper[_LOAD])
         result = result.assign_coords({_LOAD: ("interval", at.values, dataset[_LOAD].attrs)})
     return _described(result, dataset)
+
+
+def nearness(of: xr.Dataset) -> xr.DataArray:
+    """Way of the punch, from any origin, or where that has a period, of the mean plane of the punch as it was made.
+
+    The gap is measured from the flattened punch, whose mean plane lies a mean plastic depth further off.
+    """
+    return of["approach"] if "approach" in of else of.get("mean_plastic_depth", 0.0) - of["mean_gap"]
 
 
 def _cases(dataset: xr.Dataset) -> Iterator[tuple[int, int]]:

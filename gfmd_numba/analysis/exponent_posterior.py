@@ -17,7 +17,7 @@ import numpy as np
 import scipy  # its modules load with their first use
 
 from gfmd_numba.analysis.laws import Law, Parameter, gauss, power
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Flags, Reals
 
 Laws = dict[str, Law]
 # What is known before any cross level says more, measured from H = 0.3 to 1. An interaction is 0 within half of the
@@ -62,14 +62,6 @@ class Means:
 
 
 @dataclass(frozen=True)
-class Before:
-    """What is known before of coefficients: they are 0 within these standard deviations, infinite for free ones."""
-
-    own: Reals  # (limit)
-    pair: Reals  # (pair)
-
-
-@dataclass(frozen=True)
 class Linear:
     """The linear fits of one group (node, ...) at the nodes of a quadrature.
 
@@ -84,28 +76,27 @@ class Linear:
     exponents: Reals  # of each limit's law at the reference (node, limit)
 
 
-def linear(means: Means, laws: Laws, nodes: Reals, before: Before) -> Linear:
-    """Return the fits at nodes of the laws' parameters (node, parameter)."""
+def linear(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Linear:
+    """Return the fits at nodes of the laws' parameters (node, parameter).
+
+    `before` says of the corrections of the limits, and then of the interactions of the pairs, within which standard
+    deviations they are 0 before there are data, infinite for free ones.
+    """
     coefficients, solving, residual = solved(means, laws, nodes, before)
     inverse = solving @ np.swapaxes(solving, 1, 2)
     n_cases = means.values.size
     # from the columns' coefficients to the TFC limit, corrections and interactions, in the unit of the variable
     limits = list(means.levels)
-    change = np.zeros((len(nodes), 1 + len(limits) + len(means.pairs), coefficients.shape[1]))
-    change[:, 0, 0] = 1.0
+    change = np.zeros((len(nodes), 1 + len(before), coefficients.shape[1]))
+    counted = _counted(means, laws)
+    change[:, counted, np.arange(coefficients.shape[1])] = np.append(1.0, _units(before))[counted]
     exponents = np.empty((len(nodes), len(limits)))
-    own = 1
-    for row, (limit, scatter) in enumerate(zip(limits, before.own, strict=True), start=1):
+    for row, limit in enumerate(limits, start=1):
         at = means.reference[limit]
         around = excess(laws, limit, at * np.exp([-0.01, 0.0, 0.01]), nodes)
         exponents[:, row - 1] = np.log(around[:, 2] / around[:, 0]) / 0.02
         if laws[limit].whole:
             change[:, row, 0] = around[:, 1]
-        else:
-            change[:, row, own] = _unit(scatter)
-            own += 1
-    for pair, scatter in enumerate(before.pair):
-        change[:, 1 + len(limits) + pair, own + pair] = _unit(scatter)
     return Linear(
         misfit=(residual**2).sum(axis=1),
         coefficients=np.einsum("nkl,nl->nk", change, coefficients),
@@ -116,7 +107,7 @@ def linear(means: Means, laws: Laws, nodes: Reals, before: Before) -> Linear:
     )
 
 
-def misfit(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
+def misfit(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
     """Return chi^2 (node): what is left of the right side in the corner of the triangular factor."""
     rows, data = _equations(means, laws, nodes, before)
     if rows.shape[1] <= rows.shape[2]:
@@ -126,7 +117,7 @@ def misfit(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
     return np.asarray(triangular[:, -1, -1] ** 2)
 
 
-def misfit_form(means: Means, laws: Laws, node: Reals, before: Before) -> Reals:
+def misfit_form(means: Means, laws: Laws, node: Reals, before: Reals) -> Reals:
     """Return the matrix (case, case) that gives chi^2 of the means alone from them, at one node (parameter)."""
     rows, _ = _equations(means, laws, node[np.newaxis], before)
     orthogonal = np.linalg.qr(rows[0])[0][: means.values.size]
@@ -134,7 +125,7 @@ def misfit_form(means: Means, laws: Laws, node: Reals, before: Before) -> Reals:
     return np.asarray(means.whitener.T @ left @ left @ means.whitener)
 
 
-def solved(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals, Reals]:
+def solved(means: Means, laws: Laws, nodes: Reals, before: Reals) -> tuple[Reals, Reals, Reals]:
     """Return coefficients (node, coefficient), what solves for them (node, coefficient, row), residuals (node, row).
 
     Rows are the whitened cases, and then what is known before.
@@ -146,7 +137,7 @@ def solved(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Real
     return coefficients, solving, data - (rows @ coefficients[..., np.newaxis])[..., 0]
 
 
-def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[Reals, Reals]:
+def _equations(means: Means, laws: Laws, nodes: Reals, before: Reals) -> tuple[Reals, Reals]:
     """Return the left (node, row, coefficient) and right (row) side of what the coefficients have to meet."""
     whitened = means.whitener @ columns(means, laws, nodes, before)
     known = np.eye(whitened.shape[-1])[np.flatnonzero(certainty(means, laws, before))]
@@ -154,7 +145,7 @@ def _equations(means: Means, laws: Laws, nodes: Reals, before: Before) -> tuple[
     return rows, np.concatenate([means.whitener @ means.values, np.zeros(len(known))])
 
 
-def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
+def columns(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
     """Return the columns (node, case, coefficient) of the fit, those known before in units of their scatter."""
     laws_of, at_reference = {}, {}  # over their values at the reference
     for limit, of_cases in means.levels.items():
@@ -163,27 +154,30 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Before) -> Reals:
         at_reference[limit] = at[:, -1:]
         laws_of[limit] = np.asarray((at[:, :-1] / at[:, -1:])[:, case])
     whole = np.ones((len(nodes), means.values.size))
-    found = []
-    for (limit, column), scatter in zip(laws_of.items(), before.own, strict=True):
+    found, units = [], iter(_units(before))
+    for (limit, column), unit in zip(laws_of.items(), units, strict=False):
         if laws[limit].whole:  # the TFC limit times (1 + excess): no coefficient of its own
             whole = whole + column * at_reference[limit]
         else:
-            found.append(_unit(scatter) * column)
-    for (first, second), scatter in zip(means.pairs, before.pair, strict=True):
-        pair = (first, second)
+            found.append(unit * column)
+    for pair, unit in zip(means.pairs, units, strict=True):
         of_first, of_second = (laws_of[limit] ** means.power_in_pair(limit, pair) for limit in pair)
-        found.append(_unit(scatter) * of_first * of_second)
+        found.append(unit * of_first * of_second)
     return np.stack([whole, *found], axis=-1)
 
 
-def certainty(means: Means, laws: Laws, before: Before) -> Reals:
+def certainty(means: Means, laws: Laws, before: Reals) -> Reals:
     """Return one over the variance (coefficient) of each coefficient before, in the units of `columns`: 1 or 0."""
-    own = [scatter for limit, scatter in zip(means.levels, before.own, strict=True) if not laws[limit].whole]
-    return np.isfinite([np.inf, *own, *before.pair]).astype(np.float64)
+    return np.asarray(np.isfinite(np.append(np.inf, before))[_counted(means, laws)], dtype=np.float64)
 
 
-def _unit(scatter: float) -> float:
-    return scatter if np.isfinite(scatter) else 1.0
+def _counted(means: Means, laws: Laws) -> Flags:
+    """Return which of the TFC limit, corrections and interactions have a coefficient: all but those of whole laws."""
+    return np.array([True, *(not laws[limit].whole for limit in means.levels), *[True] * len(means.pairs)])
+
+
+def _units(before: Reals) -> Reals:
+    return np.where(np.isfinite(before), before, 1.0)
 
 
 def excess(laws: Laws, limit: str, eps: Reals, nodes: Reals) -> Reals:
@@ -196,13 +190,13 @@ def excess(laws: Laws, limit: str, eps: Reals, nodes: Reals) -> Reals:
     raise AssertionError(limit)
 
 
-def known_before(means: Means, laws: Laws) -> Before:
-    """Return what is known before, from the corrections taken one at a time."""
+def known_before(means: Means, laws: Laws) -> Reals:
+    """Return what is known before as `linear` takes it, from the corrections taken one at a time."""
     parameters = [parameter for law in laws.values() for parameter in law.parameters]
     middle = np.array([[each.middle for each in parameters]])
     powers = {limit: Law(law.parameters, law.excess) for limit, law in laws.items()}
-    without_interactions = Before(np.full(len(means.levels), np.inf), np.zeros(len(means.pairs)))
-    additive = linear(means, powers, middle, without_interactions)
+    without_interactions = [np.inf] * len(means.levels) + [0.0] * len(means.pairs)
+    additive = linear(means, powers, middle, np.array(without_interactions))
     corrections = dict(zip(means.levels, abs(additive.coefficients[0, 1:]), strict=False))
     waning, by = _WANING
     wanes = {waning, by} <= set(means.levels)
@@ -211,14 +205,14 @@ def known_before(means: Means, laws: Laws) -> Before:
         np.inf if wanes and set(both) == set(_WANING) else _SCATTER * min(corrections[limit] for limit in both)
         for both in means.pairs
     ]
-    return Before(np.array(own), np.array(pair))
+    return np.array(own + pair)
 
 
 def linear_influence(means: Means) -> tuple[Reals, int]:
     """Return the derivative of the TFC limit to each mean (case) for linear laws, and how many contrasts have none."""
     laws = {limit: power(limit, dict.fromkeys(means.levels, (1.0, 1.0))) for limit in means.levels}
     nodes = np.ones((1, len(laws)))
-    free = Before(np.full(len(means.levels), np.inf), np.full(len(means.pairs), np.inf))
+    free = np.full(len(means.levels) + len(means.pairs), np.inf)
     rank = int(np.linalg.matrix_rank(columns(means, laws, nodes, free)[0]))
     return linear(means, laws, nodes, known_before(means, laws)).influence[0], means.values.size - rank
 

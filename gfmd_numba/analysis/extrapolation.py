@@ -25,7 +25,7 @@ from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.threads import one_thread_of_algebra
-from gfmd_numba.text.numbers import with_error
+from gfmd_numba.text.numbers import counted, with_error
 
 MODEL = (
     "{variable} = {variable}_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, i and j in (c, f, t), where x_i = "
@@ -198,7 +198,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     if group.n_realisations < 2:
         error = np.full_like(error, np.nan)
         budget[: SOURCES.index("residual")] = np.nan
-        notes.append(f"the sampling error is unknown ({limit_errors.realisations(group)})")
+        notes.append(f"the sampling error is unknown ({counted(group.n_realisations, 'realisation')})")
     asserted = {each.asserted: limit_errors.disagreement(*mine, *other.limit_of(index)) for each, other in others}
     loose = budget[SOURCES.index("residual")]
     if loose > 0.1 * error[0]:
@@ -208,6 +208,7 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         )
     low, high = _interval(group, weight, value[:, 0], deviation)
     rms_residual, chi2 = _misfit(group, means, found, share, index)
+    laws = {name: " or ".join(dict.fromkeys(choice.laws[name].name for choice in found)) for name in group.levels}
     return {
         "fit_status": "ok",
         "message": "\n".join(notes),
@@ -220,17 +221,13 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
         "chi2": whole.excess * chi2,
         "misfit": float(np.sqrt(whole.excess)),
         "freedom": group.n_cases - fits[0].coefficients.shape[1],
-        "law": [_named_law(found, name) if name in group.levels else "" for name in LIMITS],
+        "law": [laws.get(name, "") for name in LIMITS],
         **_curve(index, group, means, found, share),
         "extrapolated": distance,
         "extrapolation_error": extrapolation_error,
         # what the value differs by where an asserted exponent may have its range
         "contradiction": [asserted.get(name, 0.0) if name in group.levels else np.nan for name in LIMITS],
     }
-
-
-def _named_law(found: Sequence[Choice], limit: str) -> str:
-    return " or ".join(dict.fromkeys(choice.laws[limit].name for choice in found))
 
 
 def _notes(
@@ -387,7 +384,7 @@ def _reasons(group: Group, doubt: Mapping[str, str]) -> Iterator[str]:
     for name, why in doubt.items():
         has = f"shared with other groups; {name} is not varied in this one"
         if name in group.levels:
-            has = f"levels {fractions(group.levels[name])}, {limit_errors.realisations(group)}"
+            has = f"levels {fractions(group.levels[name])}, {counted(group.n_realisations, 'realisation')}"
         yield f"exponent of {name} {why} ({has})"
 
 

@@ -152,10 +152,6 @@ def _is_drawn(text: str) -> bool:
     return True
 
 
-_OF_CASES = {
-    "case_id": "case texts",
-    "is_reference": "case flags",
-}
 _CONTACTS = "case realisation [step] numbers"
 _FIELD = "step? y? x finite"
 _PRESCRIBED = ("reduced_pressure", "punch_displacement", "sliding", "sliding_y")
@@ -168,7 +164,7 @@ def _all(kind: str, *names: str) -> dict[str, str]:
 CAMPAIGN = Form(
     "results of a campaign",
     "what a finished `gfmd run` leaves",
-    _OF_CASES,
+    {"case_id": "case texts", "is_reference": "case flags"},
     {
         "status": "case realisation [step] whole",
         "limit": "case texts",

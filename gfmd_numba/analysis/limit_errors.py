@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.exponent_posterior import Before, Choice, Laws, Means, excess, known_before, linear
+from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Means, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, Group, fractions, is_light
@@ -175,11 +175,6 @@ def additivity(group: Group, error: Reals) -> list[str]:
         f"no cross level tells whether the corrections of {which} add up, so the error allows for a difference of "
         f"{difference}: add `cross` to the limits, cases in which two eps differ from the reference"
     ]
-
-
-def realisations(group: Group) -> str:
-    """Return how many realisations a group has, in words."""
-    return f"{group.n_realisations} realisation{'s' if group.n_realisations != 1 else ''}"
 
 
 def advice(names: Collection[str], variable: str, dimension: int) -> str:
@@ -389,8 +384,7 @@ def error_budget(
     effects = dict.fromkeys(means.levels, 0.0)
     for choice, share, value in zip(choices, shares, kappa, strict=True):
         before = known_before(means, choice.laws)  # and as if that were exact, so that known coefficients are 0
-        known = Before(*(np.where(np.isfinite(scatter), 0.0, np.inf) for scatter in (before.own, before.pair)))
-        exact = linear(means, choice.laws, choice.nodes, known)
+        exact = linear(means, choice.laws, choice.nodes, np.where(np.isfinite(before), 0.0, np.inf))
         variance += float(share @ choice.fits[index].covariance[:, 0, 0])
         sampling += float(share @ exact.covariance[:, 0, 0])
         for limit in effects:

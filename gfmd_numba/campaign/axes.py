@@ -126,20 +126,6 @@ def _of(prefix: str, record: str, *rows: tuple[str, str, str, str]) -> Iterator[
         yield Axis(f"{prefix}_{key}", record, symbol, label, long_name, key)
 
 
-def _of_rough_body(body: str) -> Iterator[Axis]:
-    """Axes of the roughness of one of the two bodies."""
-    number, of_it = (
-        ("1", "of the surface of the body") if body == "body" else ("2", "of the surface of the counter body")
-    )
-    return _of(
-        body,
-        f"{body}.roughness",
-        ("hurst", f"H_{number}", f"$H_{number}$", f"Hurst exponent, {of_it}"),
-        ("rms_gradient", f"g_{number}", rf"$\bar{{g}}_{number}$", f"rms gradient asked for, {of_it}"),
-        ("rms_height", f"h_{number}", rf"$\bar{{h}}_{number}$", f"rms height asked for, {of_it}"),
-    )
-
-
 AXES = (
     Axis("file", "roughness", "file", "file", "file of the measured surface"),
     Axis("hurst", "roughness", "H", "$H$", "Hurst exponent"),
@@ -201,7 +187,18 @@ AXES = (
         "work of adhesion of the law of the gap, above 0 attractive",
     ),
     *_of("interaction", "interface.law_of_the_gap", ("range", "z_r", "$z_r$", "range of the law of the gap")),
-    *(axis for body in ("body", "counter_body") for axis in _of_rough_body(body)),
+    *(
+        Axis(f"{body}_{key}", f"{body}.roughness", f"{symbol}_{number}", f"${label}_{number}$", f"{name}, of {of}", key)
+        for number, body, of in (
+            (1, "body", "the surface of the body"),
+            (2, "counter_body", "the surface of the counter body"),
+        )
+        for key, symbol, label, name in (
+            ("hurst", "H", "H", "Hurst exponent"),
+            ("rms_gradient", "g", r"\bar{g}", "rms gradient asked for"),
+            ("rms_height", "h", r"\bar{h}", "rms height asked for"),
+        )
+    ),
     *_of(
         "counter_body",
         "counter_body",

@@ -160,26 +160,19 @@ def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]
     try:
         resolved = resolve_address(address)  # a client of a malformed address would go on failing in the background
         private = parse_address(resolved)[0] != "tcp" or ip_address(get_address_host(resolved)).is_loopback
+        # not the default client, or xarray writes through one that failed
+        own = Client(address, timeout=10, set_as_default=False) if private or insecure else None
     except (OSError, ValueError, KeyError) as error:
-        raise _unreachable(address, error) from None
-    if not (private or insecure):
+        allowed = "the address of a running dask scheduler, like tcp://127.0.0.1:8786"
+        raise InputError.of("--scheduler", f"{address} ({error})", allowed) from None
+    if own is None:
         raise InputError.of(
             "--scheduler",
             f"{address}, on which anyone on the way can read and change the work",
             "a tls:// address, one of this machine, or --insecure with it",
         )
-    try:
-        own = Client(address, timeout=10, set_as_default=False)  # or xarray writes through one that failed
-    except (OSError, ValueError, KeyError) as error:
-        raise _unreachable(address, error) from None
     with own:
         yield own
-
-
-def _unreachable(address: str, error: Exception) -> InputError:
-    return InputError.of(
-        "--scheduler", f"{address} ({error})", "the address of a running dask scheduler, like tcp://127.0.0.1:8786"
-    )
 
 
 def check_workers(client: Any, option: str) -> None:

@@ -23,13 +23,9 @@ A_TIME = "a time like 20min, 2h or 90 s; a plain number is in s"
 
 def share_of(given: object) -> float:
     """Return a share above 0 and below 1 that is given as 0.03 or as `3%`; raises ValueError."""
-    number = str(given).strip() if isinstance(given, str) else None
+    number: Any = given.strip().removesuffix("%") if isinstance(given, str) else given
     try:
-        share = (
-            float(cast(Any, given))
-            if number is None
-            else float(number.removesuffix("%")) / 100.0 ** number.endswith("%")
-        )
+        share = float(number) / 100.0 ** str(given).strip().endswith("%")
     except (TypeError, ValueError):
         share = 0.0
     if isinstance(given, bool) or not 0.0 < share < 1.0:

@@ -36,18 +36,6 @@ _LOOSER = 2.0  # than the target: an error that a round has to come near, for a 
 Counts = NDArray[np.intp]
 
 
-class UnknownExponentsError(UnusableDataError):
-    """No number of realisations reaches a target, because of the ranges of exponents."""
-
-
-@dataclass(frozen=True)
-class Fit:
-    """What is fitted: the variable, and the exponents that are known."""
-
-    variable: str
-    fixed: Mapping[str, Any]
-
-
 @dataclass(frozen=True)
 class _Group:
     """A group of equal physics: where its cases stand, its parameters, its problems, and what its results say."""
@@ -60,10 +48,12 @@ class _Group:
 
 @dataclass(frozen=True)
 class Known:
-    """What is known of a variable after a round: its results, and the exponents that were known before."""
+    """What is known of a variable after a round: results, their fit, and the exponents that were known before."""
 
     results: xr.Dataset
-    fit: Fit
+    fitted: xr.Dataset
+    variable: str
+    fixed: Mapping[str, Any]
 
     @cached_property
     def held(self) -> Counts:
@@ -88,7 +78,7 @@ class Known:
         for parameters, cases in groups(self.results.assign_coords(case=np.arange(self.results.sizes["case"]))):
             problems = tuple(cases["case_id"].values.tolist())
             if problems not in found:
-                found[problems] = Pilot.of(cases, self.fit.variable, self.fit.fixed)
+                found[problems] = Pilot.of(cases, self.variable, self.fixed)
             listed.append(_Group(cases["case"].values, parameters, problems, found[problems]))
         return listed
 
@@ -129,12 +119,12 @@ class Judgement:
         return self.sure_error / self.error if 0.0 < self.error < inf else self.factor
 
 
-def judge(known: Known, fitted: xr.Dataset) -> Judgement:
+def judge(known: Known) -> Judgement:
     """Return the errors of the worst group; raises UnusableDataError for results that do not tell."""
     expected = known.predictions(known.held)
-    limit, error = in_the_limit(fitted)
+    limit, error = in_the_limit(known.fitted)
     errors = (error / abs(limit)).fillna(inf).values
-    sampling = (fitted["error_budget"].sel(source="sampling") / abs(limit)).fillna(0.0).values
+    sampling = (known.fitted["error_budget"].sel(source="sampling") / abs(limit)).fillna(0.0).values
     found = [
         Judgement(float(whole), float(part), each.factor, max(one.error for one in expected))
         for whole, part, each in zip(errors, sampling, expected, strict=True)
@@ -174,7 +164,7 @@ def decide(known: Known, found: Judgement, target: float, most: float = inf, aft
     return Round(
         realisations=tuple(wanted.tolist()),
         is_last=min(asked / goal, expected / target) <= 1.0 or limit == most,
-        variable=known.fit.variable,
+        variable=known.variable,
         predicted_error=expected,
         price=total,
         target_price=target_price,
@@ -190,10 +180,9 @@ def _wanted(known: Known, target: float) -> Counts:
             expected = group.pilot.predictions(known.held[group.where])
             promise = target * min(each.caution for each in expected)
             try:
-                design = group.pilot.cheapest_design(known.price[group.where], promise)
+                designs[group.problems] = group.pilot.cheapest_design(known.price[group.where], promise)
             except UnusableDataError:
                 raise _out_of_reach(known, group, target) from None
-            designs[group.problems] = design.realisations
         counts[group.where] = np.maximum(counts[group.where], designs[group.problems])
     return counts
 
@@ -237,19 +226,21 @@ def _out_of_reach(known: Known, group: _Group, target: float) -> UnusableDataErr
             "level for every pair of limits under `limits: {cross: ...}`"
         )
     if 3.0 * least.exponents**2 > least.error**2:
-        cases, fit = known.results.isel(case=group.where), known.fit
+        cases = known.results.isel(case=group.where)
         hurst = float(cases["hurst"].values[0]) if "hurst" in cases.coords else nan
-        usual = exponent_ranges(fit.variable, int(cases["dimension"].values[0]), hurst)
-        free = [name for name in LIMITS if name in cases["limit"].values and name not in fit.fixed]
+        usual = exponent_ranges(known.variable, int(cases["dimension"].values[0]), hurst)
+        free = [name for name in LIMITS if name in cases["limit"].values and name not in known.fixed]
         ranges = "narrower ranges under `fit: {fixed: ...}`"
         if free:
             unknown = ", ".join(f"{name}: [{usual[name][0]:g}, {usual[name][1]:g}]" for name in free)
-            ranges = (
-                f"the ranges in which exponents of {fit.variable} lie in our campaigns, `fit: {{fixed: {{{unknown}}}}}`"
-            )
-        return UnknownExponentsError(
+            lie = f"exponents of {known.variable} lie in our campaigns"
+            ranges = f"the ranges in which {lie}, `fit: {{fixed: {{{unknown}}}}}`"
+        shares = known.fitted["error_budget"].max("group")
+        exponents = {name: float(shares.sel(source=name)) for name in LIMITS if shares.sel(source=name) > 0}
+        widest = f" (above all that of {max(exponents, key=exponents.__getitem__)})" if exponents else ""
+        return UnusableDataError(
             f"{left}, as the exponents are not known better than that; gfmd allows a larger target, finer levels, or "
-            f"{ranges}"
+            f"{ranges}{widest}"
         )
     return UnusableDataError(f"{left}; gfmd allows a larger target, or levels further from the reference")
 
@@ -266,31 +257,22 @@ _SOME = 2  # rounds after the pilot that do not tell a limit from 0, after which
 _MOST = 10  # rounds after the pilot: each may have four times the price of all before
 
 
-@dataclass(frozen=True)
-class Fitted:
-    """What is known of a variable after a round, and the fit of its results to their limit."""
-
-    known: Known
-    fitted: xr.Dataset
-
-
-def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Rounds:
+def after(state: Rounds, fits: Sequence[Known], may_refine: bool = False) -> Rounds:
     """Return the rounds with what the last one has found for each target, and either one more round or `ended`.
 
     The target that is furthest from being reached decides. `may_refine` says whether the next round may have finer
     levels than the last.
     """
     now = state.now
-    state = state.with_now(cpu_seconds=float(fits[0].known.results.attrs["cpu_seconds"]))
+    state = state.with_now(cpu_seconds=float(fits[0].results.attrs["cpu_seconds"]))
     standing, price = [], 0.0
-    for of_target in fits:
-        known = of_target.known
+    for known in fits:
         try:
             price = known.whole_price(known.held)
-            standing.append(_standing(state, of_target, may_refine))
+            standing.append(_standing(state, known, may_refine))
         except UnusableDataError as error:
-            return _named(state.ending(f"not {REACHED}: {error}"), known.fit)
-    errors = {each.known.fit.variable: each.error for each in standing}
+            return _named(state.ending(f"not {REACHED}: {error}"), known.variable)
+    errors = {each.known.variable: each.error for each in standing}
     state = state.with_now(errors=errors, price=price if now.price is None else now.price)
     missed = [each for each in standing if not each.error.reached]
     if not missed:
@@ -298,62 +280,64 @@ def after(state: Rounds, fits: Sequence[Fitted], may_refine: bool = False) -> Ro
     if len(state.rounds) > _MOST:
         return state.ending(f"not {REACHED}: {_MOST} rounds did not suffice")
     furthest = max(missed, key=lambda each: each.found.sure_error / each.target)
-    return _named(_decided(state, furthest, price, may_refine), furthest.known.fit)
+    return _named(_decided(state, furthest, price, may_refine), furthest.known.variable)
 
 
 @dataclass(frozen=True)
-class _Standing(Fitted):
+class _Standing:
     """Where a variable stands after a round: its target, its errors, and what its laws leave open."""
 
+    known: Known
     target: float
     found: Judgement
     doubts: "list[_Doubt]"
     error: TargetError
 
 
-def _standing(state: Rounds, of_target: Fitted, may_refine: bool) -> _Standing:
+def _standing(state: Rounds, known: Known, may_refine: bool) -> _Standing:
     """Return where a variable stands after the last round; raises UnusableDataError for results that do not tell."""
-    known, fitted = of_target.known, of_target.fitted
-    now, target = state.now, state.goal.targets[known.fit.variable]
-    found = judge(known, fitted)
-    doubts = _doubts(of_target, max(1, len(now.levels)), target / found.sure_factor)
+    now, target = state.now, state.goal.targets[known.variable]
+    found = judge(known)
+    doubts = _doubts(known, max(1, len(now.levels)), target / found.sure_factor)
     described = all(doubt.size < inf for doubt in doubts)
-    expected = _was_to_reach(now, known.fit) or found.predicted <= target or may_refine
+    expected = _was_to_reach(now, known.variable) or found.predicted <= target or may_refine
     reached = described and found.sure_error <= target and expected
     error = TargetError(error=found.error if found.error < inf else None, factor=found.sure_factor, reached=reached)
-    return _Standing(known, fitted, target, found, doubts, error)
+    return _Standing(known, target, found, doubts, error)
 
 
-def _was_to_reach(now: Round, fit: Fit) -> bool:
+def _was_to_reach(now: Round, variable: str) -> bool:
     """Return whether a round was planned to reach the target of a variable."""
-    return now.is_last and now.variable == fit.variable
+    return now.is_last and now.variable == variable
 
 
-def _named(state: Rounds, fit: Fit) -> Rounds:
+def _named(state: Rounds, variable: str) -> Rounds:
     """Return the rounds with the name of the variable in `ended`, if there are several variables."""
     missed = f"not {REACHED}: "
     if len(state.goal.targets) == 1 or not state.ended.startswith(missed):
         return state
-    return state.ending(state.ended.replace(missed, f"{missed}{fit.variable}: ", 1))
+    return state.ending(state.ended.replace(missed, f"{missed}{variable}: ", 1))
 
 
 def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool) -> Rounds:
     """Return the rounds with one more, which brings a target nearer, or `ended`; `price` is that of all so far."""
-    fitted, fit, target = furthest.fitted, furthest.known.fit, furthest.target
-    doubts, is_last = furthest.doubts, _was_to_reach(state.now, fit)
+    known, fitted, target = furthest.known, furthest.known.fitted, furthest.target
+    doubts, is_last = furthest.doubts, _was_to_reach(state.now, known.variable)
     large = _SHARE_OF_DOUBTS * target
     contradiction = abs(fitted["contradiction"] / in_the_limit(fitted)[0]).max("group")
-    if which := [f"{name}: {fit.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
+    if which := [f"{name}: {known.fixed[name]:g}" for name in LIMITS if contradiction.sel(limit=name) > large]:
         said = f"the levels contradict the fixed {' and '.join(which)}; gfmd allows the range that it lies in"
         return state.ending(f"not {REACHED}: {said}")
     if may_refine and (why := _indescribable(state.rounds, fitted, doubts)):
         return state.ending(f"not {REACHED}: {why}")
     finer = _refined(state, furthest, large) if may_refine else None
-    comes_closer = finer is not None and furthest.found.error <= _CLOSER * _earlier_error(state, fit.variable)
+    earlier = None if len(state.rounds) <= _SOME else state.rounds[-1 - _SOME].errors.get(known.variable)
+    before = inf if earlier is None or earlier.error is None else earlier.error
+    comes_closer = finer is not None and furthest.found.error <= _CLOSER * before
     if len(state.rounds) > _SOME and UNKNOWN < furthest.found.error < inf and not comes_closer:
-        said = f"the limit of {fit.variable} is 0 within two standard errors, so that no relative error makes sense"
+        said = f"the limit of {known.variable} is 0 within two standard errors, so that no relative error makes sense"
         if UNKNOWN < (worst := max(doubts, key=lambda doubt: doubt.size)).size < inf:
-            said = f"the limit of {fit.variable} is too far from the finest levels, above all that of {worst.limit}"
+            said = f"the limit of {known.variable} is too far from the finest levels, above all that of {worst.limit}"
         return state.ending(f"not {REACHED}: {said}")
     if finer is not None:
         return finer
@@ -366,12 +350,6 @@ def _decided(state: Rounds, furthest: _Standing, price: float, may_refine: bool)
     unmet = [doubt if doubt.error > target else replace(doubt, size=0.0) for doubt in doubts]
     finer = _refined(state, replace(furthest, doubts=unmet), 0.0) if may_refine else None
     return another if finer is None or _is_cheaper(another, finer, price) else finer
-
-
-def _earlier_error(state: Rounds, variable: str) -> float:
-    """Return the relative error of a variable that was found _SOME rounds before the last one, inf if it is unknown."""
-    found = state.rounds[-1 - _SOME].errors.get(variable) if len(state.rounds) > _SOME else None
-    return inf if found is None or found.error is None else found.error
 
 
 def _refusal(fitted: xr.Dataset) -> str:
@@ -425,13 +403,13 @@ class _Doubt:
     error: float
 
 
-def _doubts(of_target: Fitted, n_groups: int, most: float) -> list[_Doubt]:
+def _doubts(known: Known, n_groups: int, most: float) -> list[_Doubt]:
     """Return what the laws of each group leave open however many surfaces there are; of a path, at its worst step.
 
     Of means that no law describes it is unknown, unless their distance from the laws and the error, which the fit has
     enlarged as far as they ask, are below `most` together. Many surfaces tell of misfits that do not matter.
     """
-    fitted, dimension = of_target.fitted, int(of_target.known.results["dimension"].values[0])
+    fitted, dimension = known.fitted, int(known.results["dimension"].values[0])
     limit, error = in_the_limit(fitted)
     value = abs(limit)
     whole = (error / value).fillna(inf).values
@@ -492,7 +470,7 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
     held = dict(zip(now.cases, now.realisations, strict=True))
     prices = dict(zip(now.cases, known.price.tolist(), strict=True))
     first = [number for of_group in levels for number in first_realisations(of_group, dimension)]
-    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=known.fit.variable)
+    another = Round(realisations=tuple(first), levels=tuple(levels), is_last=False, variable=known.variable)
     counts = [max(held.get(case, 0), number) for case, number in zip(another.cases, first, strict=True)]
     of_case = dict(zip(now.cases, results["case_id"].values.tolist(), strict=True))
     first_of: dict[tuple[str, ...], int] = {}  # the group whose problems are solved once for it and others
@@ -507,7 +485,7 @@ def _refined(state: Rounds, of_target: _Standing, most: float) -> Rounds | None:
         priced[problem] = max(priced.get(problem, 0.0), count * each)
     price, most_of_all = sum(priced.values()), _most(state)
     if price > most_of_all:
-        refusal = _refusal(of_target.fitted)
+        refusal = _refusal(known.fitted)
         said = f"{refusal and f'{refusal}: '}the budget is too small for the finer levels that the laws need"
         return state.ending(f"not {REACHED}: {said}")
     more, added = _for_the_others(state, of_target, levels, most_of_all - price)
@@ -526,7 +504,7 @@ def _for_the_others(
     state: Rounds, of_target: _Standing, levels: Sequence[tuple[Level, ...]], most: float
 ) -> tuple[dict[tuple[int, Level], int], float]:
     """Return realisations by case for the groups that keep their levels and miss the target, and what these add."""
-    now, fitted, doubts = state.now, of_target.fitted, of_target.doubts
+    now, fitted, doubts = state.now, of_target.known.fitted, of_target.doubts
     n_groups = len(now.levels)
     others = [
         group
@@ -536,12 +514,12 @@ def _for_the_others(
     here = [index for index, (group, _) in enumerate(now.cases) if group in others]
     if not here:
         return {}, 0.0
-    known = Known(of_target.known.results.isel(case=here), of_target.known.fit)
-    fitted = fitted.isel(group=[index for index in range(fitted.sizes["group"]) if index % n_groups in others])
+    theirs = fitted.isel(group=[index for index in range(fitted.sizes["group"]) if index % n_groups in others])
+    known = replace(of_target.known, results=of_target.known.results.isel(case=here), fitted=theirs)
     aim = sqrt(of_target.target**2 - max(doubts[group].size for group in others) ** 2)
     try:
         spent = known.whole_price(known.held)
-        decision = _decision(state, replace(of_target, known=known, found=judge(known, fitted)), aim, most + spent)
+        decision = _decision(state, replace(of_target, known=known, found=judge(known)), aim, most + spent)
     except UnusableDataError:
         decision = None
     if decision is None:
@@ -554,11 +532,6 @@ def _with_another(state: Rounds, of_target: _Standing, aim: float, of_laws: floa
     """Return the rounds with one more of more realisations, which bring all error but that `of_laws` to an `aim`."""
     try:
         decision = _decision(state, of_target, aim, _most(state))
-    except UnknownExponentsError as error:
-        shares = of_target.fitted["error_budget"].max("group")
-        exponents = {name: float(shares.sel(source=name)) for name in LIMITS if shares.sel(source=name) > 0}
-        widest = f" (above all that of {max(exponents, key=exponents.__getitem__)})" if exponents else ""
-        return state.ending(f"not {REACHED}: {error}{widest}")
     except UnusableDataError as error:
         return state.ending(f"not {REACHED}: {error}")
     if decision is None:

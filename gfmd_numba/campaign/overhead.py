@@ -4,7 +4,7 @@ import json
 import subprocess
 import sys
 import time
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -25,31 +25,17 @@ _REHEARSED = 6  # groups
 _REALISATIONS = 20_000  # of a rehearsal at most: the time of a fit of more is proportional to them
 
 
-@dataclass(frozen=True)
-class Overhead:
-    """Processor time in s of the `start` of the program, of each `worker`, of the `results` file and of the `fit`."""
+def overhead(planned: Plan, workers: int) -> dict[str, float]:
+    """Return the parts of processor time in s that a run takes in addition to its contacts on this machine, by name.
 
-    start: float
-    worker: float
-    results: float
-    fit: float
-
-    def cpu_seconds(self, workers: int) -> float:
-        """Processor time of all of it."""
-        return self.wall_seconds(0) + workers * self.worker
-
-    def wall_seconds(self, workers: int) -> float:
-        """Time that it adds to a run; workers start together, on a core each."""
-        return self.start + self.results + self.fit + (self.worker if workers else 0.0)
-
-
-def overhead(planned: Plan) -> Overhead:
-    """Return what a run takes in addition to its contacts on this machine, with compiled kernels in the cache."""
+    Compiled kernels are in the cache.
+    """
     start = _start()
     extrapolated = any(case.limit != "reference" for case in planned.cases)
     fitted = _rehearsed(planned) + _PICTURE * start if extrapolated else 0.0
     results = (_RESULTS + _CASE * len(planned.cases)) * start
-    return Overhead((1 + _KERNELS) * start, _WORKER * start, results, fitted)
+    begun = {"start": (1 + _KERNELS) * start, "workers": workers * _WORKER * start}
+    return begun | {"results": results, "fit and picture": fitted}
 
 
 def _start() -> float:

@@ -19,9 +19,8 @@ from gfmd_numba.campaign.collection import NOTES, collect, described, note, resu
 from gfmd_numba.campaign.coordinates import meeting
 from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, started, unfinished
 from gfmd_numba.campaign.file import Campaign
-from gfmd_numba.campaign.goal import Fit as FitRecord
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import REACHED, Fit, Fitted, Known, after
+from gfmd_numba.campaign.next_round import REACHED, Known, after
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, plan, tasks
 from gfmd_numba.campaign.results import read_results
@@ -168,15 +167,6 @@ class Outcome:
         return self.rounds.ended == REACHED
 
 
-@dataclass(frozen=True)
-class FirstDecision:
-    """The outcome of a pilot: its rounds, the last of which has not run unless they ended, and the plan of that one."""
-
-    rounds: Rounds
-    planned: Plan
-    failures: Failures
-
-
 class InterruptedRunError(KeyboardInterrupt):
     """Ctrl-C, after which the finished work has been collected."""
 
@@ -216,10 +206,11 @@ def each_round(
 
 def first_decision(
     source: Source, goal: Goal, workers: Workers, watch: Watch | None = None, told: Told | None = None
-) -> FirstDecision:
+) -> tuple[Rounds, Plan, Failures]:
     """Run the pilot of a campaign, as `run_until` does, and return what it would do next; no file is left.
 
-    Raises as `run_until` does. If the disk or the cluster gives up it raises OSError, because nothing is kept.
+    The rounds are returned, the last of which has not run unless they ended, its plan, and what failed. Raises as
+    `run_until` does. If the disk or the cluster gives up it raises OSError, because nothing is kept.
     """
     with TemporaryDirectory(prefix="gfmd-") as folder:
         run = _prepared(source, goal, folder, workers, watch=watch, told=told)
@@ -228,7 +219,7 @@ def first_decision(
         with owned, closing(run.states()) as states:
             next(states)
             state = next(states)
-        return FirstDecision(state, in_round(run.planned, state.now), run.failed(run.planned))
+        return state, in_round(run.planned, state.now), run.failed(run.planned)
 
 
 def _prepared(
@@ -335,13 +326,12 @@ class _Run:
         if state.seconds_per_price is None:
             state = state.model_copy(update={"seconds_per_price": seconds_per_price(planned, self.directory)})
         results = read_results(collect(planned, self.directory))
-        of_variable: dict[str, FitRecord] = {fit.variable: fit for fit, _ in planned.campaign.fits()}
+        of_variable = {fit.variable: fit for fit, _ in planned.campaign.fits()}
         fits = []
         for variable in self.goal.targets:
             fit = of_variable[variable]
             judged = results if fit.step is None else steps_of(results, variable, fit.step)[0]
-            known = Known(judged, Fit(variable, fit.options["fixed"]))
-            fits.append(Fitted(known, fit_tfc(results, **fit.options)))
+            fits.append(Known(judged, fit_tfc(results, **fit.options), variable, fit.options["fixed"]))
         may_refine = planned.campaign.levels != "only" and bool(state.now.levels)
         return after(state, fits, may_refine)
 

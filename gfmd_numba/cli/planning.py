@@ -19,9 +19,9 @@ from gfmd_numba.cli.terminal import print_table, say, waiting, warn
 from gfmd_numba.text.numbers import counted
 
 if TYPE_CHECKING:
+    from gfmd_numba.campaign.execution import Failures
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Rounds
-    from gfmd_numba.campaign.run import FirstDecision
 
 
 _OF_SOME = {
@@ -89,7 +89,7 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
         except KeyboardInterrupt:
             warn("interrupted; a plan keeps no results")
             sys.exit(INTERRUPTED)
-        well = _show_decision(decided, workers)
+        well = _show_decision(*decided, workers)
     else:
         first = pilot_plan(planned, goal_in(file, of_file, None, "--target")) if of_file else planned
         _show_size(first, workers)
@@ -125,16 +125,13 @@ def _show_cost(planned: Plan, workers: int, pilot: float) -> None:
         predicted = planned.predicted_cost(pilot)
     cpu = [predicted.quantile(probability) for probability in (0.5, 0.9)]
     wall = [planned.wall_time(predicted, seconds, workers) for seconds in cpu]
-    extra = overhead(planned)
-    for name, (likely, most), others in (
-        ("CPU time", cpu, extra.cpu_seconds(workers)),
-        ("wall time", wall, extra.wall_seconds(workers)),
-    ):
+    parts = overhead(planned, workers)
+    extra, of_workers = sum(parts.values()), parts["workers"]
+    at_once = of_workers / max(1, workers)  # they start together, on a core each
+    for name, (likely, most), others in (("CPU time", cpu, extra), ("wall time", wall, extra - of_workers + at_once)):
         at_most = duration(most + UNSURE * others)
         click.echo(f"{name:13} {duration(likely + others)}, with 90 % probability below {at_most}")
-    parts = {"contacts": cpu[0], "start": extra.start, "workers": workers * extra.worker}
-    parts |= {"results": extra.results, "fit and picture": extra.fit}
-    shown = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds)
+    shown = ", ".join(f"{name} {duration(spent)}" for name, spent in {"contacts": cpu[0], **parts}.items() if spent)
     say("of CPU time", shown, width=14)
     smaller = f", and {predicted.smaller} on smaller grids" if predicted.smaller else ""
     click.echo(f"measured      {predicted.pilot} of the {len(planned.problems)} problems on this machine{smaller}")
@@ -151,11 +148,11 @@ def _check_options(target: object, budget: str | None) -> None:
         raise click.UsageError("--pilot: you gave --target as well, which runs a pilot of its own; give one of them")
 
 
-def _show_decision(decided: FirstDecision, workers: int) -> bool:
+def _show_decision(state: Rounds, planned: Plan, failures: Failures, workers: int) -> bool:
     """Print what a pilot found and what follows; return False if the target is out of reach, or some blocks failed."""
     from gfmd_numba.campaign.next_round import REACHED
 
-    state, pilot = decided.rounds, decided.rounds.rounds[0]
+    pilot = state.rounds[0]
     spent = f"{duration(pilot.cpu_seconds or 0.0)} of processor time for the contacts"
     for name, target in state.goal.targets.items():
         told, error = pilot.told_of(name), pilot.errors.get(name)
@@ -168,11 +165,11 @@ def _show_decision(decided: FirstDecision, workers: int) -> bool:
             how += ", after which `gfmd run --until` ends"
         say("target", f"{target:.2%}: {how}", width=14)
     if not state.ended:
-        _show_next_round(state, decided.planned)
-        _show_size(decided.planned, workers)
-    for block, failure in decided.failures.items():
+        _show_next_round(state, planned)
+        _show_size(planned, workers)
+    for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
-    return state.ended in ("", REACHED) and not decided.failures
+    return state.ended in ("", REACHED) and not failures
 
 
 def _show_next_round(state: Rounds, planned: Plan) -> None:

@@ -69,14 +69,7 @@ _MEANINGS = {  # of words that name no variable of a file, or another one there
 }
 _LENGTHS = ("punch_displacement", "sliding", "sliding_y")
 _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they vary
-_IN_UNIT_OF_VARIABLE = [
-    "reference",
-    "reference_error",
-    "correction",
-    "correction_error",
-    "interaction",
-    "interaction_error",
-]
+_IN_UNIT_OF_VARIABLE = [f"{name}{end}" for name in ("reference", "correction", "interaction") for end in ("", "_error")]
 MOST_ROWS = 200
 _MAY_YIELD = 100e6  # Pa: few solids are softer that are no rubber
 _MOST_EXPONENTS = 6
@@ -167,17 +160,15 @@ def meanings(told: list[Table | Line], *datasets: xr.Dataset | None) -> list[tup
             known.setdefault(word, str(attributes.get("long_name", "")))
     known |= _MEANINGS
     tables = [each for each in told if isinstance(each, Table)]
-    said = [word for each in tables for word in (each.title.partition(" ")[0], *_headings(each))]
+    said: list[str] = []
+    for each in tables:
+        without_units = (re.sub(r" \([^()]*\)$", "", heading) for heading in (*each.parameters, *each.values))
+        said += [each.title.partition(" ")[0], *without_units]
     said += [each.label for each in told if isinstance(each, Line)]
     said += ["±"] * any("±" in cell for table in tables for cells in table.values.values() for cell in cells)
     found = {word: known[word] for word in dict.fromkeys(said) if known.get(word, word) != word}
     parts = set(re.findall(r"[\w*]+", " ".join(found.values())))
     return [*found.items(), *(symbol for symbol in _SYMBOLS.items() if symbol[0] in parts)]
-
-
-def _headings(table: Table) -> list[str]:
-    """Return the headings of a table without their units."""
-    return [re.sub(r" \([^()]*\)$", "", heading) for heading in (*table.parameters, *table.values)]
 
 
 def unit(dataset: xr.Dataset, name: str) -> str:
@@ -513,15 +504,6 @@ def _with_errors(values: Any, errors: Any) -> list[str]:
 
 def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     """Yield what came out: of a campaign with its fit if it has limits; of what is no contact all single numbers."""
-    yield from _of_results(dataset, fitted)
-    if "peak_pressure" in dataset and dataset["peak_pressure"].attrs.get("units") == "Pa":
-        peak = float(dataset["peak_pressure"].max())
-        if peak > _MAY_YIELD and is_elastic_contact(dataset.attrs.get("scene", "{}")):
-            told = f"bodies are elastic here: if their hardness is below {with_prefix(peak, 'Pa', 3)}, the largest"
-            yield Line("note", f"{told} pressure, give it as interface: {{hard_wall: {{hardness: ...}}}}")
-
-
-def _of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
     if "case" in dataset.dims:
         yield from of_campaign(dataset, fitted)
     elif "prescribed" in dataset.attrs:
@@ -540,6 +522,11 @@ def _of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
                 free = {"rms_height": "L_x", "rms_curvature": "1/L_x"}.get(str(name), "")
                 told = with_prefix(float(variable), unit_of(dataset, str(name), free), _DIGITS)
                 yield Line(str(name), told, _WIDE)
+    if "peak_pressure" in dataset and dataset["peak_pressure"].attrs.get("units") == "Pa":
+        peak = float(dataset["peak_pressure"].max())
+        if peak > _MAY_YIELD and is_elastic_contact(dataset.attrs.get("scene", "{}")):
+            told = f"bodies are elastic here: if their hardness is below {with_prefix(peak, 'Pa', 3)}, the largest"
+            yield Line("note", f"{told} pressure, give it as interface: {{hard_wall: {{hardness: ...}}}}")
 
 
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:

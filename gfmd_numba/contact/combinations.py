@@ -27,12 +27,9 @@ _JUNCTIONS_GROW = (
 _INTRODUCTION = """\
 # What can be combined
 
-This page is for those who combine effects in a scene, or whose scene `gfmd` has refused. `gfmd schema combinations`
-prints it.
-
-Every pair that is not listed here works. A scene of three effects works if each two of them do and if one solver can do
-all three. `gfmd check FILE` names the line and the column of each refused value, and what is allowed in its place. A
-window is a contact with `periodic: false`, `x` or `y`.
+What can act together in a scene; `gfmd schema combinations` prints it. Every pair that is not listed works. Three
+effects work if each two of them do and one solver can do all. `gfmd check FILE` names line and column of each refused
+value, and what is allowed in its place. A window is a contact with `periodic: false`, `x` or `y`.
 """
 _REASONS = {
     "physics": """\
@@ -242,7 +239,7 @@ REFUSALS = (
         "'plane_strain' with dimension 2, as a contact over x and y is not plane",
         "physics",
     ),
-    Refusal("dimension 1", "force", "a line_load with dimension 1", "physics"),
+    Refusal("dimension 1", "force", "a line_load with dimension 1, or pressure: the force over its area", "physics"),
     Refusal("dimension 2", "line_load", "a force with dimension 2", "physics"),
     Refusal("dimension 1", "anisotropy", "nothing with dimension 1; anisotropy needs dimension 2", "physics"),
     Refusal("dimension 1", "sliding_y", "nothing with dimension 1; sliding_y needs dimension 2", "physics"),

@@ -250,7 +250,7 @@ def _narrow(given: ContactInput, found: Found) -> Iterator[Told]:
     off = np.maximum(uncertain, np.where(widths < NARROW, LARGEST_OFF, 0.0))
     finer = f"points: {2 * found['x'].size} or more"
     if given.measured:
-        finer += " of the measured surface, or a larger cutoff"
+        finer += " of the measured surface with a cutoff of at least 4 of its spacings, or a larger cutoff"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(2 / discretisation.eps_c)} or finer"
     width = _smallest(widths)
@@ -272,14 +272,17 @@ def _sharp_peak(given: ContactInput, found: Found) -> Iterator[Told]:
         or scene.interface.reaches_across
     ):
         return
-    pressure, sharp = found["pressure"], np.zeros(found["status"].shape, dtype=bool)
+    pressure, sound = found["pressure"], found["status"] == Status.ok
+    if "plastic_area_fraction" in found:  # where any node yields, the largest pressure is the hardness on any grid
+        sound = sound & (found["plastic_area_fraction"] == 0.0)
+    sharp = np.zeros(sound.shape, dtype=bool)
     near, far = statistics.bends(found["height"], scene.ends)
     bears = np.where(pressure > 0.0, abs(near), -1.0)
     every = (*pressure.shape[: -len(axes)], -1)
     for places in (pressure, bears):  # of the largest pressure, and the sharpest: on a finer grid that may bear more
         node = np.argmax(places.reshape(every), axis=-1, keepdims=True)
         one, two, load = (np.take_along_axis(each.reshape(every), node, -1)[..., 0] for each in (near, far, pressure))
-        sharp |= (abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & (found["status"] == Status.ok)
+        sharp |= (abs(one) > statistics.SHARP * abs(two)) & (load > 0.0) & sound
     yield (
         sharp,
         "nodes that touch stick out of their neighbours, as at edges of grooves: with more nodes the largest pressure "

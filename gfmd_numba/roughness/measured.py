@@ -48,12 +48,13 @@ _SPACING = 1e-3  # of the spacing, by which positions are rounded
 class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
-    `done` tells what was done, and `doubts` what makes it implausible.
+    `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible.
     """
 
     heights: Reals
     lengths: tuple[float, ...]
     unit: Literal["m", "1"]
+    found: str
     done: tuple[str, ...]
     doubts: tuple[str, ...]
 
@@ -64,11 +65,12 @@ class MeasuredSurface:
 
     @property
     def outcome(self) -> tuple[str, ...]:
-        """What was done, and the size of the surface that came out."""
+        """What was measured, what was done, and the size of the surface that came out."""
         height = float(statistics.rms_height(self.heights, self.lengths))
         gradient = float(statistics.rms_gradient(self.heights, self.lengths))
-        size = with_prefix(height, "m") if self.unit == "m" else f"{height:.4g} L_x"
-        return *self.done, f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
+        size = _size(height, self.unit)
+        made = f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
+        return self.found, *self.done, made
 
 
 @dataclass(frozen=True)
@@ -109,19 +111,20 @@ def measured_surfaces(
         at, own = ("scene", *place), None if place == first else length  # whose period is told by nobody else
         with usable(document, at, field.record):
             found = periodic_surface(field, own, dimension, scene.has_moduli, told_by, scene.periodic)
-        _check_square(found, field.record, at, document)
+        _check_square(found, field, at, document)
         doubts = (*found.doubts, _FADED) if field.record.periodic == "window" else found.doubts
         surfaces[place] = replace(found, doubts=doubts)
     return surfaces, length
 
 
-def _check_square(found: MeasuredSurface, record: Measured, place: Place, document: Document) -> None:
+def _check_square(found: MeasuredSurface, field: Field, place: Place, document: Document) -> None:
     """Raise InputError for a map of more points, or a larger size, along one axis than along the other."""
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
     if len(set(found.heights.shape)) > 1 or unequal:
-        points, sizes = (" x ".join(f"{each:.6g}" for each in both) for both in (found.heights.shape, found.lengths))
-        unit = "L_x" if found.unit == "1" else "m"
-        given = f"{record.shown} ({points} points over {sizes} {unit})"
+        record, parts = field.record, field.fields
+        points = " x ".join(f"{n / parts:g}" for n in found.heights.shape[::-1])
+        sizes = " x ".join(_size(length / parts, found.unit) for length in found.lengths[::-1])
+        given = f"{record.shown} ({points} points over {sizes} along x and y)"
         remedy = (
             "crop: square cuts one out"
             if unequal
@@ -223,7 +226,26 @@ def periodic_surface(
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    return MeasuredSurface(made.heights, made.lengths, unit, done, doubts)
+    return MeasuredSurface(made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts)
+
+
+def _size(length: float, unit: str) -> str:
+    return with_prefix(length, "m") if unit == "m" else f"{length:.4g} L_x"
+
+
+def _found(found: Measurement, sizes: tuple[float, ...], unit: str) -> str:
+    """Say what was measured: whoever knows the instrument sees whether the file was understood."""
+    shape = found.heights.shape[::-1]
+    points, spacing, size = (
+        " x ".join(some)
+        for some in (
+            map(str, shape),
+            (_size(length / n, unit) for length, n in zip(sizes[::-1], shape, strict=True)),
+            (_size(length, unit) for length in sizes[::-1]),
+        )
+    )
+    heights = f"heights in {found.units['z']}" if "z" in found.units else "heights"
+    return f"found {points} {heights}, {spacing} apart, over {size}"
 
 
 def _is_sharp(heights: Reals) -> bool:
@@ -240,7 +262,7 @@ def _sizes(
     found = field.found
     if found.unit is None and (length is not None or in_si):
         known, units = ("a length in m", "{z: um}") if length is not None else ("moduli in Pa", "{z: um}, or {z: L_x},")
-        raise ValueError(f"heights without a unit, but {known}: write units: {units} with theirs, next to file")
+        raise ValueError(f"heights without a unit, but {known}: write units: {units} with theirs, in the same block")
     if found.unit == "1" and length is not None:
         if told_by != "length":
             raise ValueError(f"heights in units of the period, but {length:.7g} m in {told_by}: give both in m or L_x")

@@ -117,15 +117,13 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
 
 def counts_points(content: Content) -> bool:
     """Whether positions, of no unit of length, are whole numbers that mostly go up by one, as numbers of points do."""
-    return bool(content.positions) and all(
-        content.units.get(axis, COUNTS[0]) in COUNTS and each.dtype.kind in "fiu" and _goes_up_by_one(each)
-        for axis, each in content.positions.items()
-    )
-
-
-def _goes_up_by_one(positions: npt.NDArray[Any]) -> bool:
-    whole = np.asarray(positions, dtype=np.float64)
-    return bool((whole == np.round(whole)).all() and (len(whole) == 1 or np.median(abs(np.diff(whole))) == 1.0))
+    for axis, each in content.positions.items():
+        if content.units.get(axis, COUNTS[0]) not in COUNTS or each.dtype.kind not in "fiu":
+            return False
+        whole = np.asarray(each, dtype=np.float64)
+        if (whole != np.round(whole)).any() or (len(whole) > 1 and np.median(abs(np.diff(whole))) != 1.0):
+            return False
+    return bool(content.positions)
 
 
 def at_spacing(content: Content, spacing: float) -> Content:
@@ -201,7 +199,7 @@ def _scales(
             )
         if content.about_lengths is not None:
             told = f"heights without a unit under a header that says {content.about_lengths}"
-            raise ValueError(f"{told}: write units: {{z: um}}, with theirs, next to file")
+            raise ValueError(f"{told}: write units: {{z: um}}, with theirs, in the same block")
         return {"z": 1.0}, None, {}
     if missing:
         raise ValueError(f"{_words(missing)} without a unit: write units: {_example(missing)}, with theirs{counted}")

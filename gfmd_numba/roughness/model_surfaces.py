@@ -138,7 +138,7 @@ def generator(record: records.Spectral, _: Discretisation | None, dimension: int
     model: Isotropic | Anisotropic
     match record:
         case records.Correlated():  # thesis (3.10) or (3.13)
-            flat = _ISOTROPIC[type(record)](dimension, record.hurst, record.correlation_length)
+            flat = _ISOTROPIC[record.model](dimension, record.hurst, record.correlation_length)
             mounds = record.mound_separation
             model = flat if mounds is None else spectra.Mounded(flat, mounds)
         case records.LengthAnisotropy():  # thesis (3.15)
@@ -162,9 +162,9 @@ def _usable(power: Reals) -> Reals:
 
 
 _POWERS = {"psd": psd_power, "fourier_filter": filter_power}
-_ISOTROPIC: dict[type[records.Correlated], type[spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum]] = {
-    records.ExponentialCorrelation: spectra.ExponentialSpectrum,
-    records.KCorrelation: spectra.KCorrelationSpectrum,
+_ISOTROPIC: dict[str, type[spectra.ExponentialSpectrum | spectra.KCorrelationSpectrum]] = {
+    "exponential": spectra.ExponentialSpectrum,
+    "k_correlation": spectra.KCorrelationSpectrum,
 }
 
 

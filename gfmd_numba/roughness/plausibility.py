@@ -116,6 +116,8 @@ def of_field(field: Field) -> Signs:
     heights, spikes = despiked(heights, step)
     deep = bool((raised[spikes] < heights[spikes]).all())
     formed, order = _form(field, heights)
+    if (marked | spikes).any() and _is_levelled(field):
+        formed = []  # of the trend that was fitted to those heights, too
     level = heights - polynomial(heights, order)
     rounding = _EXACT * float(np.ptp(heights))
     steps = [each for each in offsets(level) if abs(each[2]) > max(2.0 * step, rounding)]
@@ -228,6 +230,12 @@ def is_design(heights: Reals) -> bool:
     second = np.diff(heights, 2, axis=-1)
     rounding = 64.0 * float(np.finfo(np.float64).eps * np.nanmax(abs(heights)))
     return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
+
+
+def _is_levelled(field: Field) -> bool:
+    """Whether more than the mean has been subtracted from what was measured."""
+    trend = field.as_measured - field.heights
+    return float(np.nanmedian(abs(trend - np.nanmedian(trend)))) > _EXACT * float(np.nanmax(abs(field.as_measured)))
 
 
 def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:

@@ -18,7 +18,7 @@ Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
 Fill = Literal["refuse", "interpolate"]
 
-_ORDER = {"mean": 0, "tilt": 1, "curvature": 2}
+_TERMS = ("tilt", "curvature")  # of the first and second power
 MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
 INTERPOLATED = {1: "linearly", 2: "by a harmonic function"}  # of profiles and maps
 _EQUAL = 1e-3  # by which sizes of the square may differ without a word: positions and sizes in files are rounded
@@ -38,10 +38,13 @@ def detrended(heights: Reals, detrend: Detrend) -> tuple[Reals, tuple[str, ...]]
     """Heights less the least-squares polynomial of that name, and what was done."""
     if detrend == "none":
         return heights, ()
-    trend = polynomial(heights, _ORDER[detrend])
-    share = trend.var() / (heights.var() or 1.0)
-    told = f", {share:.2g} of the mean square height" if detrend != "mean" else ""
-    return heights - trend, (f"subtracted the {detrend}{told}",)
+    if detrend == "mean":
+        return heights - heights.mean(), ("subtracted the mean",)
+    terms = _TERMS[: _TERMS.index(detrend) + 1]
+    trends = [polynomial(heights, order) for order in range(1, len(terms) + 1)]
+    shares = np.diff([0.0, *(trend.var() for trend in trends)]) / (heights.var() or 1.0)
+    told = (f"the {term}, {share:.2g} of the mean square height" for term, share in zip(terms, shares, strict=True))
+    return heights - trends[-1], ("subtracted " + " and ".join(told),)
 
 
 def made_periodic(

@@ -23,7 +23,7 @@ from gfmd_numba.roughness.amplitudes import stream
 from gfmd_numba.roughness.generators import Shape, band
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 from gfmd_numba.scene.records import Discretisation
-from gfmd_numba.scene.surfaces import MidpointDisplacement, SuccessiveAddition
+from gfmd_numba.scene.surfaces import Recursive
 
 
 @dataclass(frozen=True)
@@ -118,9 +118,7 @@ class Recursion:
         return float((1.0 if self.everywhere else 2.0) * left * (distance * 2**self.first) ** (2.0 * h))
 
 
-def generator(
-    record: MidpointDisplacement | SuccessiveAddition, discretisation: Discretisation | None, dimension: int, nx: int
-) -> Recursion:
+def generator(record: Recursive, discretisation: Discretisation | None, dimension: int, nx: int) -> Recursion:
     """Subdivision of a record between its wavelengths, or those of the discretisation."""
     longest, shortest = band(record, discretisation)
     return Recursion(record.method, dimension, record.hurst, 1.0 / shortest, 1.0 / longest)

@@ -39,7 +39,7 @@ _QUOTED_CELL = re.compile(r'(?:^|,)"([^"]*)"(?=,|$)')
 _DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 _STATED = re.compile(
     r"\[\s*([^\s\[\]]{1,12})\s*\]|\(\s*([^\s()]{1,12})\s*\)|/\s*([^\s\[\]()/,;\"]{1,12})"
-    r"|(?<=\w)\s+in\s+([^\s\[\]()/,;\"]{1,12})(?=\s*(?:[\",;\t]|$))"
+    r"|(?<=\w)(?:\s+in\s+([^\s\[\]()/,;\"]{1,12})|_([pnuµμmc]?m))(?=\s*(?:[\",;\t]|$))"
 )
 _NAMES = {  # without accents, in English, German, French, Spanish and Italian
     "x": r"x|\w*positions?|distance|lateral|length|\w*(?:weg|abstand|strecke|lae?nge)|abscisse|longueur|abscisa"
@@ -418,10 +418,19 @@ def read_rows(path: Path) -> Rows:
         header[-1] = corner[0]
     values = _parsed(rows, layout)
     if values is None:
-        raise _bad_row(lines, first, layout, columns)
+        raise _bad_row(rows, numbers, layout, columns)
     while values.shape[1] > 1 and (values[:, -1] != values[:, -1]).all():  # a separator at the end of each row
         values = values[:, :-1]
+    header = [_without_empty_cells(line, values.shape[1]) for line in header]
     return Rows(header, values, layout, numbers[: len(values)])
+
+
+def _without_empty_cells(line: str, columns: int) -> str:
+    """Line of a header less the empty cells at its end that belong to no column, as spreadsheets write them."""
+    cut = line.rstrip(" ")
+    while cut[-1:] in (*";\t,",) and cut.count(cut[-1]) >= columns:
+        cut = cut[:-1].rstrip(" ")
+    return cut
 
 
 def _is_cut(line: str, row: str, layout: Layout, columns: int) -> bool:
@@ -555,13 +564,13 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
     found, begin = [], 0
     slashes = sum(length_unit(match[3]) is not None for match in _STATED.finditer(line or part) if match[3])
     for match in _STATED.finditer(part):
-        square, round_, slashed, in_words = match.groups()
+        square, round_, slashed, in_words, of_name = match.groups()
         label, rest = part[begin : match.start()], part[match.end() :]
         if _VALUE.search(label) or _OF_A_PROTOCOL.match(rest):
             continue  # an entry of a protocol, such as `scan length (mm): 4`
         if slashed and slashes < 2 and _axis(label) is None:
             continue  # a quotient, such as px/mm; two are names of columns in another language
-        unit = length_unit(square or round_ or slashed or in_words)
+        unit = length_unit(square or round_ or slashed or in_words or of_name)
         if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
             unit = square or round_
         if unit is not None:
@@ -611,20 +620,21 @@ def _parsed(rows: list[str], layout: Layout) -> Reals | None:
     return np.asarray(table, dtype=np.float64)
 
 
-def _bad_row(lines: list[str], first: int, layout: Layout, columns: int) -> ValueError:
-    """What is wrong with the first row that cannot be read."""
-    for i, line in enumerate(lines[first:], first + 1):
-        if _is_comment(line) or not line.strip():
-            continue
-        line = _COMMENT.sub("", line)
-        if layout.columns(line) > columns:
-            return ValueError(f"{layout.columns(line)} columns in line {i}, where line {first + 1} has {columns}")
-        for cell in layout.cells(line):
-            if _parsed([cell], Layout("", layout.decimal)) is None:
-                return ValueError(
-                    f"{_short(cell)} in line {i}, not a number (what is missing is an empty cell, or nan)"
-                )
-    return ValueError("rows of numbers that do not make a table")
+def _bad_row(rows: list[str], numbers: list[int], layout: Layout, columns: int) -> ValueError:
+    """What is wrong with the first row that cannot be read, found by halving, as a file may be long."""
+    good, bad = 0, len(rows)
+    while bad - good > 1:
+        middle = (good + bad) // 2
+        good, bad = (middle, bad) if _parsed(rows[:middle], layout) is not None else (good, middle)
+    row, number = rows[bad - 1], numbers[bad - 1]
+    if layout.columns(row) > columns:
+        return ValueError(f"{layout.columns(row)} columns in line {number}, where line {numbers[0]} has {columns}")
+    filled = [cell for cell in layout.cells(row) if cell.strip()]
+    for i, cell in enumerate(filled):
+        if _parsed([cell], Layout("", layout.decimal)) is None:
+            told = "what is missing is an empty cell, or nan" if i else "delete that line if it is none of heights"
+            return ValueError(f"{_short(cell)} in line {number}, not a number ({told})")
+    return ValueError(f"rows of numbers that do not make a table, from line {number} on")
 
 
 def _short(cell: str) -> str:

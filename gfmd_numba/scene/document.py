@@ -28,11 +28,6 @@ _POINT = "decimals have a point, like 1.5"
 _MEASURED = "'measured' for the heights of a file: add `method: measured`"
 
 
-def _finite(text: str) -> object:
-    """Number of a text, or the text of one too large for a float, which is not meant to be infinite."""
-    return text if isinf(float(text)) else float(text)
-
-
 # YAML 1.2 core schema, plus fractions; bounded digits keep every int and fraction within a float's range.
 SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
     (re.compile(r"~|null|Null|NULL|"), lambda text: None),
@@ -40,7 +35,10 @@ SCALARS: tuple[tuple[re.Pattern[str], Callable[[str], object]], ...] = (
     (re.compile(r"false|False|FALSE"), lambda text: False),
     (re.compile(r"[-+]?[0-9]{1,300}"), int),
     (re.compile(r"0o[0-7]{1,64}|0x[0-9a-fA-F]{1,64}"), lambda text: int(text, 0)),
-    (re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"), _finite),
+    (  # one too large for a float stays a text: it is not meant to be infinite
+        re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?"),
+        lambda text: text if isinf(float(text)) else float(text),
+    ),
     (re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)"), lambda text: float(text.replace(".", ""))),
     (
         re.compile(r"[-+]?[0-9]{1,300}/0*[1-9][0-9]{0,299}"),
@@ -104,24 +102,14 @@ class Document:
         given = self.value(location)
         return self.line(location, brief(given), allowed, suggestion)
 
-    def line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
-        """One line of an InputError; an absent value stands where the mapping that lacks it does."""
+    def line(self, location: Location, given: str, allowed: str, suggestion: str = "", *, of_key: bool = False) -> str:
+        """One line of an InputError about a value or a key; an absent one stands where what lacks it does."""
         location = self.elsewhere.get(location, location)
-        position, owner = self.positions.get(location), location
+        position, owner = None if of_key else self.positions.get(location), location
         while position is None and owner:
             position, owner = self.key_positions.get(owner), owner[:-1]
-        return self._written(position, location, given, allowed, suggestion)
-
-    def key_line(self, location: Location, given: str, allowed: str, suggestion: str = "") -> str:
-        """One line of an InputError about a key, not its value."""
-        return self._written(self.key_positions.get(location), location, given, allowed, suggestion)
-
-    def _written(
-        self, position: tuple[int, int] | None, location: Location, given: str, allowed: str, suggestion: str
-    ) -> str:
-        position = position or self.positions.get(())
         shown = location[1:] if self.flat and location[:1] == ("scene",) else location
-        return _line(self.path, position, shown, given, allowed, suggestion)
+        return _line(self.path, position or self.positions.get(()), shown, given, allowed, suggestion)
 
 
 def read_document(path: str | Path) -> Document:
@@ -310,7 +298,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
                 siblings += [key for key in schema["properties"] if key != "scene"]
             comma = _POINT if str(location[-1])[:1].isdigit() else ""
             hint = comma or _belongs(schema, location) or nearest(location[-1], siblings)
-            return document.key_line(location, "an unknown key", _listed(siblings), hint)
+            return document.line(location, "an unknown key", _listed(siblings), hint, of_key=True)
         case "union_tag_invalid" | "union_tag_not_found":
             given = document.value(location)
             location += (node["discriminator"]["propertyName"],)
@@ -348,11 +336,8 @@ def _at(schema: dict[str, Any], loc: Iterable[str | int]) -> tuple[Location, dic
 
 def _of_kind(node: dict[str, Any], part: str | int) -> dict[str, Any] | None:
     """Member of a union without a tag of its own in the document, by the name of its record or by its text."""
-    return next((kind for kind in node.get("oneOf", ()) if part in (_name(kind), kind.get("const"))), None)
-
-
-def _name(node: dict[str, Any]) -> str:
-    return str(node.get("$ref", "")).rpartition("/")[2]
+    members = ((kind, str(kind.get("$ref", "")).rpartition("/")[2]) for kind in node.get("oneOf", ()))
+    return next((kind for kind, name in members if part in (name, kind.get("const"))), None)
 
 
 def _resolved(schema: dict[str, Any], node: dict[str, Any]) -> dict[str, Any]:

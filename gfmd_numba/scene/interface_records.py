@@ -66,13 +66,14 @@ class LawOfTheGap(LawRecord):
         None, description="File with the share of the work of adhesion that acts at each node; None: all of it"
     )
 
+    pulls_at_no_gap: ClassVar[bool] = True
     leaves_a_gap: ClassVar[bool] = False  # whether it repels so much that nothing touches
     known_from: ClassVar[float] = -inf  # gap, over the range, below which its traction goes on in a line
 
     @property
     def pull(self) -> float:
         """Traction at no gap over work_of_adhesion / range."""
-        return 1.0
+        return 1.0 if self.pulls_at_no_gap else 0.0
 
 
 class SignedLaw(LawOfTheGap):
@@ -129,13 +130,9 @@ class SquaredExponential(Attraction):
     """Attraction with energy -work_of_adhesion exp(-(gap/range)^2 / 2) per area."""
 
     title: ClassVar = "squared exponential law"
+    pulls_at_no_gap: ClassVar = False
     implementation: ClassVar = "gfmd_numba.interface.squared_exponential:SquaredExponentialLaw"
     range: Length = Field(description="Gap of the largest attraction, in m if the scene has a length, else in L_x")
-
-    @property
-    def pull(self) -> float:
-        """Traction at no gap over work_of_adhesion / range."""
-        return 0.0
 
 
 class MaugisDugdale(Attraction):
@@ -153,17 +150,13 @@ class LennardJones(LawOfTheGap):
     """Lennard-Jones attraction and repulsion of two half-spaces, integrated over their atoms."""
 
     title: ClassVar = "Lennard-Jones law"
+    pulls_at_no_gap: ClassVar = False  # it repels there
     leaves_a_gap: ClassVar = True
     known_from: ClassVar = 0.5
     implementation: ClassVar = "gfmd_numba.interface.power_laws:LennardJonesLaw"
     keeps_apart: ClassVar = True
     work_of_adhesion: WorkOfAdhesion = Field(description="Energy per area in J/m^2 (E* L_x without moduli and length)")
     range: Length = Field(description="Gap at which nothing acts, in m if the scene has a length, else in L_x")
-
-    @property
-    def pull(self) -> float:
-        """Nothing: the law repels at no gap."""
-        return 0.0
 
 
 class Cohesive(LawRecord):

@@ -1,6 +1,5 @@
 """Records of the loading: what is prescribed, at first and after each step of a path."""
 
-from collections.abc import Iterator
 from typing import Any, Self
 
 from pydantic import BaseModel, Field, ValidationInfo, field_validator, model_validator
@@ -21,7 +20,7 @@ from gfmd_numba.scene.quantities import (
     Speed,
     broken_rule,
 )
-from gfmd_numba.scene.units import Quantity, quantities, respelt
+from gfmd_numba.scene.units import quantities, respelt
 
 LOADS = ("reduced_pressure", "pressure", "line_load", "force")
 CONTROLS = (*LOADS, "displacement")
@@ -74,33 +73,16 @@ class Loading(Controls):
         return self
 
 
-def _loads() -> Iterator[tuple[str, Quantity]]:
-    return ((name, quantity) for name, quantity in quantities(Loading).items() if name in CONTROLS)
-
-
-def control_of(load: str) -> str | None:
-    """Name of the load that a number with a unit is, or None; `50 MPa` is a pressure."""
-    for name, quantity in _loads():
+def control_of(load: str) -> tuple[str, str]:
+    """Name of the load that a number with a unit is, as `50 MPa` is a pressure; else nothing, and what may be meant."""
+    meant = respelt(load)
+    for name, quantity in quantities(Loading).items():
         try:
-            if quantity.si_value(load) is not None:
-                return name
-        except PydanticCustomError:  # a unit of another quantity
-            continue
-    return None
-
-
-def load_meant(load: str) -> str:
-    """How to write a number with a unit that is no load, or the unit that may be meant; nothing without a guess."""
-    if hint := respelt(load):
-        return hint
-    for _, quantity in _loads():
-        try:
-            quantity.si_value(load)
-        except PydanticCustomError as error:
-            hint = str((error.context or {})["suggestion"])
-            if hint:
-                return hint
-    return ""
+            if name in CONTROLS and quantity.si_value(load) is not None:
+                return name, ""
+        except PydanticCustomError as error:  # a unit of another quantity
+            meant = meant or str((error.context or {})["suggestion"])
+    return "", meant
 
 
 class Step(Controls):

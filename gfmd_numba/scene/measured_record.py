@@ -110,16 +110,9 @@ class FileUnits(BaseModel):
     z: Unit | None = Field(None, description="Unit of heights; None: the file states it")
 
 
-def _heights(given: Any) -> Any:
-    try:
-        return heights(given)
-    except ValueError:
-        raise ValueError(_HEIGHTS) from None
-
-
 GivenHeights = Annotated[
     InstanceOf[Heights],
-    BeforeValidator(_heights),
+    BeforeValidator(heights),
     PlainSerializer(lambda given: given.said),
     WithJsonSchema({"allowed": _HEIGHTS}),
 ]

@@ -232,14 +232,6 @@ class Scene(BaseModel):
         return self.follows_topography and any(each is not None for each in upper)
 
     @property
-    def knows_lowest_order_only(self) -> bool:
-        """Whether what acts on rough deformable surfaces is followed at order 0 in their slope unless asked for."""
-        layered = any(body.layers is not None for body in self.deformable) or self.form is not None
-        further = self.interface.couples or self.interface.hardness is not None
-        further |= self.has_punch and self.boundary is not None
-        return self.dimension == 2 or layered or further or self.creeps or any(self.ends)
-
-    @property
     def awaits_period(self) -> bool:
         """Whether the file of a measured surface may tell the period: what depends on it is checked by then."""
         return self.length is None and any(isinstance(surface, Measured) for surface in self.surfaces.values())
@@ -400,10 +392,13 @@ class Numerics(BaseModel):
     )
 
     def slope_order(self, scene: Scene) -> int:
-        """Order in the slope to which the topographies of a scene are followed."""
-        if self.topography_order is None:
-            return 0 if scene.knows_lowest_order_only else 2
-        return self.topography_order
+        """Order in the slope to which the topographies of a scene are followed: 2, or 0, unless one is asked for."""
+        if self.topography_order is not None:
+            return self.topography_order
+        layered = any(body.layers is not None for body in scene.deformable) or scene.form is not None
+        further = scene.interface.couples or scene.interface.hardness is not None
+        further |= scene.has_punch and scene.boundary is not None
+        return 0 if scene.dimension == 2 or layered or further or scene.creeps or any(scene.ends) else 2
 
 
 Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene

@@ -33,7 +33,7 @@ def load_scene(source: Source | SceneFile, heights: Any = None) -> tuple[SceneFi
     campaign = [key for key in _OF_CAMPAIGNS if isinstance(document.data, dict) and key in document.data]
     if len(campaign) > 1:  # one alone may be a slip
         allowed = "the keys of a scene; gfmd run and gfmd plan take a campaign"
-        raise InputError(document.key_line((campaign[0],), "a key of campaigns", allowed))
+        raise InputError(document.line((campaign[0],), "a key of campaigns", allowed, of_key=True))
     return _checked(validate(document, SceneFile), document), document
 
 

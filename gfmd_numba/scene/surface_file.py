@@ -71,7 +71,7 @@ def load_surface(source: Source | SurfaceFile) -> tuple[SurfaceFile, Document]:
         document = document_of(source, "surface")
         if document.value(("surface",)) is ABSENT and document.value(("scene",)) is not ABSENT:
             allowed = "a file of a surface: write the scene's roughness under `surface`, and its length below that"
-            raise InputError(document.key_line(("scene",), "a scene", allowed))
+            raise InputError(document.line(("scene",), "a scene", allowed, of_key=True))
         file = validate(document, SurfaceFile)
     if file.surface.points is not None:
         nodes = float(file.surface.points) ** (file.dimension or 1)

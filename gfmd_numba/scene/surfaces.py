@@ -147,11 +147,12 @@ class Spectral(Random):
 
 
 class Correlated(Spectral):
-    """Isotropic model with a correlation length, thesis (3.10) or (3.13), and perhaps mounds (3.17)."""
+    """Exponential or K-correlation model, thesis (3.9) to (3.14): isotropic, and perhaps with mounds (3.17)."""
 
     hurst: PositiveHurst
     correlation_length: Length
     mound_separation: Length | None = Field(None, description="Mean distance of mounds; None: no mounds")
+    model: Literal["exponential", "k_correlation"] = Field(description="Spectrum of the surface")
 
     @model_validator(mode="after")
     def _mounds_fit(self) -> Self:
@@ -160,18 +161,6 @@ class Correlated(Spectral):
             reason = "as mounds are not larger than their distance"
             raise broken_rule(("correlation_length",), f"at most mound_separation = {most}, {reason}")
         return self
-
-
-class ExponentialCorrelation(Correlated):
-    """Exponential correlation model, thesis (3.9) to (3.11)."""
-
-    model: Literal["exponential"] = Field(description="Spectrum of the surface")
-
-
-class KCorrelation(Correlated):
-    """K-correlation model, thesis (3.12) to (3.14)."""
-
-    model: Literal["k_correlation"] = Field(description="Spectrum of the surface")
 
 
 class LengthAnisotropy(Spectral):
@@ -199,22 +188,14 @@ class ScalingAnisotropy(Spectral):
 
 
 class Recursive(PowerLaw):
-    """Recursive method, thesis 3.5.1: self-affine between two wavelengths at least an octave apart."""
+    """Random midpoint displacement, thesis 3.5.1, or successive random addition, thesis 3.5.1.1.
+
+    Both are self-affine between two wavelengths at least an octave apart.
+    """
 
     implementation: ClassVar = "gfmd_numba.roughness.recursive:generator"
     least_ratio: ClassVar = 2
-
-
-class MidpointDisplacement(Recursive):
-    """Random midpoint displacement, thesis 3.5.1."""
-
-    method: Literal["midpoint_displacement"] = Field(description="How the surface is made")
-
-
-class SuccessiveAddition(Recursive):
-    """Successive random addition, thesis 3.5.1.1."""
-
-    method: Literal["successive_addition"] = Field(description="How the surface is made")
+    method: Literal["midpoint_displacement", "successive_addition"] = Field(description="How the surface is made")
 
 
 def _self_affine_by_default(given: Any) -> Any:
@@ -223,12 +204,12 @@ def _self_affine_by_default(given: Any) -> Any:
 
 OfSpectrum = Annotated[
     Annotated[
-        SelfAffine | ExponentialCorrelation | KCorrelation | LengthAnisotropy | ScalingAnisotropy,
+        SelfAffine | Correlated | LengthAnisotropy | ScalingAnisotropy,
         Field(discriminator="model", description="Spectrum of the surface"),
     ],
     BeforeValidator(_self_affine_by_default),
 ]
 Surface = Annotated[
-    OfSpectrum | MidpointDisplacement | SuccessiveAddition | Measured,
+    OfSpectrum | Recursive | Measured,
     Field(discriminator="method", description="Roughness of a surface"),
 ]

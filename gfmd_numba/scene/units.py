@@ -95,14 +95,9 @@ class Quantity:
         return self.units[0]
 
     @property
-    def article(self) -> str:
-        """Its name with an article."""
-        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name}"
-
-    @property
     def allowed(self) -> str:
         """What a number with a unit of it may look like, in words."""
-        return f"{self.article} in {', '.join(self.units)} or the like"
+        return f"{'an' if self.name[0] in 'aeiou' else 'a'} {self.name} in {', '.join(self.units)} or the like"
 
     def scale(self, length: float, modulus: float, time: float = 1.0) -> float:
         """What it is counted in where the period is `length` and the contact modulus `modulus`."""

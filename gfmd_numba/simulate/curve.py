@@ -17,6 +17,7 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
+from gfmd_numba.analysis.contact_stiffness import nearness
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces
@@ -28,7 +29,7 @@ from gfmd_numba.contact.state import Contact, Tell
 from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, path_warnings, wording
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
-from gfmd_numba.scene.loading import Step, check_loading, control_of, load_meant
+from gfmd_numba.scene.loading import Step, check_loading, control_of
 from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.quantities import RECORD, REDUCED_PRESSURE, check_scales
 from gfmd_numba.scene.units import has_unit
@@ -151,10 +152,10 @@ def _control(scene: Scene, loads: object) -> str:
     if isinstance(loads, list) and len({isinstance(load, str) and has_unit(load) for load in loads}) > 1:
         raise InputError.of("loads", brief(loads), "loads that all have a unit, or none")
     first = loads[0] if isinstance(loads, list) and loads else None
-    told = control_of(first) if isinstance(first, str) else None
-    if told is None and isinstance(first, str) and (hint := load_meant(first)):
+    told, hint = control_of(first) if isinstance(first, str) else ("", "")
+    if hint:
         raise InputError.of("loads[0]", brief(first), f"numbers, or text with the unit of a load; {hint}")
-    return scene.loading.control if told is None else told
+    return told or scene.loading.control
 
 
 def _loaded(file: SceneFile, control: str, load: float) -> SceneFile:
@@ -259,14 +260,10 @@ def _approached(curve: LoadCurve) -> tuple[float, ...]:
 
 
 def _stiffness(before: xr.Dataset, step: xr.Dataset) -> float:
-    """Rise of the mean pressure over the fall of the mean gap, infinite where the gap is closed already.
-
-    Without a period, over the way of the punch.
-    """
-    name, ends = ("approach", (before, step)) if "approach" in step else ("mean_gap", (step, before))
+    """Rise of the mean pressure over how much nearer the surfaces come, infinite where the gap is closed already."""
     with np.errstate(divide="ignore", invalid="ignore"):
         rise = step["mean_pressure"].values - before["mean_pressure"].values
-        return float(rise / (ends[1][name].values - ends[0][name].values))
+        return float(rise / (nearness(step) - nearness(before)).values)
 
 
 def by_realisation(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
@@ -381,26 +378,22 @@ def _standard_error(values: xr.DataArray) -> xr.DataArray:
 
 def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     """Add what the path and the size of the period make of the recorded scalars."""
-    scene = curve.given.file.scene
-    one = units_of(curve.given).worth["pressure"]
-    found["reduced_pressure"] = (found["mean_pressure"] / one).assign_attrs(cf_attributes(REDUCED_PRESSURE))
+    scene, units = curve.given.file.scene, units_of(curve.given)
+    reduced = found["mean_pressure"] / units.worth["pressure"]
+    found["reduced_pressure"] = reduced.assign_attrs(cf_attributes(REDUCED_PRESSURE))
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
         whole = "one period" if scene.periodic is True else "the window"
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
         found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
     if "contact_stiffness" in found:
-        found["contact_stiffness"].attrs = _stiffness_attributes(curve.given)
-
-
-def _stiffness_attributes(given: ContactInput) -> dict[str, Any]:
-    unit = units_of(given).names
-    per = [unit["pressure"]] if unit["pressure"] != "1" else []
-    per += [f"{unit['height']}-1"] if unit["height"] != "1" else []
-    long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
-    if any(given.file.scene.ends):
-        long_name = "contact stiffness, d(mean_pressure)/d(approach)"
-    return cf_attributes(long_name, " ".join(per) or "1") | {"comment": _METHOD}
+        per = [units.names["pressure"]] if units.names["pressure"] != "1" else []
+        per += [f"{units.names['height']}-1"] if units.names["height"] != "1" else []
+        long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
+        if any(scene.ends):
+            long_name = "contact stiffness, d(mean_pressure)/d(approach)"
+        attributes = cf_attributes(long_name, " ".join(per) or "1")
+        found["contact_stiffness"].attrs = attributes | {"comment": _METHOD}
 
 
 def _finished(curve: LoadCurve, found: xr.Dataset) -> str:

@@ -245,7 +245,11 @@ def _of_map(steps: Sequence[xr.Dataset], inside: _Inside, wanted: _Wanted) -> li
     _check(steps[0], len(steps), inside, wanted, arrays * _PADDED ** sum(inside.ends))
     largest = [inside.below(step).largest_von_mises(z) for step in steps]
     if wanted.planes:
-        found = [_planes(step, wanted.z, inside) for step in steps]
+        found = []
+        for step in steps:
+            below = inside.below(step)
+            planes = np.stack([below.plane(float(depth), _NAMES) for depth in z], axis=1)
+            found.append(_dataset(step, inside, wanted.z, dict(zip(_NAMES, planes, strict=True)), {}, {}))
     else:
         place = _place(steps, largest, inside, wanted)
         found = [_section(step, wanted.z, inside, place) for step in steps]
@@ -306,12 +310,6 @@ def _section(step: xr.Dataset, z: Reals, inside: _Inside, place: tuple[Axis, int
     return _dataset(step, inside, z, values, formed, cut)
 
 
-def _planes(step: xr.Dataset, z: Reals, inside: _Inside) -> xr.Dataset:
-    below = inside.below(step)
-    planes = [below.plane(float(depth), _NAMES) for depth in z / inside.length]
-    return _dataset(step, inside, z, dict(zip(_NAMES, np.stack(planes, axis=1), strict=True)), {}, {})
-
-
 def _add_peaks(dataset: xr.Dataset, largest: Largest, units: Units, failed: bool) -> None:
     """Add the largest von Mises stress of each whole plane and where it is."""
     for variable, kind, values, long_name in (
@@ -339,7 +337,10 @@ def described(contact: xr.Dataset, body: str) -> tuple[Scene, int]:
     solved = ({"x", "pressure"} <= found or {"x", "normal_traction"} <= found) and "von_mises" not in found
     if "scene" not in contact.attrs or not solved:  # fields inside a body have the pressure on it as well
         raise InputError.of("contact", "no results of a contact", "what `gfmd solve` leaves")
-    file = _recorded(contact)
+    try:
+        file = SceneFile.model_validate_json(contact.attrs["scene"])
+    except ValueError:
+        raise InputError.of("contact", "a contact whose scene is unreadable", "what `gfmd solve` leaves") from None
     scene, order = file.scene, file.slope_order
     if scene.creeps:
         raise InputError.of("contact", "one of a viscoelastic body", "elastic bodies, as this is not built yet")
@@ -428,11 +429,3 @@ def _is_whole(contact: xr.Dataset, nodes: tuple[str, ...]) -> bool:
     numbers = all(each.dtype.kind in "fiu" for each in (*places, contact["status"], *fields))
     named = all("units" in each.attrs for each in (*places, *fields))
     return laid_out and numbers and named and contact.sizes.get("step", 1) > 0
-
-
-def _recorded(contact: xr.Dataset) -> SceneFile:
-    """Scene file that a dataset was solved from; raises InputError if its attribute is no such thing any more."""
-    try:
-        return SceneFile.model_validate_json(contact.attrs["scene"])
-    except ValueError:
-        raise InputError.of("contact", "a contact whose scene is unreadable", "what `gfmd solve` leaves") from None

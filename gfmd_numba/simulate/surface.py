@@ -15,7 +15,6 @@ from gfmd_numba.scene import Document
 from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.plausible_numbers import implausible
 from gfmd_numba.scene.surface_file import HurstRange, SurfaceFile
-from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import given_with_units, in_reduced_units
 
 _LEVELS = np.linspace(-5.0, 5.0, 81)  # bin edges of the height distribution, in rms heights
@@ -30,10 +29,9 @@ class Made(MeasuredSurface):
 
 def make(file: SurfaceFile) -> Made:
     """Surface of a checked record; ValueError for a measured file, or a spectrum, that cannot be used."""
-    return _measured(file, file.surface) if isinstance(file.surface, Measured) else _random(file, file.surface)
-
-
-def _random(file: SurfaceFile, record: Random) -> Made:
+    record = file.surface
+    if isinstance(record, Measured):
+        return Made(**vars(measured_surface(record, file.length)))
     period, dimension = file.length or 1.0, file.dimension or 1
     surface, gradient = random_surface(in_reduced_units(record, period, 1.0), None, dimension, file.seed)
     drawn = surface.heights(range(file.realisation, file.realisation + 1))[0]
@@ -45,11 +43,7 @@ def _random(file: SurfaceFile, record: Random) -> Made:
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
-    return Made(heights, lengths, "1" if file.length is None else "m", (), (), power)
-
-
-def _measured(file: SurfaceFile, record: Measured) -> Made:
-    return Made(**vars(measured_surface(record, file.length)))
+    return Made(heights, lengths, "1" if file.length is None else "m", "", (), (), power)
 
 
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:

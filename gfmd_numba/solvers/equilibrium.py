@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
@@ -16,7 +15,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, tangential_shape
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, leave_pressures, tangential_shape
 from gfmd_numba.solvers.status import Stagnation, Status
 from gfmd_numba.solvers.table import SOLVERS, Options
 
@@ -284,7 +283,6 @@ def _iterate(
     solver: Iteration, rows: Indices, borne: float, options: Options, result: Equilibrium, hardness: float = np.inf
 ) -> None:
     """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
-    n = solver.field.n
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
     active, stagnation = np.arange(rows.size), Stagnation(rows.size)
     blown_up = _BLOWN_UP * (result.full_contact_pressure[rows] + borne)
@@ -303,10 +301,8 @@ def _iterate(
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
-        state, where = solver.state, rows[done]
-        bears = solver.certificate.bears
-        restored = done if bears is None else done[~bears[done]]
-        kernels.wall_pressure(state, solver.certificate.conditions.hardness, restored, n)  # rows that have ended
+        where = rows[done]
+        leave_pressures(solver, done)
         _store(result, solver, done, where)
         if result.plastic is not None:
             result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness

@@ -178,3 +178,10 @@ def begin(batch: Batch, options: Options) -> Iteration:
 def _implementation(path: str) -> Callable[[Batch, Options], Iteration | None]:
     found: Callable[[Batch, Options], Iteration | None] = resolve_name(path)
     return found
+
+
+def leave_pressures(solver: Iteration, rows: Indices) -> None:
+    """Replace the normal restoring tractions of rows that have ended by the pressures of the wall, where not done."""
+    bears, conditions = solver.certificate.bears, solver.certificate.conditions
+    restored = rows if bears is None else rows[~bears[rows]]
+    kernels.wall_pressure(solver.state, conditions.hardness, restored, solver.field.n)

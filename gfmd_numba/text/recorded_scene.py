@@ -37,20 +37,15 @@ def described(text: str, load: bool = True) -> str:
     A record that was altered by hand says nothing: it is a title, not a number.
     """
     try:
-        return _described(json.loads(text).get("scene", {}), load)
+        scene = json.loads(text).get("scene", {})
+        parts = [_surface(scene), f"on {_body(scene['body'])}"] if scene.get("body") else []
+        if parts and scene.get("counter_body"):
+            parts.append(f"against {_body(scene['counter_body'])}")
+        for name, value in (scene.get("loading") or {}).items() if parts and load else ():
+            if name in _LOADS and value is not None:
+                parts.append(f"under {with_prefix(value, _LOADS[name])}")
     except (AttributeError, TypeError, ValueError):
         return ""
-
-
-def _described(scene: dict[str, Any], load: bool) -> str:
-    if not scene.get("body"):
-        return ""
-    parts = [_surface(scene), f"on {_body(scene['body'])}"]
-    if scene.get("counter_body"):
-        parts.append(f"against {_body(scene['counter_body'])}")
-    for name, value in (scene.get("loading") or {}).items():
-        if load and name in _LOADS and value is not None:
-            parts.append(f"under {with_prefix(value, _LOADS[name])}")
     return ", ".join(parts)
 
 
@@ -62,7 +57,11 @@ def _surface(scene: dict[str, Any]) -> str:
         said += f", Hurst exponent {rough['hurst']:g}" if "hurst" in rough else ""
     said += " with a form" if scene.get("form") else ""
     length = scene.get("length")
-    return said if length is None else f"{said}, {with_prefix(length, 'm')} long"
+    if length is None:
+        return said
+    is_doubled = rough and rough.get("periodic") == "mirror" and scene.get("periodic", True) is True
+    size = with_prefix(length, "m")
+    return f"{said}, mirrored to a period of {size}" if is_doubled else f"{said}, {size} long"
 
 
 def _body(body: dict[str, Any]) -> str:

@@ -190,3 +190,19 @@ def test_the_difference_of_loads_is_off_as_the_docstring_says(a):
     found = contact_stiffness(xr.Dataset({name: ("step", each) for name, each in values.items()}))
     off = float(found["stiffness"][0] / found["mean_pressure"][0] ** a) - 1.0
     assert off == pytest.approx(a * (1.0 - a) * np.log(1.3) ** 2 / 24.0, rel=0.1, abs=1e-12)
+
+
+def test_under_a_hardness_the_way_of_the_punch_includes_the_flattening():
+    """The work of the load along the way is what is stored and what is lost in dents."""
+    scene = {"length": "1 mm", "body": {"youngs_modulus": "70 GPa", "poissons_ratio": 0.3}}
+    scene |= {"roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}, "loading": {"pressure": "10 MPa"}}
+    scene |= {"interface": {"hard_wall": {"hardness": "1 GPa"}}}
+    levels, loads = {"eps_c": 1 / 8, "eps_f": 1 / 32, "eps_t": 1 / 2}, [f"{p} MPa" for p in np.geomspace(10, 400, 60)]
+    file = {"scene": scene, "discretisation": levels, "seed": 3}
+    path = gfmd_numba.solve({**file, "path": [{"pressure": load} for load in loads[1:]]})
+    pressure = path["mean_pressure"].values
+    of_energies = float(path["elastic_energy"][-1] - path["elastic_energy"][0] + path["energy_lost"][1:].sum())
+    ways = np.diff(pressure) / contact_stiffness(path)["stiffness"].values
+    assert np.sum(0.5 * (pressure[1:] + pressure[:-1]) * ways) == pytest.approx(of_energies, rel=1e-3)
+    of_curve = gfmd_numba.load_curve(file, loads)["contact_stiffness"].values
+    assert np.trapezoid(pressure / of_curve, pressure) == pytest.approx(of_energies, rel=0.05)

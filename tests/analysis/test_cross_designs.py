@@ -49,12 +49,6 @@ def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interacti
     assert fewest[1] > 3 * fewest[0]
 
 
-def test_the_price_includes_that_of_the_cross_levels():
-    dataset, seconds = priced(crossed(*CROSS, DEAR))
-    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
-    assert design.seconds == pytest.approx(design.realisations @ seconds, rel=1e-12)
-
-
 def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
     dataset, seconds = priced(crossed({"eps_c": 1, "eps_t": 1}, *CROSS))
     design = cheapest_design(dataset, seconds, target=0.02, variable="kappa_r", fixed=ALPHA)

@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import FEWEST
-from gfmd_numba.campaign.next_round import Fit, Fitted, Known, after
+from gfmd_numba.campaign.next_round import Known, after
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 
@@ -44,7 +44,7 @@ def until(drawn, target, seed):
     while not state.ended:
         results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
         fitted = fit_tfc(results, fixed=ALPHA)
-        state = after(state, [Fitted(Known(results, Fit("kappa", ALPHA)), fitted)])
+        state = after(state, [Known(results, fitted, "kappa", ALPHA)])
     return fitted, state
 
 

@@ -7,15 +7,7 @@ import xarray as xr
 from gfmd_numba.analysis import UnusableDataError, fit_tfc
 from gfmd_numba.campaign import next_round
 from gfmd_numba.campaign.goal import Goal
-from gfmd_numba.campaign.next_round import (
-    Fit,
-    Fitted,
-    Known,
-    UnknownExponentsError,
-    after,
-    decide,
-    judge,
-)
+from gfmd_numba.campaign.next_round import Known, after, decide, judge
 from gfmd_numba.campaign.rounds import Round, Rounds
 from support.cross_levels import LEVELS, crossed
 from support.synthetic_campaigns import ALPHA, CROSS, campaign, noisy
@@ -24,7 +16,6 @@ pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 DEAR = {"eps_c": 1 / 512, "eps_t": 1 / 64}
 HELD = 40  # realisations of every case so far
-EXACT = Fit("kappa", ALPHA)
 
 
 def results(dataset, seed=0):
@@ -37,9 +28,9 @@ def results(dataset, seed=0):
     return drawn.assign(n_transforms=(("case", "realisation"), np.full(drawn["kappa"].shape, 40)))
 
 
-def decided(found, target, fit=EXACT, most=np.inf):
-    known = Known(found, fit)
-    return decide(known, judge(known, fit_tfc(found, fixed=fit.fixed)), target, most)
+def decided(found, target, fixed=ALPHA, most=np.inf):
+    known = Known(found, fit_tfc(found, fixed=fixed), "kappa", fixed)
+    return decide(known, judge(known), target, most)
 
 
 @pytest.mark.long
@@ -93,7 +84,7 @@ def test_a_cross_level_of_several_references_has_one_number_of_realisations():
     grid["eps_c"].attrs = fine["eps_c"].attrs
     grid["case_id"] = ("case", [f"case-{i}" for i in range(grid.sizes["case"])])
     found = results(grid)
-    counts = decided(found, 0.03, Fit("kappa", {"eps_f": 0.6, "eps_t": 1.0})).realisations
+    counts = decided(found, 0.03, {"eps_f": 0.6, "eps_t": 1.0}).realisations
     assert (found["limit"] == "cross").sum() == 2
     assert len(set(np.array(counts)[(found["limit"] == "cross").values])) == 1
 
@@ -110,15 +101,17 @@ def test_interactions_that_no_cross_level_tells_ask_for_cross_levels():
 @pytest.mark.long
 def test_exponents_that_no_surfaces_tell_ask_for_narrower_ranges():
     one = results(campaign(levels={"eps_f": LEVELS["eps_f"]}, coefficients={"eps_f": 6.0}, realisations=HELD))
-    with pytest.raises(UnknownExponentsError, match=r"exponents are not known better than that; .* narrower ranges"):
-        decided(one, 0.00005, Fit("kappa", {"eps_f": (0.1, 4)}))
-    with pytest.raises(UnknownExponentsError) as advised:
-        decided(one, 0.00005, Fit("kappa", {}))
-    assert str(advised.value).endswith("lie in our campaigns, `fit: {fixed: {eps_f: [0.3, 2]}}`")
+    with pytest.raises(UnusableDataError, match=r"exponents are not known better than that; .* narrower ranges"):
+        decided(one, 0.00005, {"eps_f": (0.1, 4)})
+    with pytest.raises(UnusableDataError) as advised:
+        decided(one, 0.00005, {})
+    assert str(advised.value).endswith(
+        "lie in our campaigns, `fit: {fixed: {eps_f: [0.3, 2]}}` (above all that of eps_f)"
+    )
     with pytest.raises(
         UnusableDataError, match=r"error of 0.014%; gfmd allows a larger target, or levels further from"
     ):
-        decided(one, 0.00005, Fit("kappa", {"eps_f": 0.6}))
+        decided(one, 0.00005, {"eps_f": 0.6})
 
 
 def test_a_target_that_cross_levels_nearly_reach_asks_for_no_others():
@@ -133,6 +126,6 @@ def test_a_run_ends_with_the_advice_that_helps():
     found = results(crossed()).assign_attrs(cpu_seconds=1.0)
     first = Round(realisations=(HELD,) * found.sizes["case"], is_last=False)
     state = Rounds(goal=Goal(targets={"kappa": 0.001}), campaign_sha256="", rounds=(first,))
-    ended = after(state, [Fitted(Known(found, EXACT), fit_tfc(found, fixed=ALPHA))]).ended
+    ended = after(state, [Known(found, fit_tfc(found, fixed=ALPHA), "kappa", ALPHA)]).ended
     assert ended.startswith("not reached: 1000000 realisations of every case would leave an error of")
     assert ended.endswith("a cross level for every pair of limits under `limits: {cross: ...}`")

@@ -115,7 +115,7 @@ def test_the_group_whose_target_is_out_of_reach_is_named():
     ],
 )
 def test_ranges_of_exponents_are_advised_where_none_are_given(fixed, advised):
-    with pytest.raises(next_round.UnknownExponentsError, match=advised):
+    with pytest.raises(UnusableDataError, match=advised):
         decide(known(({"exponents": 0.05, "hurst": 0.8},), fixed=fixed), MET, 0.01)
 
 
@@ -130,7 +130,7 @@ def test_ranges_of_exponents_are_advised_where_none_are_given(fixed, advised):
 )
 def test_an_error_that_holds_counts_that_of_surfaces_with_its_factor(errors, sampling, factor, worst):
     found = known(({"factor": factor},) * len(errors))
-    judged = judge(found, fitted(found, errors, sampling=sampling).fitted)
+    judged = judge(fitted(found, errors, sampling=sampling))
     assert (judged.error, judged.sure_error) == pytest.approx(worst[:2])
     assert judged.sure_factor == pytest.approx(worst[2] or judged.sure_error / judged.error)
     assert judged.predicted == 0.1
@@ -281,7 +281,7 @@ def test_a_run_that_may_refine(given, next_one):
 
 def test_each_step_of_a_path_has_the_factor_of_its_group():
     found = known(({"steps": 2, "factor": 1.5}, {"steps": 2, "scatter": 1.2}))
-    judged = judge(found, fitted(found, (0.04, 0.05, 0.04, 0.05)).fitted)  # groups at the first step, then the next
+    judged = judge(fitted(found, (0.04, 0.05, 0.04, 0.05)))  # groups at the first step, then the next
     assert (judged.error, judged.sure_error, judged.predicted) == pytest.approx((0.04, 0.06, 0.12))
 
 

@@ -10,7 +10,7 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import FEWEST
-from gfmd_numba.campaign.next_round import Fit, Fitted, Known, after
+from gfmd_numba.campaign.next_round import Known, after
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rounds import Round, Rounds
 from gfmd_numba.scene import InputError
@@ -126,7 +126,7 @@ def test_the_errors_of_all_steps_are_right_where_a_run_stops(laws_that_hold):
         while not state.ended:
             results = asked(drawn, state.now.realisations).assign_attrs(cpu_seconds=1.0)
             fitted = fit_tfc(results, fixed=ALPHA)
-            state = after(state, [Fitted(Known(results, Fit("kappa", ALPHA)), fitted)])
+            state = after(state, [Known(results, fitted, "kappa", ALPHA)])
         if "no law of the limits describes the means" in state.ended:  # by chance, as one in twenty means scatter
             continue
         assert state.ended == "reached"

@@ -9,7 +9,7 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.contact.contact_input import read_contact
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.scene import load_scene
-from gfmd_numba.scene.surfaces import KCorrelation
+from gfmd_numba.scene.surfaces import Correlated
 from gfmd_numba.scene.units import in_reduced_units, rounded
 
 PERIOD, GRADIENT = 2e-4, 0.03  # m; of which no inverse is short
@@ -124,10 +124,8 @@ def test_one_problem_has_one_identity_and_one_result_in_all_units(name):
 
 def test_all_lengths_of_a_spectrum_count():
     """What is divided is told by the types of the fields: one that says nothing would keep its metres."""
-    lengths = {
-        name for name in KCorrelation.model_fields if name.endswith(("length", "separation", "cut_on", "height"))
-    }
-    record = KCorrelation(
+    lengths = {name for name in Correlated.model_fields if name.endswith(("length", "separation", "cut_on", "height"))}
+    record = Correlated(
         method="psd",
         model="k_correlation",
         hurst=0.5,

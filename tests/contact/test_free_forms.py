@@ -246,6 +246,18 @@ def test_a_peak_of_pressure_that_a_measured_grid_does_not_resolve_is_told(nodes,
         assert ("stick out of their neighbours" in said) == warned
 
 
+def test_a_hardness_that_is_reached_bounds_the_peak_on_any_grid():
+    heights = np.where(np.arange(1024) % 64 < 40, 0.0, -1e-5) - 1e-7 * np.cos(2.0 * np.pi * np.arange(1024) / 1024)
+    said = []
+    for hardness in ("1000 GPa", "1 GPa"):
+        scene = {"length": "8 mm", "body": {"youngs_modulus": "80 GPa", "poissons_ratio": 0.27}}
+        scene |= {"roughness": {"method": "measured", "heights": heights, "units": {"z": "m"}}}
+        scene |= {"interface": {"hard_wall": {"hardness": hardness}}, "loading": {"pressure": "200 MPa"}}
+        with catch_warnings(action="ignore"):
+            said.append(gfmd_numba.solve({"scene": scene}).attrs["validity"])
+    assert ["stick out of their neighbours" in each for each in said] == [True, False]
+
+
 def test_a_curve_warns_once_of_its_narrowest_contact():
     scene = {"periodic": False, "body": {"poissons_ratio": 0.0}, "interface": {"hard_wall": {}}}
     scene |= {"form": {"radius": 5.0, "points": 64}, "loading": {"displacement": 1e-3}}

@@ -70,7 +70,7 @@ class RandomPhases(PowerLaw):
 ''',
             "def _self_affine_by_default(",
         ),
-        ("RandomPhases | ", "MidpointDisplacement | SuccessiveAddition | Measured,"),
+        ("RandomPhases | ", "Recursive | Measured,"),
     ),
 )
 SPECTRUM = Recipe(
@@ -121,7 +121,7 @@ class GaussianCorrelation(Spectral):
 ''',
             "class LengthAnisotropy(",
         ),
-        ("GaussianCorrelation | ", "ExponentialCorrelation | KCorrelation | Length"),
+        ("GaussianCorrelation | ", "Correlated | LengthAnisotropy | Scaling"),
     ),
 )
 AXIS = Recipe(

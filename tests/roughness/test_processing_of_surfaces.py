@@ -11,7 +11,7 @@ import gfmd_numba
 from gfmd_numba import make_surface, solve
 from gfmd_numba.roughness.measured import measured_surface
 from gfmd_numba.roughness.measurements import measurement
-from gfmd_numba.roughness.processing import fill_gaps, made_periodic
+from gfmd_numba.roughness.processing import detrended, fill_gaps, made_periodic
 from gfmd_numba.roughness.surface_files import read_content
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.measured_record import FileUnits, Measured
@@ -218,3 +218,16 @@ def test_heights_keep_the_units_of_their_library_and_enough_digits():
     ):
         with pytest.raises(InputError, match=said):
             make_surface({"surface": wrong})
+
+
+def test_tilt_and_curvature_are_told_apart():
+    """A tilt of 97 % is no bow: heights of a line and a parabola, whose shares follow from their variances."""
+    x = np.linspace(-1.0, 1.0, 2001)
+    heights = 3.0 * x + 0.5 * x**2  # variances 9/3 and 0.25 * 4/45
+    left, (told,) = detrended(heights, "curvature")
+    assert abs(left).max() < 1e-12
+    parabola = 0.25 * 4.0 / 45.0 / (3.0 + 0.25 * 4.0 / 45.0)
+    assert told == (
+        f"subtracted the tilt, {1.0 - parabola:.2g} of the mean square height and "
+        f"the curvature, {parabola:.2g} of the mean square height"
+    )

@@ -240,3 +240,14 @@ def test_spikes_that_stand_together_are_not_taken_for_a_wrong_unit():
     sentences = told(z)
     assert "2 heights in spikes" in sentences
     assert "units" not in sentences
+
+
+@pytest.mark.parametrize("detrend", ["tilt", "curvature"])
+def test_a_trend_fitted_to_marks_too_is_no_form_of_the_surface(detrend):
+    """Marks of missing heights along one edge draw the fitted plane down, and what is left is tilted."""
+    heights = 1e-6 * np.random.default_rng(3).normal(size=(64, 64)).cumsum(axis=1)
+    heights[:, -4:][np.random.default_rng(4).random((64, 4)) < 0.5] = -9999e-6
+    record = Measured(method="measured", heights=heights, units={"z": "m"}, spacing=1e-6, detrend=detrend)
+    doubts = measured_surface(record, None).doubts
+    assert any("marks missing heights" in each for each in doubts)
+    assert not any("detrend" in each for each in doubts)

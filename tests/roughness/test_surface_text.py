@@ -74,7 +74,7 @@ def test_units_of_two_columns_in_a_header(tmp_path, header, units):
         ('"y","x"', (None, None)),
         ("z, y", (None, None)),
         ("signal, distance", (None, None)),
-        ("z_um,x_mm", (None, None)),
+        ("z_um,x_mm", ("mm", "um")),
         ("z, x\n# second line of a header", (None, None)),
     ],
 )
@@ -445,3 +445,37 @@ def test_one_or_two_rows_are_a_profile(tmp_path):
 def test_values_of_nodes_in_one_row_are_those_of_a_profile(tmp_path):
     (tmp_path / "row.csv").write_text("0.5 1 2 3 4 -5\n")
     np.testing.assert_array_equal(read_values(tmp_path / "row.csv", 1), [0.5, 1.0, 2.0, 3.0, 4.0, -5.0])
+
+
+@pytest.mark.parametrize("header", [",x_um,z_nm", "x_um;z_nm", "position_um,height_nm", "distance_µm,Height_nm"])
+def test_units_behind_an_underscore_are_read(tmp_path, header):
+    """So data frames name their columns; the first of them has an index."""
+    lines = [f"{'7,' * header.startswith(',')}{0.5 * i}{',;'[';' in header]}{np.sin(i):.4f}" for i in range(32)]
+    path = tmp_path / "line.csv"
+    path.write_text("\n".join([header, *lines]), encoding="utf-8")
+    found = measurement(read_content(path))
+    assert found.units == {"x": "um", "z": "nm"}
+    np.testing.assert_allclose(found.heights, 1e-9 * np.sin(np.arange(32)), atol=1e-13)
+
+
+@pytest.mark.parametrize("separator", [";", ",", "\t"])
+@pytest.mark.parametrize("extra", [(1, 0), (2, 2), (0, 3)])
+def test_empty_columns_behind_the_last_one_are_none(tmp_path, separator, extra):
+    """Spreadsheets write them in the header, in the rows, or in both."""
+    of_header, of_rows = (separator * n for n in extra)
+    rows = [separator.join((str(i + 1), f"{0.5 * i}", f"{np.sin(i):.4f}")) + of_rows for i in range(32)]
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join([separator.join(("No", "x [mm]", "z [um]")) + of_header, *rows, of_rows]))
+    found = measurement(read_content(path))
+    assert found.units == {"x": "mm", "z": "um"}
+    assert len(found.heights) == 32
+
+
+@pytest.mark.parametrize("rows", [40, 4000])
+def test_a_row_of_words_is_told_by_its_line(tmp_path, rows):
+    """A mean below the heights, behind rows with cells that are empty."""
+    lines = ["x [mm];z [um];;", *(f"{0.5 * i};{np.sin(i):.4f};;" for i in range(rows)), ";;;", "Mean;0.134;;", ";;;"]
+    path = tmp_path / "trace.csv"
+    path.write_text("\n".join(lines))
+    with pytest.raises(ValueError, match=rf"^'Mean' in line {rows + 3}, not a number \(delete that line if"):
+        read_content(path)

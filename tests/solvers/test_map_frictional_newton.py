@@ -8,7 +8,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
-from gfmd_numba.solvers.iteration import Batch, Start
+from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start, leave_pressures
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from support.frictional_maps import NEWTON, follow, press, rough
@@ -55,6 +55,26 @@ def test_a_wrong_traction_is_told_from_a_right_one():
     start = Start.at_rest(punch)
     turned = Start(punch, start.tangential + np.reshape([0.0, 1e-3], (2, 1, 1)))
     assert largest_violation(stiffness, punch, 0.1, 0.2, result, turned) > 1e-3  # of slip in another direction
+
+
+def test_the_first_guess_is_the_normal_contact_also_where_its_pressures_are_bounded_and_not_restored():
+    """A punch that touches everywhere leaves nothing to revise, so that one step solves the problem."""
+    result = press(rough((128, 128), 1, waves=16), ElasticBody(0.3, 1.0), 0.2, 0.3)
+    assert result.touching.all()
+    assert result.n_iterations[0] == 1
+
+
+@pytest.mark.parametrize("residual", [1e-2, 1e-8])
+def test_a_solver_that_has_ended_leaves_pressures_whatever_it_worked_with(residual):
+    punch, load = rough((128, 128), 1, waves=16), 0.05
+    response = ElasticBody(0.3, 1.0).response((128, 128)).condensed()
+    solver = begin(Batch(punch, response, np.array([load]), HARD_WALL), Options("active_set_newton", residual))
+    while solver.residual(np.arange(1))[0] > residual:
+        solver.advance(np.arange(1))
+    leave_pressures(solver, np.arange(1))
+    pressure = solver.state.ku[0, 0, : 128 * 128]
+    exact = equilibrate(punch, response, load, NEWTON).pressure.ravel()
+    assert np.abs(pressure - exact).max() < 2.0 * residual * exact.max()
 
 
 def dense_contact(stiffness, wall, anchor, friction, sweeps):

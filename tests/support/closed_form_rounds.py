@@ -1,18 +1,18 @@
 """Rounds of a run whose errors are known in closed form: nothing is solved, nothing is fitted."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import ceil, hypot
 
 import numpy as np
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.allocation import Design, Prediction
+from gfmd_numba.analysis.allocation import Prediction
 from gfmd_numba.analysis.fit_dataset import SOURCES
 from gfmd_numba.analysis.selection import LIMITS
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import limit_of, nodes_of
-from gfmd_numba.campaign.next_round import Fit, Fitted, Known
+from gfmd_numba.campaign.next_round import Known
 from gfmd_numba.campaign.rounds import Round, Rounds
 
 HELD = 100  # surfaces of each case, which leave a relative error of 10 %
@@ -48,8 +48,7 @@ class Pilot:
         left = (target / self.caution) ** 2 - self.floor**2
         if left <= 0.0 or self.scatter**2 / left > 5e5:  # some levels would need twice as many
             raise UnusableDataError("out of reach")
-        counts = np.full(len(price), ceil(self.scatter**2 / left * (1 - 1e-12)))
-        return Design(counts, target, float(counts @ price))
+        return np.full(len(price), ceil(self.scatter**2 / left * (1 - 1e-12)))
 
 
 def known(groups=({},), held=HELD, fixed=None, levels=LEVELS, variable="kappa", **more):
@@ -71,7 +70,11 @@ def known(groups=({},), held=HELD, fixed=None, levels=LEVELS, variable="kappa", 
         "n_transforms": (("case", "realisation"), np.full((n, 2), 40.0)),
         "status": (("case", "realisation"), np.zeros((n, 2), dtype=int)),
     }
-    return Known(xr.Dataset(ran, coords, {"cpu_seconds": 3.0}).assign(more), Fit(variable, fixed or {}))
+    results = xr.Dataset(ran, coords, {"cpu_seconds": 3.0}).assign(more)
+    of_nothing = xr.Dataset(
+        {"error_budget": (("group", "source"), np.zeros((1, len(SOURCES))))}, {"source": list(SOURCES)}
+    )
+    return Known(results, of_nothing, variable, fixed or {})
 
 
 def fitted(found, errors=(0.1,), variable="kappa", bridged=None, residual=0.1, **more):
@@ -106,7 +109,7 @@ def fitted(found, errors=(0.1,), variable="kappa", bridged=None, residual=0.1, *
     for name, given in more.items():
         variables[name] = (variables[name][0], given)
     made = xr.Dataset(variables, {"limit": list(LIMITS), "source": list(SOURCES)}, {"variable": variable})
-    return Fitted(found, made)
+    return replace(found, fitted=made)
 
 
 def state(found, targets, levels=(), budget=None, rounds=1, **now):

@@ -136,8 +136,8 @@ MUTANTS = [
     ),
     (
         "limit_errors.py",
-        "np.where(np.isfinite(scatter), 0.0, np.inf)",
-        "scatter",
+        "np.where(np.isfinite(before), 0.0, np.inf)",
+        "before",
         "test_error_budget.py::test_with_exact_exponents_all_is_sampling_and_interactions",
     ),
     # whether any law fits

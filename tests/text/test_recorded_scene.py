@@ -1,5 +1,7 @@
 """What a recorded scene says in the title of a picture."""
 
+import json
+
 import pytest
 
 from gfmd_numba.text.recorded_scene import described
@@ -16,3 +18,12 @@ def test_a_scene_is_described_in_units():
 )
 def test_an_altered_record_says_nothing(altered):
     assert described(altered) == ""
+
+
+def test_the_length_of_a_mirrored_surface_is_that_of_the_period():
+    scene = {"body": {"youngs_modulus": 1e9, "poissons_ratio": 0.3}, "length": 442.9e-6}
+    for rough, told in (
+        ({"method": "measured", "periodic": "mirror"}, "measured profile, mirrored to a period of 442.9 µm"),
+        ({"method": "measured", "periodic": "none"}, "measured profile, 442.9 µm long"),
+    ):
+        assert described(json.dumps({"scene": scene | {"roughness": rough}})).startswith(told)

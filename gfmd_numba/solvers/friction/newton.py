@@ -18,7 +18,7 @@ from gfmd_numba.solvers.friction.coulomb_cone import (
     on_coarser_grid,
 )
 from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
-from gfmd_numba.solvers.iteration import Batch, Start, begin
+from gfmd_numba.solvers.iteration import Batch, Start, begin, leave_pressures
 from gfmd_numba.solvers.products import Products
 from gfmd_numba.solvers.table import Options
 
@@ -222,7 +222,7 @@ class FrictionalNewton:
             if solver.residual(row)[0] <= settled:
                 break
         self._spent[i] += int(solver.n_transforms[0])
-        kernels.wall_pressure(solver.state, np.inf, row, n)
+        leave_pressures(solver, row)
         found, pressure = solver.state.u[0, -1, :n], solver.state.ku[0, -1, :n]
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(found + lifted, wall))

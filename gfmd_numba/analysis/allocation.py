@@ -8,7 +8,6 @@ import numpy as np
 import scipy  # its modules load with their first use
 import xarray as xr
 from numpy.typing import NDArray
-from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis.exponent_posterior import linearised, weighed
 from gfmd_numba.analysis.forms import UnusableDataError
@@ -17,6 +16,7 @@ from gfmd_numba.analysis.laws import Given, choices, exponent_range
 from gfmd_numba.analysis.limit_errors import inseparable
 from gfmd_numba.analysis.selection import CROSS, LIMITS, Group, groups_to_fit, steps_of
 from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays.threads import one_thread_of_algebra
 
 FEWEST = 20  # realisations: fewer do not tell how they go with the cheaper levels
 _CONFIDENCE = 0.98  # of the scatter, which a pilot knows roughly, for 0.9 in all: errors of fits have noise, too
@@ -183,7 +183,7 @@ class Pilot:
         levels = sorted(dict.fromkeys([_REFERENCE, *of_cases]), key=lambda level: order.index(level[0]))
         number = np.array([levels.index(level) for level in of_cases], dtype=np.intp)
         given = {limit: exponent_range(value) for limit, value in fixed.items()}
-        with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
+        with one_thread_of_algebra():
             return cls(_ensembles(results, number, variable, given), levels, number)
 
     def predictions(self, counts: Sequence[int] | NDArray[np.intp]) -> list[Prediction]:

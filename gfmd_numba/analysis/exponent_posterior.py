@@ -11,13 +11,12 @@ they are likely.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 from itertools import combinations
 
 import numpy as np
 import scipy  # its modules load with their first use
 
-from gfmd_numba.analysis.laws import Law, Parameter, power
+from gfmd_numba.analysis.laws import Law, Parameter, gauss, power
 from gfmd_numba.arrays import Flags, Reals
 
 Laws = dict[str, Law]
@@ -148,16 +147,17 @@ def _equations(means: Means, laws: Laws, nodes: Reals, before: Reals) -> tuple[R
 
 def columns(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
     """Return the columns (node, case, coefficient) of the fit, those known before in units of their scatter."""
-    laws_of = {}  # over their values at the reference
+    laws_of, at_reference = {}, {}  # over their values at the reference
     for limit, of_cases in means.levels.items():
         levels, case = np.unique(of_cases, return_inverse=True)
         at = excess(laws, limit, np.append(levels, means.reference[limit]), nodes)
+        at_reference[limit] = at[:, -1:]
         laws_of[limit] = np.asarray((at[:, :-1] / at[:, -1:])[:, case])
     whole = np.ones((len(nodes), means.values.size))
     found, units = [], iter(_units(before))
     for (limit, column), unit in zip(laws_of.items(), units, strict=False):
         if laws[limit].whole:  # the TFC limit times (1 + excess): no coefficient of its own
-            whole = whole + column * excess(laws, limit, np.array([means.reference[limit]]), nodes)
+            whole = whole + column * at_reference[limit]
         else:
             found.append(unit * column)
     for pair, unit in zip(means.pairs, units, strict=True):
@@ -222,7 +222,6 @@ _FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: sp
 _FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
-_gauss = cache(np.polynomial.legendre.leggauss)
 
 
 @dataclass(frozen=True)
@@ -269,7 +268,7 @@ def shares(choices: Sequence[Choice]) -> list[Reals]:
 
 def _nodes(parameters: Sequence[Parameter], low: Reals, high: Reals, size: int) -> tuple[Reals, Reals, tuple[int, ...]]:
     """Return nodes of Gauss and Legendre in a box (node, parameter), the logarithm of their volume, and their shape."""
-    points, weights = _gauss(size)
+    points, weights = gauss(size)
     axes, volumes = [], []
     for parameter, left, right in zip(parameters, low, high, strict=True):
         exact = right <= left
@@ -291,7 +290,7 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
             continue
         others = tuple(other for other in range(misfit.ndim) if other != axis)
         found = np.flatnonzero(likely.any(axis=others))
-        points = (1.0 + _gauss(size)[0]) / 2.0
+        points = (1.0 + gauss(size)[0]) / 2.0
         grid = low[axis] + width[axis] * np.concatenate([[0.0], points, [1.0]])
         narrow[:, axis] = grid[found[0]], grid[found[-1] + 2]
         if found[0] == 0:

@@ -13,7 +13,6 @@ from typing import Annotated
 import numpy as np
 import scipy  # its modules load with their first use
 import xarray as xr
-from threadpoolctl import threadpool_limits
 
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
@@ -25,6 +24,7 @@ from gfmd_numba.analysis.laws import POWER, UNSEEN_SLOPE, Given, choices, expone
 from gfmd_numba.analysis.limit_errors import Rival
 from gfmd_numba.analysis.selection import LIMITS, Group, fractions, groups_to_fit, joined, processor_time, steps_of
 from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays.threads import one_thread_of_algebra
 from gfmd_numba.text.numbers import counted, with_error
 from gfmd_numba.text.recorded_scene import asked
 
@@ -73,7 +73,7 @@ def fit_tfc(
     ranges: GroupFit = {"alpha_low": ends[:, 0], "alpha_high": ends[:, 1]}
     members = groups_to_fit(dataset, variable, omit_nyquist)
     families = [members] if exponents == "shared" else [[member] for member in members]
-    with threadpool_limits(limits=1):  # the matrices are tiny: threads would only wait for one another
+    with one_thread_of_algebra():
         fits = [fit | ranges for family in families for fit in _fit_family(family, variable, given)]
     shown = [f"{name}: {low:g}" + f"..{high:g}" * (low < high) for name, (low, high) in given.items()]
     return fit_dataset(dataset, variable, members, fits).assign_attrs(

@@ -43,20 +43,21 @@ class Form:
             raise InputError.of(argument, brief(given), f"an xarray.Dataset, {self.maker}")
         if not self.needed.keys() <= given.variables.keys():
             raise UnusableDataError(f"you gave no {self.name}; gfmd allows {self.maker}")
-        if fault := self._fault(given):
+        forms = self._forms(given)
+        if fault := self._fault(given, forms):
             raise UnusableDataError(f"you gave a dataset in which {fault}; gfmd allows {self.maker}")
-        order = {
-            name: _dims(form, given[name].dims, given.dims)
-            for name, form in self._forms(given).items()
-            if name in given.data_vars
-        }
-        return given.assign({name: given[name].transpose(*dims) for name, dims in order.items()})
+        ordered = {}
+        for name, form in forms.items():
+            dims = tuple(_dims(form, given.variables[name].dims, given.dims))
+            if name in given.data_vars and given.variables[name].dims != dims:
+                ordered[name] = given.variables[name].transpose(*dims)
+        return given.assign(ordered)
 
     def _forms(self, dataset: xr.Dataset) -> dict[str, str]:
         """Return the form of each variable of a dataset that has one."""
         forms: dict[str, str] = {}
+        told = {**self.others, **self.needed}
         for name, variable in dataset.variables.items():
-            told = {**self.others, **self.needed}
             pattern = next((each for each in told if fnmatchcase(str(name), each)), None)
             if pattern is not None:
                 forms[str(name)] = told[pattern]
@@ -64,18 +65,19 @@ class Form:
                 forms[str(name)] = f"{self.axes_over} numbers"
         return forms
 
-    def _fault(self, dataset: xr.Dataset) -> str:
+    def _fault(self, dataset: xr.Dataset, forms: Mapping[str, str]) -> str:
         """Return what of a dataset has another form, nothing if all is well."""
         for dim, least in self.least.items():
             if dataset.sizes.get(dim, least) < least:
                 return f"{dim} has {dataset.sizes[dim]} values"
-        for name, form in self._forms(dataset).items():
-            if fault := _fault_of(dataset[name], form, dataset.dims):
+        for name, form in forms.items():
+            if fault := _fault_of(dataset.variables[name], form, dataset.dims):
                 return f"{name} {fault}"
         for name in self.attributes:
             if not isinstance(text := dataset.attrs.get(name), str):
                 return f"the attribute {name} is {brief(text)}"
-        return next((f"{name} {fault}" for name in dataset.variables if (fault := _attributes(dataset[name]))), "")
+        every = dataset.variables.items()
+        return next((f"{name} {fault}" for name, variable in every if (fault := _attributes(variable))), "")
 
 
 def _dims(form: str, present: Collection[Hashable], of_dataset: Collection[Hashable]) -> list[str]:
@@ -91,7 +93,7 @@ def _dims(form: str, present: Collection[Hashable], of_dataset: Collection[Hasha
     return dims
 
 
-def _fault_of(variable: xr.DataArray, form: str, of_dataset: Collection[Hashable]) -> str:
+def _fault_of(variable: xr.Variable, form: str, of_dataset: Collection[Hashable]) -> str:
     dims = _dims(form, variable.dims, of_dataset)
     if sorted(map(str, variable.dims)) != sorted(dims):
         return f"is over ({', '.join(map(str, variable.dims))}), not over ({', '.join(dims)})"
@@ -115,7 +117,7 @@ def _fault_of(variable: xr.DataArray, form: str, of_dataset: Collection[Hashable
     return "" if rises else "does not rise"
 
 
-def _attributes(variable: xr.DataArray) -> str:
+def _attributes(variable: xr.Variable) -> str:
     """Return what is wrong with the attributes that are read of any variable."""
     given = variable.attrs
     for name in _TEXTS:

@@ -8,6 +8,7 @@ seen. The spectrum gives S at every eps_f, and at H = 1 too, where no power has 
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import scipy  # its modules load with their first use
@@ -30,6 +31,7 @@ _FACTORS = {True: (1.15, 1.06), False: (1.4, 1.2)}  # of k_c and m, by whether t
 _FURTHEST = 5.0  # of those standard deviations
 POWER, UNSEEN_SLOPE = "power", "unseen slope"  # names of laws
 _POINTS = 128  # of the integrals over a spectrum
+gauss = cache(np.polynomial.legendre.leggauss)
 
 Given = Mapping[str, tuple[float, float]]  # ends of the range of each exponent that is not free
 
@@ -121,7 +123,7 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
     is the reduced pressure p / (g E*), nan where it is not known; `is_measured` if k_c and m were measured on contacts
     of this kind.
     """
-    nodes, weights = np.polynomial.legendre.leggauss(_POINTS)
+    nodes, weights = gauss(_POINTS)
 
     def excess(eps: Reals, parameters: Reals) -> Reals:
         once, same = np.unique(parameters @ [1.0, 1.0j], return_inverse=True)  # nodes of other limits repeat them

@@ -1,6 +1,7 @@
 """Choice of cases from a campaign dataset: groups of equal physics, one limit, one step of a path, good results."""
 
 import json
+import warnings
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -181,8 +182,9 @@ def axes(dataset: xr.Dataset, kind: str = "physics") -> tuple[str, ...]:
 
     They come in the order of their attribute `rank`, as a file does not keep its variables in order.
     """
-    found = [name for name, each in dataset.coords.items() if each.attrs.get("axis") == kind]
-    return tuple(map(str, sorted(found, key=lambda name: int(dataset[name].attrs.get("rank", len(found))))))
+    told = {str(name): dataset.variables[name].attrs for name in dataset.coords}
+    found = [name for name, each in told.items() if each.get("axis") == kind]
+    return tuple(sorted(found, key=lambda name: int(told[name].get("rank", len(found)))))
 
 
 def discretisations(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -199,25 +201,38 @@ def good(dataset: xr.Dataset, variable: str) -> xr.DataArray:
             "you gave results whose coordinates do not say, by the attribute `axis`, which of them are physics; "
             "gfmd allows what a finished `gfmd run` of this version leaves"
         )
-    if variable not in dataset or set(dataset[variable].dims) != {"case", "realisation"}:
-        if variable in dataset and "step" in dataset[variable].dims:
+    present = dataset.variables
+    if variable not in present or set(present[variable].dims) != {"case", "realisation"}:
+        if variable in present and "step" in present[variable].dims:
             raise UnusableDataError(
                 f"you gave {variable} at every step of a path; gfmd allows one step, like `dataset.isel(step=-1)`"
             )
-        present = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
-        raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(present)}")
-    mask: xr.DataArray = dataset[variable].transpose("case", "realisation").notnull()
-    mask &= abs(dataset[variable]) < LARGEST
-    return mask & (dataset["status"] == 0) if "status" in dataset else mask
+        others = [str(name) for name, one in dataset.data_vars.items() if set(one.dims) == {"case", "realisation"}]
+        raise UnusableDataError(f"no variable {variable!r} in the dataset; it has {', '.join(others)}")
+    values = _values(dataset, variable)
+    mask = abs(values) < LARGEST  # and no nan
+    if "status" in present:
+        mask &= _values(dataset, "status") == 0
+    return xr.DataArray(mask, dims=("case", "realisation"))
+
+
+def _values(dataset: xr.Dataset, variable: str) -> NDArray[Any]:
+    """Return the values (case, realisation) of a variable."""
+    return np.asarray(dataset.variables[variable].transpose("case", "realisation").values)
 
 
 @checked
 def ensemble_mean(cases: Annotated[xr.Dataset, CAMPAIGN], variable: Variable) -> tuple[Reals, Reals]:
     """Return each case's mean over good realisations and its standard error, nan where undefined."""
-    usable = good(cases, variable)
-    values = cases[variable].where(usable).astype(float)
-    error = values.std("realisation", ddof=1) / values.count("realisation") ** 0.5
-    return values.mean("realisation").values, error.values
+    return means(cases, variable)
+
+
+def means(cases: xr.Dataset, variable: str) -> tuple[Reals, Reals]:
+    """Return what `ensemble_mean` does, of a dataset whose form is known."""
+    values = np.where(good(cases, variable).values, _values(cases, variable).astype(float), np.nan)
+    count = np.isfinite(values).sum(axis=1)
+    with warnings.catch_warnings(action="ignore", category=RuntimeWarning):  # of cases without any
+        return np.nanmean(values, axis=1), np.nanstd(values, axis=1, ddof=1) / count**0.5
 
 
 def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
@@ -233,7 +248,7 @@ def groups(dataset: xr.Dataset) -> Iterator[tuple[dict[str, float], xr.Dataset]]
 
 def table(dataset: xr.Dataset, names: Sequence[str]) -> Reals:
     """Return the values (case, name) of parameters."""
-    columns = [dataset[name].values.astype(float) for name in names]
+    columns = [dataset.variables[name].values.astype(float) for name in names]
     return np.stack(columns, axis=-1) if columns else np.empty((dataset.sizes["case"], 0))
 
 
@@ -384,8 +399,8 @@ def reference_levels(group: xr.Dataset) -> dict[str, float]:
     """
     if not discretisations(group):
         return dict.fromkeys(LIMITS, nan)
-    levels = {name: group[name].values.astype(float) for name in LIMITS}
-    marked = np.flatnonzero(group["is_reference"].values)
+    levels = {name: group.variables[name].values.astype(float) for name in LIMITS}
+    marked = np.flatnonzero(group.variables["is_reference"].values)
     if not marked.size:
         return {name: float(level.min()) for name, level in levels.items()}
     finest = marked[np.prod([level[marked] for level in levels.values()], axis=0).argmin()]
@@ -396,10 +411,10 @@ def _at(group: xr.Dataset, levels: dict[str, float], variable: str) -> tuple[flo
     """Return mean and standard error of a group's case at a discretisation, nan if there is none."""
     there = np.ones(group.sizes["case"], dtype=bool)
     for name in discretisations(group):
-        there &= np.isclose(group[name], levels[name], rtol=1e-9)
+        there &= np.isclose(group.variables[name].values, levels[name], rtol=1e-9)
     if not there.any():
         return nan, nan
-    mean, error = ensemble_mean(group.isel(case=there), variable)
+    mean, error = means(group.isel(case=there), variable)
     return float(mean[0]), float(error[0])
 
 
@@ -410,7 +425,9 @@ def select_limit(dataset: Annotated[xr.Dataset, CAMPAIGN], limit: Limit) -> xr.D
     kept: list[str] = []
     for _, group in groups(dataset):
         reference = reference_levels(group)
-        on_axis = np.all([np.isclose(group[name], reference[name], rtol=1e-9) for name in others], axis=0)
+        on_axis = np.logical_and.reduce(
+            [np.isclose(group.variables[name].values, reference[name], rtol=1e-9) for name in others]
+        )
         kept.extend(group["case_id"].values[on_axis])
     chosen = dataset.isel(case=np.isin(dataset["case_id"].values, kept))
     return chosen.isel(case=np.argsort(-chosen[limit].values, kind="stable"))

@@ -1,12 +1,14 @@
 """How threads share the work on large arrays: in pieces that do not depend on how many threads there are."""
 
 import os
+import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
+from functools import lru_cache
 from math import prod
 
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 _FEWEST = 2**19  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
@@ -61,15 +63,27 @@ def cores() -> int:
 def shared_by(threads: int) -> Iterator[None]:
     """Let so many threads, or as many as there are cores, share the work of this process meanwhile.
 
-    Linear algebra gets one thread: its matrices are small, and on a busy machine threads would wait for one another. To
-    find its libraries takes as long as a small contact, so that only the outermost call does it.
+    Linear algebra gets one thread. Only the outermost call sees to that.
     """
     is_outermost = team() is _ALONE
     made = Team(min(threads, cores()))
     _present.append(made)
     try:
-        with threadpool_limits(limits=1) if is_outermost else nullcontext():
+        with one_thread_of_algebra() if is_outermost else nullcontext():
             yield
     finally:
         _present.remove(made)
         made.close()
+
+
+@contextmanager
+def one_thread_of_algebra() -> Iterator[None]:
+    """Let linear algebra have one thread meanwhile: its matrices are small, and threads would wait for one another."""
+    with _libraries(len(sys.modules)).limit(limits=1):
+        yield
+
+
+@lru_cache(maxsize=1)
+def _libraries(modules: int) -> ThreadpoolController:
+    """Find the libraries of linear algebra, which takes as long as a small contact, again where modules were added."""
+    return ThreadpoolController()

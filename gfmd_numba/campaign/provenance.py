@@ -71,6 +71,7 @@ def machine() -> str:
     return f"{platform.system()} {platform.machine()}, {os.cpu_count()} CPUs"
 
 
+@cache
 def git_commit() -> str:
     """Return the commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
     if not any((folder / ".git").exists() for folder in list(Path(__file__).parents)[:3]):

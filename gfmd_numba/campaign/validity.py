@@ -21,6 +21,7 @@ _SINGLE_NODES = 1.25  # mean width in nodes of contacts of which few have a seco
 # Means over the contact. 1 % of it is above `LARGEST_PRESSURE` where pressures have a Rayleigh distribution, and 13 %
 # above `STEEPEST_SLOPE` where slopes have a normal one; those of a single wave are still below it
 _MEAN_OF_PRESSURES, _MEAN_OF_SLOPES = validity.LARGEST_PRESSURE / 2.42, validity.STEEPEST_SLOPE / 1.5
+_OF_WIDTHS = ("contact_area_fraction", "contact_area_fraction_counted", "contact_area_fraction_error", "n_segments")
 
 
 def rough_body_warnings(cases: Sequence[Case]) -> str:
@@ -64,7 +65,7 @@ def least_resolved(cases: Sequence[Case]) -> Case:
 def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -> Iterator[str]:
     """Warnings about the contacts that are reported, those of the references where there are limits."""
     references = np.flatnonzero(dataset["is_reference"].values).tolist()
-    found = dataset.isel(case=references).where(dataset["status"].isel(case=references) == Status.ok)
+    found = _ok(dataset.isel(case=references))
     told = chain(
         validity.coarse_times(numerics, found),
         validity.coarse_flow(found),
@@ -76,13 +77,14 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
             yield f"in {_of_cases(xr.DataArray(affected))}: {sentence}"
     scene = cases[0].scene
     if scene.length is not None or scene.has_moduli:
+        read = found.variables
         # whose mean pressure or slope is beyond the theory of small strains
-        slope = found["rms_gradient_contact"].mean("realisation")
+        slope = read["rms_gradient_contact"].mean("realisation")
         strained, largest = slope > _MEAN_OF_SLOPES, f"the rms slope in the contact is up to {float(slope.max()):.2g}"
         if not scene.creeps:  # fast pressures strain what creeps less
-            moduli = xr.DataArray([scales_of(cases[case].scene).modulus for case in references], dims="case")
-            area = found["contact_area_fraction"]
-            pressures = (found["mean_pressure"] / area.where(area > 0.0)).mean("realisation") / moduli
+            moduli = xr.Variable("case", [scales_of(cases[case].scene).modulus for case in references])
+            area = read["contact_area_fraction"]
+            pressures = (read["mean_pressure"] / area.where(area > 0.0)).mean("realisation") / moduli
             strained = strained | (pressures > _MEAN_OF_PRESSURES)
             largest += f", and the mean pressure {float(pressures.max()):.2g} E*"
         if strained.any():
@@ -97,18 +99,25 @@ def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Datas
         yield from _narrow(found)
         return
     # a limit in eps_c takes account of narrow contacts, but not of those of single nodes at a level that is fitted
-    fitted = dataset.isel(case=(dataset["is_reference"] | ~at_nyquist(dataset["eps_c"])).values)
-    yield from _narrow(fitted.where(fitted["status"] == Status.ok), of_limit=True)
+    fitted = (dataset["is_reference"] | ~at_nyquist(dataset["eps_c"])).values
+    yield from _narrow(_ok(dataset[["status", *_OF_WIDTHS]].isel(case=fitted)), of_limit=True)
+
+
+def _ok(dataset: xr.Dataset) -> xr.Dataset:
+    """The results that are ok, others nan; variable by variable, as none has to be aligned."""
+    ok = dataset.variables["status"] == Status.ok
+    return dataset.assign({name: dataset.variables[name].where(ok) for name in dataset.data_vars})
 
 
 def _narrow(cases: xr.Dataset, of_limit: bool = False) -> Iterator[str]:
     """A warning about contacts that are hardly wider than a node, whose means differ by more than their errors say."""
-    dimension = int(cases["dimension"].max())
-    area = cases["contact_area_fraction"].sum("realisation")
-    counted = (cases["contact_area_fraction_counted"] * cases["nx"] ** dimension).sum("realisation")
-    segments = cases["n_segments"].sum("realisation")
+    read = cases.variables
+    dimension = int(read["dimension"].max())
+    area = read["contact_area_fraction"].sum("realisation")
+    counted = (read["contact_area_fraction_counted"] * read["nx"] ** dimension).sum("realisation")
+    segments = read["n_segments"].sum("realisation")
     width = (counted / segments.where(segments > 0)) ** (1.0 / dimension)
-    known = (cases["contact_area_fraction_error"] ** 2).sum("realisation") ** 0.5 / area.where(area > 0.0)
+    known = (read["contact_area_fraction_error"] ** 2).sum("realisation") ** 0.5 / area.where(area > 0.0)
     off = known.fillna(0.0).where(~(width < validity.NARROW), np.maximum(known.fillna(0.0), validity.LARGEST_OFF))
     narrow = width < _SINGLE_NODES if of_limit else off > validity.LEAST_OFF
     if narrow.any():
@@ -123,7 +132,7 @@ def _narrow(cases: xr.Dataset, of_limit: bool = False) -> Iterator[str]:
         )
 
 
-def _of_cases(affected: xr.DataArray) -> str:
+def _of_cases(affected: xr.DataArray | xr.Variable) -> str:
     """How many cases are affected at any step, and at which."""
     affected = affected.any([dim for dim in affected.dims if dim not in ("case", "step")])
     cases = affected.any([dim for dim in affected.dims if dim == "step"])

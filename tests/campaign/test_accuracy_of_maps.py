@@ -22,7 +22,7 @@ def measured(tmp_path_factory):
     folder = tmp_path_factory.mktemp("maps")
     file = folder / "cost.nc"
     said = CliRunner().invoke(
-        main, ["accuracy", str(campaign(folder, MAPS + LEVELS + FIT)), "-o", str(file), "--realisations=4"]
+        main, ["accuracy", str(campaign(folder, MAPS + LEVELS + FIT)), "-o", str(file), "--realisations=2"]
     )
     assert said.exit_code == 0, said.output
     assert file.with_suffix(".png").stat().st_size > 10_000

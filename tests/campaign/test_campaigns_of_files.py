@@ -15,6 +15,8 @@ from gfmd_numba.cli import main
 from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import InputError
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 FILES = {"data/a.csv": (64, 1.0), "data/b.csv": (96, 2.0), "data/c_1$.csv": (80, 1.5)}  # points, and mm
 SCENE = {
     "body": {"youngs_modulus": 7e10, "poissons_ratio": 0.3},

@@ -11,6 +11,8 @@ from gfmd_numba.scene import InputError
 from support.command_line import gfmd
 from support.realisations import assert_as_solved
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 NX = 256
 WAVE = 2e-3 * np.cos(2 * np.pi * np.arange(NX) / NX)
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}

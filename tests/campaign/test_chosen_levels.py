@@ -233,6 +233,7 @@ def test_levels_only_adds_none_and_says_what_is_in_the_way(tmp_path):
     assert gfmd_numba.open_campaign(outcome.results).attrs["ended"] == outcome.rounds.ended
 
 
+@pytest.mark.long
 def test_finer_levels_stay_within_a_budget(refined, tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
     first, *_, last = (each.price for each in refined.rounds.rounds)

@@ -14,6 +14,8 @@ from gfmd_numba.cli import main
 from support.campaigns import SMALL, campaign
 from support.faulty_files import CAMPAIGN, WHOLE, assert_complaint
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 CROSS = "cross: [{eps_c: 1/2, eps_f: 1/8}, {eps_f: 1/32, eps_t: 1}]"
 WITH_CROSS = {"1/16, 1/32]}": f"1/16, 1/32], {CROSS}}}"}
 AXES = ("eps_c", "eps_f", "eps_t")

@@ -111,7 +111,7 @@ def test_friction_takes_its_loss_at_the_slipping_nodes(dragged):
 def test_sticking_nodes_are_the_contact_under_the_load_without_what_drags(dragged):
     """Ciavarella and Jaeger: with nu = 1/2 the stick zone under Q is the contact under P - Q / mu."""
     for case, friction in enumerate(DRAGGED["grid"]["friction_coefficient"]):
-        for realisation in range(3):
+        for realisation in range(2):
             found = dragged.isel(case=case, realisation=realisation, step=1)
             left = float(found["mean_pressure"] - abs(found["mean_tangential_traction"]) / friction)
             scene = DRAGGED["scene"] | {"interface": {"hard_wall": {}}}

@@ -13,6 +13,8 @@ from gfmd_numba.cli import main
 from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import InputError
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SCENE = {
     "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.2},
     "interface": {"hard_wall": {}},

@@ -13,7 +13,7 @@ from support.command_line import gfmd
 from support.realisations import assert_as_solved
 
 # profiles of a few waves are wavy by what they are
-pytestmark = pytest.mark.filterwarnings("ignore:.*waves longer than two fifths")
+pytestmark = [pytest.mark.filterwarnings("ignore:.*waves longer than two fifths"), pytest.mark.usefixtures("undrawn")]
 X = np.arange(64) / 64
 SHORT = 1e-3 * np.cos(2 * np.pi * X) + 2e-4 * np.cos(2 * np.pi * 7 * X)
 LONG = 1e-3 * np.sin(2 * np.pi * 2 * X) + 3e-4 * np.cos(2 * np.pi * 5 * X)

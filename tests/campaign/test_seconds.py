@@ -15,6 +15,8 @@ from gfmd_numba.cli.tables import duration
 from gfmd_numba.contact import load_path
 from support.campaigns import campaign
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 FIT = "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"
 SHARED = {  # a half-space has no other problem for another Poisson's ratio
     "reference: {": FIT,

@@ -18,7 +18,7 @@ from gfmd_numba.theory.exponent_ranges import exponent_ranges
 from support.campaigns import campaign
 from support.command_line import gfmd, unfolded
 
-pytestmark = pytest.mark.usefixtures("laws_that_hold")
+pytestmark = pytest.mark.usefixtures("laws_that_hold", "undrawn")
 
 KNOWN = "{eps_c: 1.5, eps_f: 0.7}"
 ONE = {

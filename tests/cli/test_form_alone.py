@@ -11,6 +11,8 @@ from gfmd_numba.analysis import plot_curve, plot_statistics
 from gfmd_numba.cli import main
 from gfmd_numba.text.recorded_scene import is_form_alone
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 BALL = {
     "dimension": 2,
     "periodic": False,

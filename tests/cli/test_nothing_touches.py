@@ -8,6 +8,8 @@ from gfmd_numba.analysis import plot_contact, plot_statistics
 from gfmd_numba.analysis.plots.campaign import _told
 from gfmd_numba.cli.tables import of_contact, of_measures
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SCENE = {
     "scene": {
         "length": 1e-7,

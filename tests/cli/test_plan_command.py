@@ -15,6 +15,8 @@ from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 from support.doubts import without_doubts
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 ONE = {
     "reference: {": "levels: only\nfit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",
     "grid: {hurst: [0.3, 0.8]}": "",

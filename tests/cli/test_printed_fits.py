@@ -12,6 +12,8 @@ from gfmd_numba.cli.terminal import tell
 from support.command_line import unfolded
 from support.synthetic_campaigns import ALPHA, campaign, noisy
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def fitted(dataset):
     return fit_tfc(dataset, exponents="free", fixed=ALPHA)

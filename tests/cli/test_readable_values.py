@@ -14,6 +14,8 @@ from support.command_line import gfmd
 from support.faulty_files import changed
 from support.scenes import SCENE, SURFACE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.mark.parametrize(
     ("value", "unit", "expected"),

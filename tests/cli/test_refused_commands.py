@@ -9,6 +9,8 @@ from support.campaigns import campaign
 from support.command_line import gfmd, refused
 from support.scenes import SCENE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.mark.parametrize(
     "option",

@@ -10,6 +10,8 @@ import gfmd_numba
 from gfmd_numba.contact.law_resolution import NAME
 from support.command_line import gfmd, unfolded
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 AMPLITUDE, WORK, RANGE = 0.1, 6e-3, 2e-3
 ADHESIVE = {"work_of_adhesion": WORK, "range": RANGE}
 

@@ -19,7 +19,7 @@ from gfmd_numba.campaign.limits import FEWEST
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd, refused, unfolded
 
-pytestmark = pytest.mark.usefixtures("laws_that_hold")
+pytestmark = pytest.mark.usefixtures("laws_that_hold", "undrawn")
 
 ONE = {
     "reference: {": "levels: only\nfit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nreference: {",

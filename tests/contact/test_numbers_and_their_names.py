@@ -10,6 +10,8 @@ from gfmd_numba.analysis import contact_stiffness
 from gfmd_numba.cli import main
 from gfmd_numba.contact.observables import OBSERVABLES
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 COEFFICIENTS = [name for name in OBSERVABLES if name.startswith("kappa")]
 
 

@@ -33,7 +33,10 @@ def pull_off(nodes):
             before = equilibrate(punch_in, SpectralResponse.of_normal(body), None, OPTIONS, law)
         before = equilibrate(punch, SpectralResponse.of_normal(body), None, OPTIONS, law, following(before, punch, 0.0))
         assert before.status[0] == 0
-        most = max(most, -before.pressure.mean())
+        tension = -before.pressure.mean()
+        if tension < 0.5 * most:  # it has let go
+            break
+        most = max(most, tension)
     return most, law.softening / body[-1]
 
 

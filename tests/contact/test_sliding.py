@@ -218,7 +218,7 @@ BRANCHES = {  # whose compliance lags behind by up to 1.1, 5, 16 and 3 times wha
 @pytest.mark.parametrize("load", [0.005, 0.05, 0.3])
 def test_bodies_that_lag_far_behind_are_solved_too(name, load):
     path = rough_problem(BRANCHES[name], 1e-5, load).at_each_load
-    for speed in (1e-5, 1e-4, 1e-3, 1e-2, 0.1, 1.0):
+    for speed in (1e-5, 1e-3, 0.1):
         problem = path[0].under(path[0].step._replace(speed=speed))
         (found,) = solve_path(problem, 0)
         assert found.equilibrium.status[0] == 0
@@ -260,7 +260,7 @@ def marched(points, tolerance, ways, speed=0.05, load=0.3):
 
 
 def test_a_punch_that_sets_off_comes_to_slide_steadily():
-    found, steady = marched(64, 1e-2, (2.0,))
+    found, steady = marched(64, 1e-2, (1.0,))
     assert not found["status"].any()
     last = found.isel(step=-1)
     np.testing.assert_allclose(last["height"], found["height"][0], atol=1e-13)  # after whole periods

@@ -264,7 +264,7 @@ def test_fields_of_two_equal_layers_are_those_of_the_slab():
         np.testing.assert_allclose(getattr(other, name), expected, atol=1e-12 * abs(expected).max(), err_msg=name)
 
 
-@pytest.mark.parametrize("seed", range(60))
+@pytest.mark.parametrize("seed", range(0, 60, 2))
 def test_no_stack_that_a_scene_allows_ends_in_anything_but_a_positive_stiffness(seed):
     rng = np.random.default_rng(seed)
     count = rng.integers(1, 6)

@@ -12,6 +12,8 @@ from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.status import Status
 from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def test_steep_topographies_are_doubted():
     with pytest.warns(UserWarning, match=r"gradient of 0\.2, above 0\.03: .* change displacements by up to .* L_x"):

@@ -7,6 +7,8 @@ import yaml
 import gfmd_numba
 from support.command_line import gfmd
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 RADIUS = 4.0
 
 

@@ -10,6 +10,8 @@ from gfmd_numba.scene import InputError
 from support.command_line import gfmd
 from support.legible import faults
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 N = 32
 Y, X = np.meshgrid(np.arange(N) / N, np.arange(N) / N, indexing="ij")
 GIVEN = {

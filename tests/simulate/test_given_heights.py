@@ -12,6 +12,8 @@ import gfmd_numba
 from gfmd_numba.cli import main
 from gfmd_numba.scene import InputError, load_scene
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SCENE = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.05}}
 PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
 EPS = {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}

@@ -19,6 +19,8 @@ from gfmd_numba.scene import InputError, load_scene
 from gfmd_numba.solvers.table import SOLVERS, able
 from support.layered_scenes import HARD_ON_SOFT, INCOMPRESSIBLE, SOFT, SOFT_ON_HARD, TOP, scene
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def reduced(body, **changes):
     file = load_scene(scene(body, **changes))[0]

@@ -1,5 +1,6 @@
 """Linear algebra has one thread meanwhile: on a busy machine threads of small matrices wait for one another."""
 
+import sys
 from contextlib import nullcontext
 
 import pytest
@@ -49,12 +50,26 @@ def test_it_has_one_thread_wherever_contacts_are_solved(monkeypatch, tmp_path, d
 @pytest.mark.parametrize(
     "solve", [lambda task, folder: perform(task, folder, None), lambda task, _: compute(task, "run", versions(), None)]
 )
-def test_its_libraries_are_looked_for_once_for_all_blocks_of_a_task(monkeypatch, tmp_path, solve):
-    """To find them takes as long as a small contact."""
+def test_all_blocks_of_a_task_are_seen_to_once(monkeypatch, tmp_path, solve):
     looked = []
-    monkeypatch.setattr(thread_team, "threadpool_limits", lambda limits: looked.append(limits) or nullcontext())
+    monkeypatch.setattr(thread_team, "one_thread_of_algebra", lambda: looked.append(1) or nullcontext())
     task = tuple(plan(campaign(tmp_path)).blocks)
     assert len(task) > 1
     (tmp_path / "shards").mkdir()
     solve(task, tmp_path)
     assert looked == [1]
+
+
+def test_its_libraries_are_looked_for_again_where_modules_may_have_loaded_some(monkeypatch):
+    """To find them takes as long as a small contact."""
+    looked, found = [], thread_team.ThreadpoolController()
+    monkeypatch.setattr(thread_team, "ThreadpoolController", lambda: looked.append(1) or found)
+    thread_team._libraries.cache_clear()
+    for _ in range(2):
+        with thread_team.one_thread_of_algebra():
+            assert threads() == {1}
+    assert looked == [1]
+    monkeypatch.setitem(sys.modules, "loaded_meanwhile", None)
+    with thread_team.one_thread_of_algebra():
+        assert looked == [1, 1]
+    thread_team._libraries.cache_clear()

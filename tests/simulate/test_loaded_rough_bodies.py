@@ -12,6 +12,8 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 NX, N, NU, HEIGHT = 128, 12, 0.3, 0.5
 X = np.arange(NX) / NX
 X2, Y2 = np.meshgrid(np.arange(N) / N, np.arange(N) / N)

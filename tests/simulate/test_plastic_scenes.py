@@ -12,6 +12,8 @@ from gfmd_numba.cli import terminal
 from gfmd_numba.scene import InputError
 from support.command_line import gfmd, refused
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 FLOWS = {
     "scene": {
         "length": "1 mm",

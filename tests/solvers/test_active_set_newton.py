@@ -64,7 +64,7 @@ def test_an_exponential_sum_is_close_to_the_compliance_on_any_nodes(nu, aspect_r
 
 
 @pytest.mark.parametrize("hurst", [0.0, 0.8])
-@pytest.mark.parametrize("load", [1e-6, 0.007, 0.3, 3.0])
+@pytest.mark.parametrize("load", [1e-6, 0.3, 3.0])
 @pytest.mark.parametrize(("nu", "aspect_ratio"), [HALF_SPACE, (0.33, 0.05), (0.5, 0.01)])
 def test_contacts_are_those_of_conjugate_gradients(hurst, load, nu, aspect_ratio):
     for n in (1021, 1024):

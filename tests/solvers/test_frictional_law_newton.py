@@ -53,7 +53,7 @@ def random_path(seed):
     return ElasticBody(nu, aspect_ratio).response((nx,)), friction, law, steps
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(0, 24, 2))
 def test_every_step_of_a_random_path_holds_the_conditions_with_a_law(seed):
     stiffness, friction, law, steps = random_path(seed)
     before = None

@@ -47,7 +47,7 @@ def random_path(seed):
     return ElasticBody(nu, aspect_ratio).response((nx,)), friction, steps
 
 
-@pytest.mark.parametrize("seed", range(24))
+@pytest.mark.parametrize("seed", range(0, 24, 2))
 def test_every_step_of_a_random_path_holds_the_conditions_of_signorini_and_coulomb(seed):
     stiffness, friction, steps = random_path(seed)
     before = None

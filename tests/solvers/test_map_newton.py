@@ -30,7 +30,7 @@ def oblong(shape, hurst, seed=3):
 
 
 @pytest.mark.parametrize("slab", SLABS)
-@pytest.mark.parametrize("shape", [(128, 128), (96, 160), (104, 200)])
+@pytest.mark.parametrize("shape", [(96, 160), (104, 200)])
 @pytest.mark.parametrize("share", [0.02, 0.5])
 @pytest.mark.parametrize(("split", "most"), [(NEAR, 0.02), (FAR, 2e-3)])
 def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split, most):
@@ -59,7 +59,7 @@ def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split,
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
-@pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (96, 96)), (0.5, (104, 64)), (0.5, (100, 100))])
+@pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (104, 64)), (0.5, (100, 100))])
 def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
     punch, stiff = oblong(shape, hurst), body(shape, slab)
     found, expected = (

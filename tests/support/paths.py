@@ -5,7 +5,7 @@ PSD = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
 DRAGGED = {
     "name": "dragged",
     "seed": 1,
-    "realisations": 3,
+    "realisations": 2,
     "scene": {
         "body": {"poissons_ratio": 0.5, "aspect_ratio": 4.0},
         "roughness": PSD,

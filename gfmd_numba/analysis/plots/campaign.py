@@ -233,7 +233,7 @@ def plot_campaign(
         if most_varied(dataset) is None:
             raise UnusableDataError(f"you gave {_NOTHING_VARIES}")
         label = style.of_variable(dataset, variable)
-        return over_parameter(dataset, partial(selection.ensemble_mean, variable=variable), label, width)
+        return over_parameter(dataset, partial(selection.means, variable=variable), label, width)
     if fit is not None and fit.attrs["variable"] != variable:
         raise InputError.of("fit", f"one of {fit.attrs['variable']!r}", f"one of {variable!r}, as is drawn")
     looks = looks_of(dataset)
@@ -272,7 +272,7 @@ def plot_campaign(
 
 def _usual_means(dataset: xr.Dataset, variable: str, fitted: dict[Key, xr.Dataset]) -> tuple[float, float]:
     """Return the ends of an axis for all limits and means that are no outliers, with room for error bars."""
-    drawn = [selection.ensemble_mean(dataset, name)[0] for name in (variable, "kappa_counted") if name in dataset]
+    drawn = [selection.means(dataset, name)[0] for name in (variable, "kappa_counted") if name in dataset]
     low, high = style.usual(np.concatenate([*drawn, [float(in_the_limit(fit)[0]) for fit in fitted.values()]]))
     room = 0.5 * (high - low) or abs(high) or 1.0
     return low - room, high + room
@@ -306,9 +306,9 @@ def _draw_limit(
         look = looks.of[physics]
         position = np.exp(spacing * (order.index(physics) - (len(order) - 1) / 2)) / group[limit].values
         if variable == "kappa" and "kappa_counted" in group:
-            counted, _ = selection.ensemble_mean(group, "kappa_counted")
+            counted, _ = selection.means(group, "kappa_counted")
             axis.plot(position, counted, look["marker"], color=look["color"], mfc="none", mew=0.7, zorder=1)
-        mean, error = selection.ensemble_mean(group, variable)
+        mean, error = selection.means(group, variable)
         axis.errorbar(position, mean, error, fmt=look["marker"], color=look["color"])
         if physics in fitted:
             one = fitted[physics].sel(limit=limit)

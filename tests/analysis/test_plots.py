@@ -198,7 +198,7 @@ def test_nothing_varied_is_an_error(campaign):
 def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact, tmp_path):
     figure = plot_contact(contact)
     whole, above, below = figure.axes
-    assert whole.get_ylabel() == "Position $z$ (nm)"
+    assert whole.get_ylabel() == "Position (nm)"
     assert above.get_ylabel() == "Close-up (nm)"
     assert whole.get_ylim()[1] >= above.lines[0].get_ydata().max()  # the whole punch
     assert below.get_ylabel() == "Pressure $p$ (MPa)"
@@ -215,7 +215,7 @@ def test_contact_without_units_is_in_lx_and_estar(contact, tmp_path):
     for name in contact.variables:
         contact[name].attrs["units"] = "1"
     whole, _, below = plot_contact(contact).axes
-    assert whole.get_ylabel() == r"Position $z$ ($10^{-7}\,L_x$)"
+    assert whole.get_ylabel() == r"Position ($10^{-7}\,L_x$)"
     assert "E^*" in below.get_ylabel()
 
 

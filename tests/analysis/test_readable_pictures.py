@@ -211,7 +211,7 @@ def test_bodies_that_do_not_touch_are_drawn_in_a_unit_of_their_gap():
     figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))
     figure.draw_without_rendering()
     whole, close, pressure = figure.axes
-    assert [whole.get_ylabel(), close.get_ylabel()] == ["Height (nm)", "Close-up (nm)"]
+    assert [whole.get_ylabel(), close.get_ylabel()] == ["Position (nm)", "Close-up (nm)"]
     assert {axis.yaxis.get_offset_text().get_text() for axis in figure.axes} == {""}
     assert close.get_ylim()[1] > 0.5 * whole.get_ylim()[1]
     assert [label.get_text() for label in pressure.get_yticklabels()] == ["0"]

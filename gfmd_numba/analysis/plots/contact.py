@@ -150,7 +150,7 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
         whole.fill_between(x, high, highest, color="0.82", lw=0)
         whole.plot(x, high, color="0.35", lw=0.8)
         whole.plot(x, low, color=COLOURS[0])
-        whole.set(ylabel=f"Position $z$ ({unit})")
+        whole.set(ylabel=f"Position ({unit})")
         whole.margins(y=0.0)
         above.fill_between(x, high, highest, color="0.82", lw=0, label=above_it)
         above.fill_between(x, bottom, low, color="#BBD9EC", lw=0, label=below_it)

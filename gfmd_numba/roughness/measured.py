@@ -15,7 +15,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility, statistics
 from gfmd_numba.roughness.measurements import Content, Measurement, at_spacing, counts_points, measurement
-from gfmd_numba.roughness.processing import detrended, fill_gaps, largest_square, made_periodic
+from gfmd_numba.roughness.processing import ORDERS, detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene import Document, Scene
@@ -213,7 +213,7 @@ def periodic_surface(
         )
     mirrored = field.fields == 2.0 and not any(ends)
     signs = plausibility.of_field(
-        plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff)
+        plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff, ORDERS[record.detrend])
     )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(

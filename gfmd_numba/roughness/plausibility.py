@@ -63,7 +63,8 @@ class Field:
     """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
 
     `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z. One
-    to be `mirrored` is no period of waves. Waves shorter than a `cutoff` are left out.
+    to be `mirrored` is no period of waves. Waves shorter than a `cutoff` are left out. The levelling has `subtracted` a
+    polynomial of that order.
     """
 
     as_measured: Reals
@@ -72,6 +73,7 @@ class Field:
     units: Mapping[str, str]
     mirrored: bool = False
     cutoff: float | None = None
+    subtracted: int = 0
 
     def said(self, length: float, axis: str = "z", digits: int = 3) -> str:
         """Return a length in the user's unit of x or z."""
@@ -115,9 +117,11 @@ def of_field(field: Field) -> Signs:
     raised = heights
     heights, spikes = despiked(heights, step)
     deep = bool((raised[spikes] < heights[spikes]).all())
+    if (
+        field.subtracted > 0 and (marked | spikes).any()
+    ):  # of a polynomial that was fitted to marks and spikes, too, something is left
+        heights = heights - polynomial(heights, field.subtracted)
     formed, order = _form(field, heights)
-    if (marked | spikes).any() and _is_levelled(field):
-        formed = []  # of the trend that was fitted to those heights, too
     level = heights - polynomial(heights, order)
     rounding = _EXACT * float(np.ptp(heights))
     steps = [each for each in offsets(level) if abs(each[2]) > max(2.0 * step, rounding)]
@@ -230,12 +234,6 @@ def is_design(heights: Reals) -> bool:
     second = np.diff(heights, 2, axis=-1)
     rounding = 64.0 * float(np.finfo(np.float64).eps * np.nanmax(abs(heights)))
     return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
-
-
-def _is_levelled(field: Field) -> bool:
-    """Whether more than the mean has been subtracted from what was measured."""
-    trend = field.as_measured - field.heights
-    return float(np.nanmedian(abs(trend - np.nanmedian(trend)))) > _EXACT * float(np.nanmax(abs(field.as_measured)))
 
 
 def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:

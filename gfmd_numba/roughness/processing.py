@@ -18,7 +18,7 @@ Detrend = Literal["none", "mean", "tilt", "curvature"]
 Periodic = Literal["none", "mirror", "window"]
 Fill = Literal["refuse", "interpolate"]
 
-_TERMS = ("tilt", "curvature")  # of the first and second power
+ORDERS: dict[Detrend, int] = {"none": -1, "mean": 0, "tilt": 1, "curvature": 2}  # of what is subtracted
 MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
 INTERPOLATED = {1: "linearly", 2: "by a harmonic function"}  # of profiles and maps
 _EQUAL = 1e-3  # by which sizes of the square may differ without a word: positions and sizes in files are rounded
@@ -40,8 +40,8 @@ def detrended(heights: Reals, detrend: Detrend) -> tuple[Reals, tuple[str, ...]]
         return heights, ()
     if detrend == "mean":
         return heights - heights.mean(), ("subtracted the mean",)
-    terms = _TERMS[: _TERMS.index(detrend) + 1]
-    trends = [polynomial(heights, order) for order in range(1, len(terms) + 1)]
+    terms = [name for name, order in ORDERS.items() if 0 < order <= ORDERS[detrend]]
+    trends = [polynomial(heights, ORDERS[name]) for name in terms]
     shares = np.diff([0.0, *(trend.var() for trend in trends)]) / (heights.var() or 1.0)
     told = (f"the {term}, {share:.2g} of the mean square height" for term, share in zip(terms, shares, strict=True))
     return heights - trends[-1], ("subtracted " + " and ".join(told),)

@@ -78,7 +78,7 @@ def test_a_curve_over_forces_draws_radius_and_approach_over_the_force(tmp_path):
     assert "p*" not in said
     assert "radius" in said
     axes = plot_curve(gfmd_numba.load_curve(tmp_path / "ball.yaml", [0.01, 0.05])).axes
-    assert [axis.get_ylabel().split(" (")[0] for axis in axes[:2]] == ["Contact radius", "Approach"]
+    assert [axis.get_ylabel().split(" (")[0] for axis in axes[:2]] == ["Contact radius", r"Approach $\delta$"]
     assert axes[-1].get_xlabel().startswith("Force (")
 
 

@@ -17,7 +17,6 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
-from gfmd_numba.roughness.plausibility import is_design
 from gfmd_numba.scene import Measured, Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
@@ -130,7 +129,7 @@ def _mirrored_load(given: ContactInput) -> str:
 
 def _few_contacts(given: ContactInput, found: Found) -> Iterator[Told]:
     scene, counts = given.file.scene, found["n_segments"]
-    designs = [is_design(surface.heights) for surface in given.measured]
+    designs = [surface.is_design for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
     touching = counts > 0  # at the steps of a path, of which the first may be at first touch
     average = float(counts[touching].mean() / _copies(given)) if touching.any() else nan
@@ -264,7 +263,7 @@ def _narrow(given: ContactInput, found: Found) -> Iterator[Told]:
 def _sharp_peak(given: ContactInput, found: Found) -> Iterator[Told]:
     """Yield a warning about a measured surface of which a touching node sticks out."""
     scene, axes = given.file.scene, _nodes(given)
-    rough = [surface for surface in given.measured if not is_design(surface.heights)]
+    rough = [surface for surface in given.measured if not surface.is_design]
     if (
         not rough
         or len(given.measured) < len(scene.surfaces)

@@ -48,7 +48,8 @@ _SPACING = 1e-3  # of the spacing, by which positions are rounded
 class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
-    `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible.
+    `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible. A surface that
+    `is_design` has no roughness.
     """
 
     heights: Reals
@@ -57,6 +58,7 @@ class MeasuredSurface:
     found: str
     done: tuple[str, ...]
     doubts: tuple[str, ...]
+    is_design: bool = False
 
     @property
     def in_periods(self) -> Reals:
@@ -225,8 +227,9 @@ def periodic_surface(
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
+    is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    return MeasuredSurface(made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts)
+    return MeasuredSurface(made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design)
 
 
 def _size(length: float, unit: str) -> str:

@@ -43,7 +43,7 @@ def make(file: SurfaceFile) -> Made:
     else:
         asked = float(statistics.rms_height(heights, lengths))
     power *= asked**2 / statistics.moment_of_power(power, surface.shape, 0, lengths)
-    return Made(heights, lengths, "1" if file.length is None else "m", "", (), (), power)
+    return Made(heights, lengths, "1" if file.length is None else "m", "", (), (), power=power)
 
 
 def surface_dataset(file: SurfaceFile, document: Document) -> xr.Dataset:

@@ -66,9 +66,9 @@ def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
 
 
 def nearness(of: xr.Dataset) -> xr.DataArray:
-    """Way of the punch, from any origin, or where that has a period, of the mean plane of the punch as it was made.
+    """How near the surfaces are, from any origin: the approach of the punch, or with a period that of the mean planes.
 
-    The gap is measured from the flattened punch, whose mean plane lies a mean plastic depth further off.
+    A hardness flattens the punch. The gap is measured from there, and the planes are those of the surfaces as made.
     """
     return of["approach"] if "approach" in of else of.get("mean_plastic_depth", 0.0) - of["mean_gap"]
 

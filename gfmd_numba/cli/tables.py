@@ -62,8 +62,8 @@ _MEANINGS = {  # of words that name no variable of a file, or another one there
     "error": "parts of the standard error: the scatter of surfaces (sampling), and what is unknown of each limit",
     "misfit": "how far the levels lie from the fitted laws, in standard errors",
     "round": "a run to a target solves more surfaces and finer levels, round after round; the first is the pilot",
-    "stiffness": "change of the mean pressure over that of the mean gap",
-    "secant stiffness": "change of the mean pressure over that of the mean gap, since the step before",
+    "stiffness": "change of the mean pressure over how much nearer the surfaces come",
+    "secant stiffness": "change of the mean pressure over how much nearer the surfaces come, since the step before",
     "surfaces": "number of random surfaces whose mean a row is",
     "status": "how the run ended",
 }

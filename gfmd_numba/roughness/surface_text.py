@@ -632,7 +632,7 @@ def _bad_row(rows: list[str], numbers: list[int], layout: Layout, columns: int) 
     filled = [cell for cell in layout.cells(row) if cell.strip()]
     for i, cell in enumerate(filled):
         if _parsed([cell], Layout("", layout.decimal)) is None:
-            told = "what is missing is an empty cell, or nan" if i else "delete that line if it is none of heights"
+            told = "what is missing is an empty cell, or nan" if i else "delete that line if it is no row of numbers"
             return ValueError(f"{_short(cell)} in line {number}, not a number ({told})")
     return ValueError(f"rows of numbers that do not make a table, from line {number} on")
 

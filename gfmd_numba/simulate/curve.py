@@ -392,6 +392,10 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
         long_name = "contact stiffness beyond uniform compression, -d(mean_pressure)/d(mean_gap)"
         if any(scene.ends):
             long_name = "contact stiffness, d(mean_pressure)/d(approach)"
+        elif scene.interface.hardness is not None:
+            long_name = (
+                "contact stiffness beyond uniform compression, d(mean_pressure)/d(mean_plastic_depth - mean_gap)"
+            )
         attributes = cf_attributes(long_name, " ".join(per) or "1")
         found["contact_stiffness"].attrs = attributes | {"comment": _METHOD}
 

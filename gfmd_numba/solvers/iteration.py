@@ -182,7 +182,7 @@ def _implementation(path: str) -> Callable[[Batch, Options], Iteration | None]:
 
 
 def leave_pressures(solver: Iteration, rows: Indices) -> None:
-    """Replace the normal restoring tractions of rows that have ended by the pressures of the wall, where not done."""
+    """Replace what restores normal displacements by the pressures of the wall, unless the solver has, in ended rows."""
     bears, conditions = solver.certificate.bears, solver.certificate.conditions
     restored = rows if bears is None else rows[~bears[rows]]
     kernels.wall_pressure(solver.state, conditions.hardness, restored, solver.field.n)

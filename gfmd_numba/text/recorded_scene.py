@@ -7,40 +7,46 @@ from typing import Any
 from gfmd_numba.text.numbers import with_prefix
 
 _TEXTS = ("campaign", "yaml")  # attributes that hold what a user wrote
-_FLOWS = ("plasticity", "relaxation")
 _LOADS = {"pressure": "Pa", "line_load": "N m-1", "force": "N"}
 
 
 def asked(attributes: Mapping[Any, Any]) -> dict[str, str]:
     """Return those attributes of a dataset that hold what its user wrote, for what is computed from it."""
-    return {name: attributes[name] for name in _TEXTS if name in attributes}
+    return {name: str(attributes[name]) for name in _TEXTS if name in attributes}
+
+
+def _at(text: str, *place: str) -> Any:
+    """Return what a recorded scene has at a place; None without, as in a record that was altered by hand."""
+    try:
+        found = json.loads(text)
+    except (TypeError, ValueError):
+        return None
+    for key in ("scene", *place):
+        found = found.get(key) if isinstance(found, dict) else None
+    return found
 
 
 def has_form(text: str) -> bool:
     """Return whether the punch has a form, whose heights and mean pressure say how long the cut-out is."""
-    return json.loads(text).get("scene", {}).get("form") is not None
+    return _at(text, "form") is not None
 
 
 def is_form_alone(text: str) -> bool:
     """Return whether a form without roughness was pressed, of which p*, kappa and Persson's theory say nothing."""
-    scene = json.loads(text).get("scene", {})
-    bodies = [scene, scene.get("body") or {}, scene.get("counter_body") or {}]
-    return has_form(text) and all(each.get("roughness") is None for each in bodies)
+    rough = (_at(text, *of, "roughness") for of in ((), ("body",), ("counter_body",)))
+    return has_form(text) and not any(rough)
 
 
 def is_elastic_contact(text: str) -> bool:
     """Return whether elastic bodies met a hard wall, at whose pressures most solids would flow."""
-    scene = json.loads(text).get("scene", {})
-    flows = any((scene.get(each) or {}).get(name) for each in ("body", "counter_body") for name in _FLOWS)
-    return scene.get("interface", {}).get("hard_wall") is not None and hardness(text) is None and not flows
+    flows = any(_at(text, body, name) for body in ("body", "counter_body") for name in ("plasticity", "relaxation"))
+    return _at(text, "interface", "hard_wall") is not None and hardness(text) is None and not flows
 
 
 def hardness(text: str) -> float | None:
     """Return the hardness of the wall, in the unit of pressures; None of a wall that does not yield."""
-    value: float | None = (json.loads(text).get("scene", {}).get("interface", {}).get("hard_wall") or {}).get(
-        "hardness"
-    )
-    return value
+    found = _at(text, "interface", "hard_wall", "hardness")
+    return found if isinstance(found, int | float) else None
 
 
 def described(text: str, load: bool = True) -> str:

@@ -13,7 +13,7 @@ from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.scene.scene_file import load_scene
 
-EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}}
+EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
 
 
 def scene(dimension=1, periodic=True, rate=2.0, **body):
@@ -58,7 +58,7 @@ def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body)
 @pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 def test_a_sine_wears_to_its_flat():
     """Under a small load a blunt sine loses its caps, of the worn volume; its flat bears an even pressure."""
-    n, amplitude, load, rate = 256, 1e-3, 1e-5, 40.0
+    n, amplitude, load, rate = 512, 1e-3, 1e-5, 40.0
     x = np.arange(n) / n
     heights = amplitude * np.cos(2.0 * np.pi * (x - 0.5))
     whole = scene(rate=rate)
@@ -86,7 +86,7 @@ def test_a_sine_wears_to_its_flat():
 def test_a_body_that_creeps_wears_the_same_volume(periodic):
     whole = scene(periodic=periodic, relaxation=[{"modulus": 3.0, "time": 1.0}])
     path = [{"sliding": 0.3, "duration": 1.0}, {"sliding": 0.3, "duration": 5.0}, {"sliding": 0.5}]
-    found = solved(whole, path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
+    found = solved(whole, path, numerics={"time_tolerance": 0.05, "residual": 1e-10})
     expected = 2.0 * 0.02 * 0.05 * np.array([0.3, 0.3, 0.5])
     np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-8)
 
@@ -169,7 +169,7 @@ def test_each_node_wears_by_its_own_slip():
 @pytest.mark.parametrize("coefficient", [None, 0.3])
 def test_divisions_of_short_steps_are_of_second_order(coefficient):
     file = rubbing([{"sliding": 1e-3}], coefficient=coefficient)
-    depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (4, 8, 16, 32)]
+    depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (8, 16, 32, 64)]
     changes = [abs(one - other).sum() for one, other in pairwise(depths)]
     assert changes[0] / changes[2] > 9.0  # 16 of second order, 4 of first
 
@@ -179,7 +179,7 @@ def test_divisions_of_short_steps_are_of_second_order(coefficient):
 def test_a_punch_that_slides_far_wears_as_without_friction():
     """On an incompressible half-space friction does not change the pressure; the punch first drags it along a bit."""
     body = {"poissons_ratio": 0.5}
-    file = rubbing([{"sliding": 0.2}], 1.0, 0.005, periodic=False, body=body, time_tolerance=1e-2)
+    file = rubbing([{"sliding": 0.4}], 1.0, 0.01, periodic=False, body=body, time_tolerance=5e-3)
     found = gfmd_numba.solve(file)
     del file["scene"]["interface"]["friction"]
     plain = gfmd_numba.solve(file)
@@ -187,18 +187,18 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
         error = abs(found[name][-1] - plain[name][-1]).sum() / plain[name][-1].sum()
         assert float(error) < 0.01
     assert float(found["mean_worn_depth"][-1]) == pytest.approx(float(plain["mean_worn_depth"][-1]), rel=5e-3)
-    assert 0.0 < float(found["time_error"][-1]) < 1e-2
+    assert 0.0 < float(found["time_error"][-1]) < 5e-3
     assert "energy_lost" not in found
     touches = found["pressure"][-1].values > 0.0
-    assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.2  # of all divisions, less what the body follows
+    assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.4  # of all divisions, less what the body follows
 
 
 @pytest.mark.parametrize("coefficient", [None, 0.3])
 def test_long_steps_hold_their_tolerance(coefficient):
-    """As no wave of the grid swings to and fro; beside four times as many steps."""
+    """As no wave of the grid swings to and fro; beside eight times as many steps."""
     path = [{"sliding": 1e-3}, {"sliding": 0.02}]
     found = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=2e-2))
-    ways = [*np.linspace(0.0, 1e-3, 5)[1:], *np.linspace(1e-3, 0.02, 5)[1:]]
+    ways = [*np.linspace(0.0, 1e-3, 9)[1:], *np.linspace(1e-3, 0.02, 9)[1:]]
     path = [{"sliding": float(way)} for way in ways]
     fine = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=2e-2))
     for name in ("worn_depth", "pressure", "displacement"):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from gfmd_numba.text.recorded_scene import described
+from gfmd_numba.text.recorded_scene import asked, described, hardness, is_elastic_contact, is_form_alone
 
 SCENE = '{"scene": {"body": {"youngs_modulus": 7e10}, "roughness": {"method": "psd", "hurst": 0.8}, "length": 1e-3}}'
 
@@ -18,6 +18,19 @@ def test_a_scene_is_described_in_units():
 )
 def test_an_altered_record_says_nothing(altered):
     assert described(altered) == ""
+    assert hardness(altered) is None
+    assert not is_elastic_contact(altered)
+    assert not is_form_alone(altered)
+
+
+@pytest.mark.parametrize("wall", [3, "hard", [], {"hardness": "soft"}, {"hardness": [1]}])
+def test_an_altered_wall_has_no_hardness(wall):
+    assert hardness(json.dumps({"scene": {"interface": {"hard_wall": wall}}})) is None
+    assert hardness('{"scene": {"interface": {"hard_wall": {"hardness": 2e9}}}}') == 2e9
+
+
+def test_what_was_asked_is_text_whatever_stands_there():
+    assert asked({"yaml": 3, "title": "contact"}) == {"yaml": "3"}
 
 
 def test_the_length_of_a_mirrored_surface_is_that_of_the_period():

@@ -104,7 +104,9 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
         axis.plot(x, part, "s--", color=COLOURS[1], label="area at the hardness")
     if name == "peak_pressure" and (limit := hardness(dataset.attrs.get("scene", "{}"))) is not None:
         axis.axhline(factor * limit, color="0.25", ls=":", label="hardness")
-    if name == "contact_stiffness":  # with E* or L_x where the scene leaves but one of them open
+    if name == "contact_stiffness":
+        text = "Stiffness" if _YIELDED in dataset else text  # the gap is not all of the way where a punch is flattened
+        # with E* or L_x where the scene leaves but one of them open
         pressure, gap = (dataset[each].attrs.get("units", "1") for each in ("mean_pressure", "mean_gap"))
         if (pressure == "1") != (gap == "1"):
             unit = f"{unit}$/L_x$" if gap == "1" else "$E^*$/m"

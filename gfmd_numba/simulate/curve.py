@@ -26,7 +26,7 @@ from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
-from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, path_warnings, wording
+from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, input_warnings, path_warnings, wording
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of
@@ -208,6 +208,7 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
         for i in range(curve.realisations):
             given = _realisation(curve, i)
             whole, _ = given.reduced
+            of_all_loads = len(input_warnings(given))
             steps = (step_dataset(given, *each) for each in _solved(curve, given, tell))
             if curve.prescribed == _TIME:
                 next(steps)  # the load itself, before any time has passed
@@ -220,7 +221,9 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
                     for name in ("n_iterations", "wall_time"):
                         scalars[name] = (scalars[name] + short[name]).assign_attrs(scalars[name].attrs)
                     scalars["contact_stiffness"] = _stiffness(short, step)
-                validity = "\n".join(filter(None, (*numbers, path_warnings(given, whole, step))))
+                warnings = path_warnings(given, whole, step).splitlines()
+                scalars["warned"] = len(warnings) > of_all_loads
+                validity = "\n".join((*numbers, *warnings))
                 yield scalars.assign_attrs(solver=whole.numerics.solver, validity=validity)
 
 
@@ -344,6 +347,8 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
             attributes = cf_attributes(f"standard error of {name} over realisations", found[name].units)
             dataset[f"{name}_standard_error"] = _standard_error(values).assign_attrs(attributes)
     dataset["n_realisations"] = count.assign_attrs(cf_attributes("realisations that are ok at this load"))
+    warned = found["warned"].where(ok).sum("realisation").astype(int)
+    dataset["n_warned"] = warned.assign_attrs(cf_attributes("realisations with a warning about this load"))
     worst = found["status"].max("realisation").astype(np.int8)
     dataset["status"] = worst.assign_attrs(
         cf_attributes("how the runs at this load ended, the worst of them") | status.flag_attributes(status.SENTENCES)

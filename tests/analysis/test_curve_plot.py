@@ -57,6 +57,22 @@ def test_loads_without_a_result_are_left_out(found):
         plot_curve(failed)
 
 
+def test_loads_that_are_warned_of_are_hollow(found):
+    """Single nodes at the first two loads; every contact is some 20 nodes wide at the last."""
+    axes = plot_curve(found).axes
+    assert not any("warning" in line.get_label() for axis in axes for line in axis.lines)
+    scene = scene_file(1e-4, 70e9) | {"discretisation": {"eps_c": 0.5, "eps_f": 0.01, "eps_t": 0.25}}
+    with pytest.warns(UserWarning, match="contacts are narrow"):
+        narrow = load_curve(scene, [2e-3, 4e-3, 0.5])
+    assert narrow["n_warned"].values.tolist() == [1, 1, 0]
+    figure = plot_curve(narrow)
+    for axis in figure.axes:
+        line, hollow = axis.lines[:2]
+        assert hollow.get_markerfacecolor() == "white"
+        np.testing.assert_array_equal(hollow.get_xydata(), line.get_xydata()[:2])
+    assert [text.get_text() for text in figure.legends[0].get_texts()] == ["with a warning"]
+
+
 def test_infinite_stiffness_is_left_out(found):
     full = found.copy(deep=True)
     full["contact_stiffness"][-1] = np.inf

@@ -41,7 +41,7 @@ _OVER = {"time": ("Time", "", _IN_TIME), "speed": ("Sliding speed", "L_x", _OVER
 def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     """Draw a curve of `gfmd curve`: over the mean pressure or the load that was prescribed, the time, or the speed.
 
-    Points that are not ok are left out. Bands are standard errors over realisations. Raises UnusableDataError for a
+    Points that are not ok are left out, those with a warning are hollow. Bands are standard errors over realisations. Raises UnusableDataError for a
     dataset that is no curve, or has no point with a result.
     """
     dim = next((each for each in CURVES if each in getattr(dataset, "variables", ())), "prescribed_load")
@@ -83,9 +83,9 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
                 axis.set_xlabel(f"{label} ({unit})")
                 axis.tick_params(labelbottom=True)
         figure.align_ylabels()
-        handles = [handle for axis in axes for handle in axis.get_legend_handles_labels()[0]]
+        handles = {str(handle.get_label()): handle for axis in axes for handle in axis.get_legend_handles_labels()[0]}
         if handles:
-            add_legend(figure, handles, 2, "outside lower center")
+            add_legend(figure, [*handles.values()], 2, "outside lower center")
     return figure
 
 
@@ -96,6 +96,8 @@ def _draw(axis: Axes, dataset: xr.Dataset, name: str, text: str, natural: str, x
     factor, unit = prefix(finite, natural, typical) if finite.size and natural else (1.0, "")
     values = factor * finite.values
     axis.plot(x[known], values, "o-", color=COLOURS[0])
+    if "n_warned" in dataset and (warned := dataset["n_warned"].values[known] > 0).any():
+        axis.plot(x[known][warned], values[warned], "o", color=COLOURS[0], mfc="white", label="with a warning")
     if f"{name}_standard_error" in dataset:
         error = factor * dataset[f"{name}_standard_error"].values[known]
         axis.fill_between(x[known], values - error, values + error, color=COLOURS[0], alpha=0.25, lw=0)

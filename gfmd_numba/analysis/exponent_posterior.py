@@ -79,8 +79,8 @@ class Linear:
 def linear(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Linear:
     """Return the fits at nodes of the laws' parameters (node, parameter).
 
-    `before` says of the corrections of the limits, and then of the interactions of the pairs, within which standard
-    deviations they are 0 before there are data, infinite for free ones.
+    `before` are the standard deviations of the priors around 0: of the corrections of the limits, then of the
+    interactions of the pairs. Infinite ones are free.
     """
     coefficients, solving, residual = solved(means, laws, nodes, before)
     inverse = solving @ np.swapaxes(solving, 1, 2)

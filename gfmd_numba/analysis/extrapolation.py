@@ -241,8 +241,8 @@ def _notes(
     of_theory = [(rival.what, other.limit_of(index)) for rival, other in others if rival.from_theory]
     far = float(np.sqrt(whole.excess))
     too_far = (
-        f"the means lie {far:.3g} times as far from the laws as their errors allow, which are enlarged by as much; add "
-        "finer levels, or allow other exponents"
+        f"the means lie {far:.3g} times as far from the laws as their errors allow, so all errors are multiplied by "
+        f"{far:.3g}; add finer levels, or allow other exponents"
     )
     return [
         *group.notes,

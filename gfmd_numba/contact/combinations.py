@@ -171,7 +171,7 @@ _OF_PROCESSES = {
     "path": "no path",
 }
 _OF_SPEED = {"wear": "no wear", "rough bodies": _SMOOTH, "friction": "no friction", **_ONE_LAW}
-_STEADY = "nothing with a sliding speed, at which the punch has slid for ever"
+_STEADY = "nothing with a sliding speed, which means steady sliding"
 _ONE_THREAD = "1 but for maps under a punch without a hardness, as others are solved by one thread"
 
 

@@ -302,8 +302,8 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         uniform = float(given.scales.bodies[0].condensed_stiffness(np.zeros(1))[0])
         by_mean = 0.0 if problem.mean_pressure is None or uniform == 0.0 else problem.mean_pressure / uniform
         displacement = displacement - displacement.mean() - by_mean / contact.change.factor
-    if contact.change.out is not None:
-        displacement = displacement + contact.change.out[0]
+    if contact.change.normal_offset is not None:
+        displacement = displacement + contact.change.normal_offset[0]
     yield "height", "height", "height of the punch, peaks towards the body", contact.heights[0]
     yield "pressure", "pressure", "contact pressure", contact.equilibrium.pressure[0]
     yield "displacement", "height", "normal displacement of the body, positive towards the punch", displacement
@@ -329,7 +329,7 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
             long_name = f"prescribed traction on the body, {component.way}"
             yield f"prescribed_{component.key('traction')}", "pressure", long_name, values
     if problem.plasticity is not None:
-        out = np.asarray(contact.change.out)[0]
+        out = np.asarray(contact.change.normal_offset)[0]
         yield "residual_displacement", "height", "displacement of the body by what has flowed, without a load", out
 
 

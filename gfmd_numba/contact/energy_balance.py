@@ -126,7 +126,7 @@ def held_by_friction(problem: Problem, contact: Contact, wall: Reals) -> Reals:
     found, step = contact.equilibrium.tangential, contact.step
     assert found is not None  # of contacts under friction
     assert step is not None
-    return problem.interface.lasting(step.duration).held(wall, vector_slip.length(found.slip[0]))
+    return problem.interface.lasting(step.duration).friction_bound(wall, vector_slip.length(found.slip[0]))
 
 
 def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:

@@ -58,7 +58,7 @@ def edge(contact: Contact) -> area_correction.Edge:
     now = contact.heights[0]
 
     def felt(q: Reals) -> Reals:
-        return contact.change.felt(SpectralResponse.of_normal(contact.stiffness(q))).normal
+        return contact.change.applied_to(SpectralResponse.of_normal(contact.stiffness(q))).normal
 
     of_waves = felt if contact.change.wear_compliance else contact.stiffness
     return area_correction.edge(of_waves, 1.0 / now.shape[-1], now.ndim)
@@ -206,7 +206,7 @@ def contact_radius(contact: Contact) -> Reals:
 def _remembers(contact: Contact) -> bool:
     """Whether a body has crept: a node then bears what it has been through, and not the root of its distance alone."""
     is_slow = contact.before is not None and "springs" in contact.before.memory
-    return is_slow and contact.change.out is not None and bool(contact.change.out.any())
+    return is_slow and contact.change.normal_offset is not None and bool(contact.change.normal_offset.any())
 
 
 def _pulled(contact: Contact) -> Flags:
@@ -368,7 +368,7 @@ def hysteretic_friction(contact: Contact) -> Reals:
 
     Where a punch slides steadily it is the energy that the body dissipates per distance.
     """
-    u, out = contact.equilibrium.displacement, contact.change.out
+    u, out = contact.equilibrium.displacement, contact.change.normal_offset
     return _traction_along(contact, u if out is None else u + out) / mean_pressure(contact)
 
 

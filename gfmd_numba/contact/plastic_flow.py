@@ -46,7 +46,7 @@ def follow(problem: Problem, state: State, largest: float, tell: Tell) -> Contac
     found = divided(increments)
     if fewer and found.equilibrium.status[0] == Status.ok:
         coarse = divided(fewer)
-        pairs = [(each.equilibrium.pressure, each.change.out) for each in (coarse, found)]
+        pairs = [(each.equilibrium.pressure, each.change.normal_offset) for each in (coarse, found)]
         error = max(relative_difference(*both) for both in zip(*pairs, strict=True))
         assert found.before is not None  # of what was solved
         flow = replace(found.before.memory[NAME], error=error)

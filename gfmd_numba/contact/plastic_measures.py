@@ -56,7 +56,7 @@ class PlasticFlow(Process):
     def change(self, state: State, step: LoadStep) -> Change:
         """The surface has moved by what has flowed."""
         flow: Flow | None = state.memory[NAME]
-        return Change(out=None if flow is None else flow.out)
+        return Change(normal_offset=None if flow is None else flow.out)
 
 
 def flow_of(contact: Contact) -> Flow:

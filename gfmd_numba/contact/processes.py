@@ -56,7 +56,7 @@ class Deflection(Process):
     def change(self, state: State, step: LoadStep) -> Change:
         """Displacements count from the deflected surface."""
         *along, out = state.memory[self.name]
-        return Change(out=out[np.newaxis], along=np.asarray(along)[np.newaxis])
+        return Change(normal_offset=out[np.newaxis], tangential_offset=np.asarray(along)[np.newaxis])
 
 
 @dataclass(frozen=True)
@@ -66,8 +66,8 @@ class Wear:
     It remembers the depth `[realisation, (y,) x]` in g L_x. Under friction, each node wears by its own slip. A step
     wears off what a mean of the pressures at its two ends does: of second order in the step where that is short against
     what the shortest wave, of the `stiffest` response (E*/L_x), wears off in. Longer ones lean to the pressure at the
-    end, so that no wave of the grid swings to and fro. On the way the wall yields as if all nodes slipped as far as the
-    punch does, less what those that slipped by less in the last step do not wear.
+    end, so that no wave of the grid swings to and fro. Within a step the compliance is that of nodes that all slip as
+    far as the punch slides; a node that slipped by less in the last step gets the difference back.
     """
 
     rate: float

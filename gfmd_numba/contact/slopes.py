@@ -219,7 +219,7 @@ class Slopes:
         """Surfaces are closer, nodes are carried along, and tangential tractions bear a part of the load."""
         found: SlopeCorrection = state.memory[self.name]
         carried = (found.shifted - found.since)[np.newaxis] if self.rub else None
-        return Change(wall=-found.raised[np.newaxis], carried=carried, lifted=found.lifted)
+        return Change(wall=-found.raised[np.newaxis], anchor_shift=carried, lifted=found.lifted)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> SlopeCorrection:
         """What the first round of the next step takes for granted: what the last round has, if it matters."""

@@ -58,17 +58,18 @@ def solve(problem: Problem, state: State | range) -> Contact:
         punch += change.wall
     if problem.rough is not None:  # what rounding leaves of heights that just touch is no contact
         punch[abs(punch) <= _ROUNDING * np.ptp(heights)] = 0.0
-    if change.out is not None:
-        punch -= change.out
+    if change.normal_offset is not None:
+        punch -= change.normal_offset
     drag = np.reshape(step.sliding, (-1, *(1 for _ in heights.shape[1:])))
     laws = problem.interface.lasting(step.duration)
     is_cohesive = laws.cohesive is not None  # slip then counts from where the punch came
-    slid = drag - change.carried[0] if is_cohesive and change.carried is not None else drag
-    start = _start(state, None if is_cohesive else change.carried, punch, drag)
+    slid = drag - change.anchor_shift[0] if is_cohesive and change.anchor_shift is not None else drag
+    start = _start(state, None if is_cohesive else change.anchor_shift, punch, drag)
     load = None if problem.mean_pressure is None else problem.mean_pressure + change.lifted
     approach = None
     if not any(problem.ends):
-        equilibrium = equilibrate(punch, change.felt(response_of(problem)), load, problem.numerics, laws, start, slid)
+        response = change.applied_to(response_of(problem))
+        equilibrium = equilibrate(punch, response, load, problem.numerics, laws, start, slid)
     else:
         equilibrium, sunk = _without_period(problem, state, punch, load, start, slid)
         punch, approach = punch - sunk, sunk + (problem.displacement or 0.0)
@@ -96,7 +97,7 @@ def _without_period(
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     laws, change = problem.interface.lasting(problem.duration), state.change(problem.step)
-    response = change.felt(response_of(problem))
+    response = change.applied_to(response_of(problem))
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)

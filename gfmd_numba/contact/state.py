@@ -47,20 +47,20 @@ class Change:
 
     The wall has moved away from the body by `wall` `[realisation, (y,) x]`, as a punch does that loses material. Where
     it touches it moves by another `wear_compliance` (L_x/E*) times the pressure, as a punch does that wears in the
-    step. The surface of the body has moved on its own by `out` `[realisation, (y,) x]` out of the body and by `along`
-    `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are stiffer by a `factor`,
-    and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
-    The nodes have been carried along what they meet by `carried`, of the shape of `along`, and tangential tractions
-    bear `lifted` of the mean pressure.
+    step. The surface of the body has moved on its own by `normal_offset` `[realisation, (y,) x]` out of the body and by
+    `tangential_offset` `[realisation, component, (y,) x]` along it: displacements count from there. The bodies are
+    stiffer by a `factor`, and those that creep under a punch that slides steadily by a complex `modulus` of each wave.
+    The point of the punch at which a node sticks has moved by `anchor_shift`, of the shape of `tangential_offset`.
+    Tangential tractions bear `lifted` of the mean pressure.
     """
 
     wall: Reals | float | None = None
-    out: Reals | None = None
-    along: Reals | None = None
+    normal_offset: Reals | None = None
+    tangential_offset: Reals | None = None
     factor: float = 1.0
     modulus: Complexes | None = None
     wear_compliance: float = 0.0
-    carried: Reals | None = None
+    anchor_shift: Reals | None = None
     lifted: float = 0.0
 
     @classmethod
@@ -69,14 +69,15 @@ class Change:
         every = list(changes)
         if not every:
             return NO_CHANGE
-        wall, out, along, carried = (
-            _sum(getattr(each, name) for each in every) for name in ("wall", "out", "along", "carried")
+        wall, normal, tangential, anchors = (
+            _sum(getattr(each, name) for each in every)
+            for name in ("wall", "normal_offset", "tangential_offset", "anchor_shift")
         )
         factor, compliance = prod(each.factor for each in every), sum(each.wear_compliance for each in every)
         modulus = next((each.modulus for each in every if each.modulus is not None), None)
-        return cls(wall, out, along, factor, modulus, compliance, carried, sum(each.lifted for each in every))
+        return cls(wall, normal, tangential, factor, modulus, compliance, anchors, sum(each.lifted for each in every))
 
-    def felt(self, response: SpectralResponse) -> SpectralResponse:
+    def applied_to(self, response: SpectralResponse) -> SpectralResponse:
         """Response of bodies that are stiffer by the factor, or lag behind, with a punch that wears."""
         response = response.scaled(self.factor)
         if self.modulus is not None:
@@ -238,7 +239,7 @@ class Contact:
     @property
     def sideways(self) -> Reals | None:
         """Tangential displacement of the body `[realisation, component, (y,) x]` in g L_x, None if none is followed."""
-        found, along = self.equilibrium.tangential, self.change.along
+        found, along = self.equilibrium.tangential, self.change.tangential_offset
         return None if found is None else found.displacement if along is None else found.displacement + along
 
     @property

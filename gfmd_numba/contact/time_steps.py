@@ -97,8 +97,8 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
 def difference(coarse: Contact, fine: Contact) -> float:
     """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
 
-    Or of what has worn; the largest counts. Of what falls again errors stay, and are measured by what they came from,
-    which bodies that creep remember.
+    Or of what has worn; the largest counts. The error of a traction remains when the traction falls again, so that it
+    is relative to the largest one so far, which bodies that creep remember.
     """
     springs = fine.after.memory.get("springs")
     most = *((0.0, 0.0) if springs is None else springs.largest), 0.0

@@ -110,7 +110,7 @@ def solve(problem: Problem, state: State) -> RoughContact:
     found = with_costs(solved.equilibrium, spent)
     solved = replace(solved, equilibrium=found, before=began.remembering(slopes.name, correction))
     error = slopes.next_order(solved, responses, correction.pairing)
-    out = solved.change.out
+    out = solved.change.normal_offset
     moved_by_all = found.displacement if out is None else found.displacement + out
     if found.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
         solved = _failed(solved)

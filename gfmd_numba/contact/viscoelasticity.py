@@ -69,12 +69,13 @@ class Relaxation:
         moduli, factor = np.array(series.moduli), series.factor(step.duration)
         moved = np.tensordot(np.append((moduli * joined).sum(), -moduli * kept) / factor, stretch, 1)
         if not self.problem.interface.couples:
-            return Change(out=moved[:, -1], factor=factor)
+            return Change(normal_offset=moved[:, -1], factor=factor)
         along = moved[:, :-1]
         carried = None if state.last is None else along  # a law of gap and slip counts from the first touch
-        if self.problem.interface.cohesive is None and state.last is not None and state.last.change.along is not None:
-            carried = along - state.last.change.along  # friction since the last step
-        return Change(out=moved[:, -1], along=along, factor=factor, carried=carried)
+        before = None if state.last is None else state.last.change.tangential_offset
+        if self.problem.interface.cohesive is None and before is not None:
+            carried = along - before  # friction since the last step
+        return Change(normal_offset=moved[:, -1], tangential_offset=along, factor=factor, anchor_shift=carried)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Springs:
         """Springs are stretched by what the step adds, less what the dashpots yield."""
@@ -141,7 +142,7 @@ class Relaxation:
             mean = change.factor * self.problem.body.uniform_stiffness()[1]
             by_mean = found.pressure.mean(axis=along, keepdims=True) / mean if mean > 0.0 else 0.0
             u = u - u.mean(axis=along, keepdims=True) - by_mean
-        out = (u if change.out is None else u + change.out)[:, np.newaxis]
+        out = (u if change.normal_offset is None else u + change.normal_offset)[:, np.newaxis]
         return out if solved.sideways is None else np.concatenate((solved.sideways, out), axis=1)
 
 

@@ -66,10 +66,10 @@ class Interactions:
         """The same in a step of a duration, which slip rates know."""
         return self if self.slip_rate is None else replace(self, slip_rate=self.slip_rate.lasting(duration))
 
-    def held(self, pressure: Reals, slip: Reals) -> Reals:
+    def friction_bound(self, pressure: Reals, slip: Reals) -> Reals:
         """Largest tangential traction by the pressure and the slip of a step."""
         bound = self.conditions if self.slip_rate is None else self.slip_rate
-        return bound.held(pressure, slip)
+        return bound.friction_bound(pressure, slip)
 
     def patterned(self, pattern: Reals, padded: tuple[int, ...]) -> Self:
         """Interactions whose law of the gap has a pattern `[(y,) x]`, on the grid `padded` around it."""

@@ -65,15 +65,15 @@ class SlipRateFriction:
         """The same in a step of a duration."""
         return replace(self, duration=duration)
 
-    def held(self, pressure: Reals, slip: Reals) -> Reals:
+    def friction_bound(self, pressure: Reals, slip: Reals) -> Reals:
         """Largest tangential traction `[node]` by pressure and slip; 0 where the pressure is not positive."""
         return self.hold(pressure, slip).held
 
-    def tried(self, pressure: Reals) -> Reals:
+    def coulomb_bound(self, pressure: Reals) -> Reals:
         """What the coefficient at rest holds without a limit."""
         return np.asarray(self.coefficient * np.maximum(pressure, 0.0))
 
-    def near(self, pressure: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
+    def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
         """Constant part, part per pressure and part per further slip of what is held `[node]` near pressure and slip.
 
         What falls with the slip counts as constant, which keeps the problem of a guess positive.

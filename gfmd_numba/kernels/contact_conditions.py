@@ -22,18 +22,18 @@ class Conditions(NamedTuple):
     rise: float = 0.0
     bounds: Reals = np.empty((0, 0))
 
-    def held(self, pressure: Reals, slip: Reals | None = None) -> Reals:
+    def friction_bound(self, pressure: Reals, slip: Reals | None = None) -> Reals:
         """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction.
 
         The slip is of no account here.
         """
-        return np.minimum(self.tried(pressure), self.limit + self.rise * np.maximum(pressure, 0.0))
+        return np.minimum(self.coulomb_bound(pressure), self.limit + self.rise * np.maximum(pressure, 0.0))
 
-    def tried(self, pressure: Reals) -> Reals:
+    def coulomb_bound(self, pressure: Reals) -> Reals:
         """What friction would hold without a limit."""
         return np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
 
-    def near(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
+    def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
         """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
         limited = (self.friction - self.rise) * pressure > self.limit
         return (
@@ -78,7 +78,7 @@ def allowed_pressure(traction: float, u: float, wall: float, hardness: float) ->
 def wall_violation(
     state: State, conditions: Conditions, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
 ) -> None:
-    """Largest traction that none the contact allows balances, largest pressure, and mean unbalanced normal traction.
+    """Largest violation of a contact condition, largest pressure, and mean normal traction that nothing balances.
 
     Not-a-number if any traction is not finite.
     """

@@ -136,7 +136,7 @@ class SquaredExponential(Attraction):
 
 
 class MaugisDugdale(Attraction):
-    """Attraction of work_of_adhesion/range up to a gap of the range, about which it falls to 0."""
+    """Constant attraction of work_of_adhesion/range, which falls to 0 around a gap of one range."""
 
     title: ClassVar = "Maugis-Dugdale law"
     implementation: ClassVar = "gfmd_numba.interface.maugis_dugdale:MaugisDugdaleLaw"

@@ -56,7 +56,8 @@ class Certificate:
     difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
     `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
     make any other violation look small.) Where the state is that of a corner of the grid alone, `mean_displacement` is
-    that of the whole one. `bears` `[realisation]` is where the state has the pressure in place of what restores it.
+    that of the whole one. `bears` `[realisation]`: these rows of the state hold the pressure itself, not the restoring
+    traction.
     `full_contact` `[realisation]` is the `pressure_scale`, where a solver has found it on its way.
     """
 

@@ -92,7 +92,7 @@ def test_the_slopes_of_what_is_held_are_those_of_differences():
         held, by_pressure, by_slip = law.hold(pressure, slip)
         for i, slope in enumerate((by_pressure, by_slip)):
             step = 1e-7 * np.array([[1.0], [0.0]])[[i, 1 - i]]
-            more = law.held(pressure + step[0], slip + step[1])
+            more = law.friction_bound(pressure + step[0], slip + step[1])
             np.testing.assert_allclose((more - held) / 1e-7, slope, atol=1e-5)
         assert held[0] == 0.0
 

@@ -41,8 +41,8 @@ _OVER = {"time": ("Time", "", _IN_TIME), "speed": ("Sliding speed", "L_x", _OVER
 def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     """Draw a curve of `gfmd curve`: over the mean pressure or the load that was prescribed, the time, or the speed.
 
-    Points that are not ok are left out, those with a warning are hollow. Bands are standard errors over realisations. Raises UnusableDataError for a
-    dataset that is no curve, or has no point with a result.
+    Points that are not ok are left out, and those with a warning are hollow. Bands are standard errors over
+    realisations. Raises UnusableDataError for a dataset that is no curve, or has no point with a result.
     """
     dim = next((each for each in CURVES if each in getattr(dataset, "variables", ())), "prescribed_load")
     dataset, variable = CURVES[dim].checked(dataset, "dataset"), dim

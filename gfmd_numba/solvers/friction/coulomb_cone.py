@@ -91,13 +91,13 @@ class FrictionGuess:
         slid, overlap = found.u[:-1] - found.anchor, found.u[-1] - found.wall
         size, strength = length(slid), length(shear)
         slips = self.contact & self.direction.any(axis=0)
-        held = bound.held(pressure, np.where(slips, size, 0.0))
+        held = bound.friction_bound(pressure, np.where(slips, size, 0.0))
         leaves = self.contact & ~(pressure > 0.0)
         joins = ~self.contact & (overlap > rounding)
         gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
-        starts = joins & (size > bound.tried(overlap))
+        starts = joins & (size > bound.coulomb_bound(overlap))
         direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
         for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
             direction[:, where] = way[:, where] / of[where]
@@ -117,7 +117,7 @@ class FrictionGuess:
         self.direction, self.slip_compliance = revision.direction, revision.slip_compliance
         self.slid = revision.slid
         pressure = np.where(before, np.maximum(found.tractions[-1], 0.0), 0.0)
-        held, strength = bound.held(pressure, self.slid), length(found.tractions[:-1])
+        held, strength = bound.friction_bound(pressure, self.slid), length(found.tractions[:-1])
         part = np.divide(held, strength, out=np.ones_like(held), where=strength > held)
         self.tractions = np.array([*(part * found.tractions[:-1]), pressure])
         if law is None:
@@ -137,7 +137,7 @@ class FrictionGuess:
         tractions = np.array([np.interp(x, np.arange(m + 1), np.append(row, row[0])) for row in self.tractions])
         contact = self.contact[nearest] & (tractions[-1] > 0.0)
         tractions *= contact
-        most = bound.held(tractions[-1], self.slid[nearest])
+        most = bound.friction_bound(tractions[-1], self.slid[nearest])
         tractions[:-1] = np.clip(tractions[:-1], -most, most)
         guess = self.sticking(contact, tractions, wall)
         guess.slid = self.slid[nearest] * contact

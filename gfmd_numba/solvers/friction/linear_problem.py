@@ -185,7 +185,7 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        limit, drag, growth = body.bound.near(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
+        limit, drag, growth = body.bound.linearised(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
         self._drag = -drag * along  # tangential traction over pressure
         self._limit = None if limit is None else -limit * along
         # ways in which slipping nodes have tractions of their own, what they give way by for each, and from where

@@ -167,7 +167,7 @@ class FrictionalNewton:
         bounds = np.zeros((len(u), n))
         for i in rows:
             slip = length(u[i, :-1, :n] - anchor[i, :, :n])
-            bounds[i] = self._bound.held(load[i] - ku[i, -1, :n], slip)
+            bounds[i] = self._bound.friction_bound(load[i] - ku[i, -1, :n], slip)
         return self.certificate.conditions._replace(bounds=bounds)
 
     def _is_close(self, progress: _Progress) -> bool:
@@ -275,7 +275,7 @@ class FrictionalNewton:
         if self._drifts and all_slip and isinstance(self._bound, kernels.Conditions):
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (
-                slid - slid[middle_slip(slid, self._bound.held(pressure), contact)]
+                slid - slid[middle_slip(slid, self._bound.friction_bound(pressure), contact)]
             )  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())
@@ -313,7 +313,7 @@ class FrictionalNewton:
             return np.where(bears & ~(forth > 0.0), found.anchor, found.u[:-1])
         against = np.divide(forth, (shear**2).sum(axis=0), out=np.zeros_like(forth), where=forth > 0.0)
         size = length(slid)
-        far = (forth > 0.0) & (size * self._near.tangential_of_a_node > self._bound.held(pressure, size))
+        far = (forth > 0.0) & (size * self._near.tangential_of_a_node > self._bound.friction_bound(pressure, size))
         return np.where(bears & ~far, found.anchor - against * shear, found.u[:-1])
 
     def _begin_anew(self, i: int) -> None:

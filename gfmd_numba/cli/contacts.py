@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from gfmd_numba.scene import Document, SceneFile
 
 _MOST = 10_000
+_NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_NUMBER_AND_UNIT = re.compile(rf"{_NUMBER.pattern}\s*(?P<unit>[^\d\s,.].*)")
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
 _ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
 
@@ -138,7 +140,8 @@ def surface(file: Path, output: Path) -> None:
 def _values_given(ctx: click.Context, param: click.Parameter, option: str | None) -> list[object] | None:
     """Return the values of a list `a,b,c`, or of a range `A:B:N` of N values evenly spaced in their logarithm.
 
-    Whatever is no number with a unit or without is returned as it is: the curve refuses it.
+    A unit of the last alone is that of all. Whatever is no number with a unit or without is returned as it is: the
+    curve refuses it.
     """
     from gfmd_numba.scene.document import plain_scalar
 
@@ -146,19 +149,30 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
         return None
     *ends, count = option.split(":")
     if not ends and not re.search(r"\d\s*-\s*\d", option):
-        return [plain_scalar(text.strip()) for text in option.split(",")]
+        return [plain_scalar(text) for text in _with_unit_of_last(option.split(","))]
     many = count.strip()
     if len(ends) != 2 or not (many.isdecimal() and many.isascii() and len(many) < 6 and 2 <= int(many) <= _MOST):
         raise arguments.not_allowed(repr(option), f"A:B:N with N from 2 to {_MOST}, or a list a,b,c")
+    ends = _with_unit_of_last(ends)
     (first, unit_of_first), (last, si), n = *map(_with_si_unit, ends), int(many)
     if first is None or last is None:
         return list(ends)
     if unit_of_first != si:
         raise arguments.not_allowed(repr(option), "two ends with units of one kind, or both without")
     if not (0.0 < first < inf and 0.0 < last < inf and first != last):
-        raise arguments.not_allowed(repr(option), "two different ends above 0, or a list a,b,c")
-    values = [first, *(first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)), last]
-    return [f"{value!r} {si}" if si else value for value in values]
+        logarithm = "two different ends above 0, as steps are even in the logarithm, or a list a,b,c"
+        raise arguments.not_allowed(repr(option), logarithm)
+    inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
+    return [*ends[:1], *(with_prefix(value, si, 9) for value in inner), ends[1]] if si else [first, *inner, last]
+
+
+def _with_unit_of_last(values: list[str]) -> list[str]:
+    """Return the values, with the unit of the last one if the others are numbers alone."""
+    *others, last = (value.strip() for value in values)
+    found = _NUMBER_AND_UNIT.fullmatch(last)
+    if found is None or _NUMBER.fullmatch(last) or not all(map(_NUMBER.fullmatch, others)):
+        return [*others, last]
+    return [*(f"{other} {found['unit']}" for other in others), last]
 
 
 def _values_option(name: str, what: str) -> Callable[[Any], Any]:
@@ -403,7 +417,7 @@ def _contact(file: Path) -> xr.Dataset:
     found = read_results(file)
     if "prescribed" in found.attrs:
         what = f"{file}, a curve, which has no fields"
-        told = "what `gfmd solve` leaves of a scene that has these loads in its `path`, like [{pressure: 2 MPa}]"
+        told = "results of `gfmd solve`: for several loads, give its scene a path: [{pressure: 2 MPa}, ...]"
         raise InputError.of("FILE", what, told)
     return found
 

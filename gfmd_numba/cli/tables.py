@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error, with_prefix
-from gfmd_numba.text.recorded_scene import is_elastic_contact, is_form_alone
+from gfmd_numba.text.recorded_scene import fields_in_period, is_elastic_contact, is_form_alone, is_measured_profile
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,7 +26,6 @@ _WORDS = {  # of variables whose names are no words
     "sliding_y": "sliding along y",
     "contact_stiffness": "stiffness",
     "n_segments": "contacts",
-    "kappa_r": "kappa_r",
     "mean_tangential_traction_y": "mean tangential traction along y",
     "tangential_force_y": "tangential force along y",
     "stick_fraction": "sticking share",
@@ -72,6 +71,10 @@ _UNUSED_BY_KAPPA = ("rms_gradient_target", "rms_height")  # shown only if they v
 _IN_UNIT_OF_VARIABLE = [f"{name}{end}" for name in ("reference", "correction", "interaction") for end in ("", "_error")]
 MOST_ROWS = 200
 _MAY_YIELD = 100e6  # Pa: few solids are softer that are no rubber
+_OF_RIDGES = (  # kappa of maps over kappa of profiles, in the limit: 0.54, 0.58 and 0.64 for H = 0.3, 0.5 and 0.8
+    "a profile stands for ridges without end along y; a surface that is as rough along y touches, at light loads, on "
+    "half to two thirds of this area: measure a map"
+)
 _MOST_EXPONENTS = 6
 _MOST_GROUPS = 3  # that a note names
 _NUMBER = re.compile(r"(?<![\w.])\d+(?:\.\d+)?")
@@ -102,7 +105,6 @@ _SHOWN = (  # as far as a dataset has them: a loaded body has but the last
     "n_segments",
     "elastic_energy",
     "kappa",
-    "kappa_r",
     "plastic_area_fraction",
     "mean_plastic_depth",
     "plastic_volume",
@@ -527,6 +529,8 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
         if peak > _MAY_YIELD and is_elastic_contact(dataset.attrs.get("scene", "{}")):
             told = f"bodies are elastic here: if their hardness is below {with_prefix(peak, 'Pa', 3)}, the largest"
             yield Line("note", f"{told} pressure, give it as interface: {{hard_wall: {{hardness: ...}}}}")
+    if "contact_area_fraction" in dataset and is_measured_profile(dataset.attrs.get("scene", "{}")):
+        yield Line("note", _OF_RIDGES)
 
 
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
@@ -559,7 +563,7 @@ def has_limits(dataset: xr.Dataset) -> bool:
 
 
 def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
-    """Return the dataset with the force on a form without roughness in a window, and the variables without meaning.
+    """Return the dataset with contacts of the measured field and the force on a form, and what has no meaning.
 
     A form without roughness has no gradient, and under a law that keeps the surfaces apart nothing touches.
     """
@@ -567,6 +571,8 @@ def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
     from gfmd_numba.scene import Interface
 
     scene = json.loads(dataset.attrs["scene"]).get("scene", {})
+    if "n_segments" in dataset and "prescribed" not in dataset.attrs:  # a curve has those of the measured field
+        dataset = dataset.assign(n_segments=dataset["n_segments"] / fields_in_period(dataset.attrs["scene"]))
     touches = Interface.model_validate(scene["interface"]).touches if "interface" in scene else True
     nothing = set() if touches else OF_TOUCHING
     if not is_form_alone(dataset.attrs["scene"]):

@@ -231,7 +231,7 @@ def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
         **given.record,
         "solver": problem.numerics.solver,
         "dropped_effects": dropped_effects(effects),
-        "processing": "\n".join(sentence for surface in given.measured for sentence in surface.outcome),
+        "processing": given.processing,
         "validity": "\n".join(filter(None, (*given.implausible, warned))),
     }
     return dataset
@@ -507,9 +507,9 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     refuse_nonfinite(dataset)
     sentences = given.implausible
     if given.bodies:
-        sentences += [sentence for surface in given.measured for sentence in surface.doubts]
+        sentences += given.doubts
         warned = rough_body_warnings(given.bodies, file.slope_order, dataset, "normal_displacement")
         sentences += [sentence for _, sentence in warned]
-        dataset.attrs["processing"] = "\n".join(done for surface in given.measured for done in surface.outcome)
+        dataset.attrs["processing"] = given.processing
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))
     return dataset

@@ -19,7 +19,7 @@ from gfmd_numba.roughness.generators import RandomSurface
 from gfmd_numba.roughness.measured import MeasuredSurface, MeasuredSurfaces, Reader, measured_surfaces
 from gfmd_numba.roughness.surface_files import read_content, read_values
 from gfmd_numba.roughness.surfaces import SummedSurface
-from gfmd_numba.scene import COMPONENTS, Boundary, Document, Scene, SceneFile
+from gfmd_numba.scene import COMPONENTS, Boundary, Document, Measured, Scene, SceneFile
 from gfmd_numba.scene.checks import arrays_of, check_nodes
 from gfmd_numba.scene.document import Location, located
 from gfmd_numba.scene.interface_records import Interface, LawOfTheGap
@@ -29,6 +29,10 @@ from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.solvers.table import Options, able
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
+_SAME = (
+    "both bodies have the same heights, so that each peak meets itself, which no real surfaces do: measure another "
+    "piece for one of them"
+)
 _FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
 
 
@@ -50,6 +54,27 @@ class Input:
     def record(self) -> dict[str, str]:
         """Attributes of what was solved: the scene as its user wrote it, and with all defaults in SI units."""
         return {"yaml": self.written, "scene": self.file.model_dump_json()}
+
+    @property
+    def processing(self) -> str:
+        """What was done to the measured surfaces, a sentence a line."""
+        return "\n".join(self._said("outcome"))
+
+    @property
+    def doubts(self) -> list[str]:
+        """Sentences about measured surfaces that are implausible."""
+        heights = [surface.heights for surface in self.measured if not surface.is_design]
+        same = len(heights) > 1 and all(np.array_equal(heights[0], each) for each in heights[1:])
+        return [*self._said("doubts"), *[_SAME] * same]
+
+    def _said(self, what: str) -> list[str]:
+        """Sentences of all measured surfaces; those of several say of which."""
+        places = [place[0] for place, surface in self.file.scene.surfaces.items() if isinstance(surface, Measured)]
+        return [
+            f"{place}: {sentence}" if len(places) > 1 else sentence
+            for place, surface in zip(places, self.measured, strict=True)
+            for sentence in getattr(surface, what)
+        ]
 
     @property
     def implausible(self) -> list[str]:

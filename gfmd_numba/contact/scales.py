@@ -69,7 +69,8 @@ def reduced_load(scene: Scene, scales: Scales, rms_gradient: float) -> float:
         raise ValueError(f"a reduced pressure from {SMALLEST:g} to {LARGEST:g}, while this one comes to {found:.3g}")
     for most, told in bounds:
         if most is not None and found >= most / one:
-            raise ValueError(f"below {in_unit_of(load, most / one * unit)}, at which {told}")
+            si = quantity.si if quantity is not None and scene.has_moduli else ""
+            raise ValueError(f"below {in_unit_of(load, most / one * unit, si)}, at which {told}")
     return rounded(found)
 
 

@@ -17,7 +17,7 @@ from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
 from gfmd_numba.contact.solution import condensed_stiffness
 from gfmd_numba.roughness import statistics
-from gfmd_numba.scene import Measured, Numerics
+from gfmd_numba.scene import Numerics
 from gfmd_numba.scene.records import TIME_TOLERANCE
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.text.numbers import steps_told, with_prefix
@@ -42,6 +42,7 @@ FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
+_HIGHEST_ORDER = 3
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
@@ -96,24 +97,17 @@ def _smallest(values: NDArray[Any], axes: tuple[int, ...] | None = None) -> Any:
 
 def input_warnings(given: Input) -> list[str]:
     """Warnings about a scene that are known before it is solved: of its surfaces, its load and its grid."""
-    found = [sentence for surface in given.measured for sentence in surface.doubts]
+    found = given.doubts
     if not isinstance(given, ContactInput):
         return found
     coarse = law_resolution.warning(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
-def _copies(given: ContactInput) -> int:
-    """How often a mirrored field is in its period, 1 if not all surfaces are mirrored."""
-    surfaces = given.file.scene.surfaces.values()
-    mirrored = all(isinstance(each, Measured) and each.periodic == "mirror" for each in surfaces)
-    return 2**given.file.scene.dimension if surfaces and mirrored else 1
-
-
 def _mirrored_load(given: ContactInput) -> str:
     scene = given.file.scene
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
-    if scene.length is None or unit is None or _copies(given) == 1 or scene.form is not None:
+    if scene.length is None or unit is None or scene.fields_in_period == 1 or scene.form is not None:
         return ""
     side, there = (
         with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
@@ -132,13 +126,14 @@ def _few_contacts(given: ContactInput, found: Found) -> Iterator[Told]:
     designs = [surface.is_design for surface in given.measured]
     is_rough = False in designs and "nayak" in found and _largest(found["nayak"]) > _ROUGH
     touching = counts > 0  # at the steps of a path, of which the first may be at first touch
-    average = float(counts[touching].mean() / _copies(given)) if touching.any() else nan
+    average = float(counts[touching].mean() / scene.fields_in_period) if touching.any() else nan
     closed = _largest(found["contact_area_fraction_counted"]) > _MOSTLY_CLOSED
     if is_rough and average < FEW and not closed and scene.form is None and scene.interface.hard_wall is not None:
         yield (
-            touching & (counts / _copies(given) < FEW),
+            touching & (counts / scene.fields_in_period < FEW),
             f"few asperities of the measured field touch, {average:.2g} on average: on another field area, "
-            f"gap, conductance and leakage would differ by {_OF_FEW / sqrt(average):.0%} or more: measure a larger one",
+            f"gap, conductance and leakage would differ by {_OF_FEW / sqrt(average):.0%} or more: measure a larger "
+            "one, or take larger loads",
         )
 
 
@@ -521,11 +516,11 @@ def rough_body_warnings(
         sizes = abs(found[displacement]).max([dim for dim in found[displacement].dims if dim != "step"])
         largest = float(sizes.max()) or 1.0
         off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
+        more = f"; numerics: {{topography_order: {order + 1}}} includes it" if order < _HIGHEST_ORDER else ""
         if error >= NEGLIGIBLE * largest:
             yield (
                 (found["next_order"] >= NEGLIGIBLE * sizes.where(sizes > 0.0, 1.0)).values,
-                f"{steep}: the next order in the slope would change displacements by up to {off}, and the error is of "
-                "that size",
+                f"{steep}: the next order in the slope would change displacements by up to {off}{more}",
             )
     if order == 0 and (film := thin_film_warning(bodies)):
         yield True, film

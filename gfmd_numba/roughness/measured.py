@@ -41,6 +41,8 @@ _RINGS = (
     "grooves: the highest ones may lie too high, and the contact area be a third too small, so take a cutoff of at "
     "least 4 spacings, or leave out points"
 )
+_UNCUT = ": give a cutoff if the instrument resolves longer waves only"
+_LEFT_OUT = 0.5  # of the mean square height: more is no noise, but roughness
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -49,7 +51,7 @@ class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
     `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible. A surface that
-    `is_design` has no roughness.
+    `is_design` has no roughness; one that `is_cut` has no waves shorter than a cutoff.
     """
 
     heights: Reals
@@ -59,6 +61,7 @@ class MeasuredSurface:
     done: tuple[str, ...]
     doubts: tuple[str, ...]
     is_design: bool = False
+    is_cut: bool = False
 
     @property
     def in_periods(self) -> Reals:
@@ -71,8 +74,12 @@ class MeasuredSurface:
         height = float(statistics.rms_height(self.heights, self.lengths))
         gradient = float(statistics.rms_gradient(self.heights, self.lengths))
         size = _size(height, self.unit)
-        made = f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}"
-        return self.found, *self.done, made
+        short = _size(statistics.median_wave(self.heights, self.lengths), self.unit, 2)
+        made = (
+            f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; half of its mean "
+            f"square gradient is that of waves shorter than {short}"
+        )
+        return self.found, *self.done, made if self.is_cut else made + _UNCUT
 
 
 @dataclass(frozen=True)
@@ -227,13 +234,21 @@ def periodic_surface(
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
+    if record.cutoff is not None and (left := made.heights.var() / heights.var()) < 1.0 - _LEFT_OUT:
+        doubts += (
+            f"the cutoff leaves out {100.0 * (1.0 - left):.3g} % of the mean square height, so that only waviness is "
+            "left: a cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
+        )
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    return MeasuredSurface(made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design)
+    is_cut = record.cutoff is not None
+    return MeasuredSurface(
+        made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design, is_cut
+    )
 
 
-def _size(length: float, unit: str) -> str:
-    return with_prefix(length, "m") if unit == "m" else f"{length:.4g} L_x"
+def _size(length: float, unit: str, digits: int = 4) -> str:
+    return with_prefix(length, "m", digits) if unit == "m" else f"{length:.{digits}g} L_x"
 
 
 def _found(found: Measurement, sizes: tuple[float, ...], unit: str) -> str:

@@ -188,7 +188,10 @@ def _scales(
                 f"units: {{{axis}: 0.5 um}}, with theirs"
             )
         if stated is not None and not known and axis not in asked:
-            raise ValueError(f"{_NAMES[axis]} in {stated!r}, which is no unit of length: name theirs as units.{axis}")
+            raise ValueError(
+                f"{_NAMES[axis]} in {stated!r}, which is no unit of length: write units: "
+                f"{_example([axis])}, with theirs"
+            )
     missing = [axis for axis, unit in units.items() if unit is None]
     counted = "; if positions are numbers of points, give spacing instead" if counts_points(content) else ""
     if len(missing) == len(units):

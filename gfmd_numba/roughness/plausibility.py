@@ -387,7 +387,7 @@ def _seams(heights: Reals, ends: tuple[bool, ...], cutoffs: list[float], units: 
             yield (
                 f"the heights jump by {said(units, jump)} where the period along {name} closes, {jump / rms:.3g} rms "
                 f"steps between {'neighbours' if lag == 1 else 'points half a cutoff apart'}: periodic: mirror makes "
-                "the ends meet, detrend: tilt removes a slope"
+                "the ends meet"
                 if rms > 0.0
                 else f"the heights jump by {said(units, jump)} where the period along {name} closes, and nowhere else"
             )

@@ -66,12 +66,7 @@ def made_periodic(
     if periodic == "mirror":
         repeats = tuple(not end for end in ends)
         heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
-        times = 2 ** sum(repeats)
-        extent = "length" if heights.ndim == 1 else "area"
-        done.append(
-            f"mirrored at its ends, which doubles the period: contacts, and their {extent}, are {times} times those of "
-            "the field"
-        )
+        done.append(f"mirrored at its ends: a period holds the field {2 ** sum(repeats)} times")
     if periodic == "window":
         heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")

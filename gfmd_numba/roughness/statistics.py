@@ -56,6 +56,14 @@ def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[
     return np.sqrt(spectral_moment(heights, 2, lengths))
 
 
+def median_wave(heights: Reals, lengths: tuple[float, ...] = UNIT) -> float:
+    """Wavelength of which half of the mean square gradient is shorter, to one wave number along the longest period."""
+    q, weight = wavenumbers(heights, lengths), grid.multiplicity(heights.shape[-1])
+    ring = np.rint(q * max(lengths) / (2.0 * np.pi)).astype(np.intp)
+    share = np.bincount(ring.ravel(), (weight * q**2 * power(heights, lengths)).ravel()).cumsum()
+    return max(lengths) / max(1, int(np.searchsorted(share, 0.5 * share[-1])))
+
+
 def scaled_gradient(heights: Reals, ends: tuple[bool, ...] = ()) -> tuple[float, float]:
     """A power of two about as large as the heights, which rounds nothing, and their rms gradient in units of it."""
     scale = ldexp(1.0, frexp(np.abs(heights).max())[1] - 1)

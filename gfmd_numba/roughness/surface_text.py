@@ -86,6 +86,7 @@ _SCALE = re.compile(
 )
 _SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
+_LONGEST_UNIT = 5  # characters with brackets: longer ones that stand alone, like [DATA], are the name of a section
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -161,7 +162,8 @@ def columns_of(header: list[str], columns: int) -> tuple[list[int], tuple[str | 
     chosen, units = _labelled(header, columns) or (list(range(columns)), _stated_units(header, columns))
     named = _entries(header)
     axes = ("z", "xz", "xyz")[len(units) - 1]
-    return chosen, tuple(unit or named.get(axis, named.get("")) for axis, unit in zip(axes, units, strict=True))
+    stated = ((unit, named.get(axis, named.get(""))) for axis, unit in zip(axes, units, strict=True))
+    return chosen, tuple(unit if unit and (length_unit(unit) or other is None) else other for unit, other in stated)
 
 
 def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
@@ -571,7 +573,13 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
         if slashed and slashes < 2 and _axis(label) is None:
             continue  # a quotient, such as px/mm; two are names of columns in another language
         unit = length_unit(square or round_ or slashed or in_words or of_name)
-        if unit is None and is_last and (square or (round_ and round_.isalpha() and len(round_) < 3)):
+        is_section = match[0] == (line or part).strip() and len(match[0]) > _LONGEST_UNIT
+        if (
+            unit is None
+            and is_last
+            and not is_section
+            and (square or (round_ and round_.isalpha() and len(round_) < 3))
+        ):
             unit = square or round_
         if unit is not None:
             found.append((label, unit))

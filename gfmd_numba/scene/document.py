@@ -25,6 +25,15 @@ DEEPEST = 20
 _LONGEST = 100  # of a text that may be a number, and
 _MOST_HOMES = 6  # of a key, that a message names
 _POINT = "decimals have a point, like 1.5"
+_ELSEWHERE = {  # names of other programs and of standards: ours
+    **{"e": "youngs_modulus", "modulus": "youngs_modulus", "nu": "poissons_ratio", "mu": "coefficient"},
+    **dict.fromkeys(("lambda_s", "stylus_radius", "tip_radius", "filter", "lowpass"), "cutoff"),
+    **dict.fromkeys(("lambda_c", "lambda_f", "highpass", "level", "leveling"), "detrend"),
+    **dict.fromkeys(("plane", "linear", "line"), "tilt"),
+    **dict.fromkeys(("parabola", "quadratic", "polynomial", "bow", "form"), "curvature"),
+    **dict.fromkeys(("adhesion", "jkr", "dmt"), "exponential"),
+}
+_LOADS = "one load: several are those of `gfmd curve --loads`, of a `path`, or of the grid of a campaign"
 _MEASURED = "'measured' for the heights of a file: add `method: measured`"
 
 
@@ -328,7 +337,7 @@ def _fault(document: Document, schema: dict[str, Any], fault: ErrorDetails) -> s
             if isinstance(given, dict) and "file" in given and "measured" in node["enum"]:
                 return document.told(location, _MEASURED)
     value = document.value(location)
-    hint = nearest(value, node.get("enum", ()))
+    hint = nearest(value, node.get("enum", ())) or (_LOADS if isinstance(value, list) and "loading" in location else "")
     number = plain_scalar(value) if isinstance(value, str) else None
     if isinstance(number, int | float) and number in node.get("enum", (number,)):
         hint = f"did you mean {value} without quotes?"
@@ -431,9 +440,13 @@ def _listed(names: Iterable[str]) -> str:
 def nearest(given: object, names: Iterable[object]) -> str:
     """Question whether the most similar name was meant, or the first of which it is a part; or nothing."""
     words = [name for name in names if isinstance(name, str)]
+    if given is False and "none" in words:
+        return "did you mean 'none'?"
     if not isinstance(given, str) or len(given) >= 200:
         return ""
-    matches = get_close_matches(given, words, 1) or [word for word in words if given in word.split("_")]
+    known = _ELSEWHERE.get(given.lower())
+    matches = [known] if known in words else get_close_matches(given, words, 1)
+    matches = matches or [word for word in words if given in word.split("_")]
     return f"did you mean {matches[0]!r}?" if matches else ""
 
 
@@ -482,7 +495,8 @@ def existing_file(document: Document, location: Location, name: str, suffixes: t
         raise document.error(location, name, "a file ending in " + ", ".join(suffixes))
     if not os.path.isfile(file):
         kind = "the folder " if os.path.isdir(file) else "no regular file " if os.path.exists(file) else ""
-        hint = nearest(name, _files(folder, suffixes))
+        files = _files(folder, suffixes)
+        hint = nearest(name, [each for each in files if Path(name).stem.lower() in each.lower()] or files)
         raise document.error(location, name, f"an existing file, unlike {kind}{file}", hint)
     return os.path.abspath(file)  # a link keeps its name, which tells the kind
 

@@ -2,7 +2,7 @@
 
 from typing import Any, Self
 
-from pydantic import BaseModel, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
 from gfmd_numba.scene.quantities import (
@@ -60,6 +60,10 @@ class Controls(BaseModel):
 
 class Loading(Controls):
     """One of four loads, or the displacement of the punch; none without a punch."""
+
+    model_config = ConfigDict(
+        **RECORD, json_schema_extra={"allowed": "a mapping like {pressure: 10 MPa}, of the first load if others follow"}
+    )
 
     @property
     def control(self) -> str:

@@ -13,7 +13,16 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, Field, InstanceOf, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    InstanceOf,
+    PlainSerializer,
+    WithJsonSchema,
+    model_validator,
+)
 
 from gfmd_numba.scene.quantities import RECORD, Length, Points, broken_rule
 from gfmd_numba.scene.units import LENGTHS_ALLOWED, file_unit
@@ -104,7 +113,7 @@ Unit = Annotated[str, BeforeValidator(_unit), WithJsonSchema({"allowed": LENGTHS
 class FileUnits(BaseModel):
     """Units of what stands in a file that does not state them itself."""
 
-    model_config = RECORD
+    model_config = ConfigDict(**RECORD, json_schema_extra={"allowed": "a mapping like {z: um} or {x: mm, z: um}"})
     x: Unit | None = Field(None, description="Unit of positions or sizes along x; None: the file states it")
     y: Unit | None = Field(None, description="Unit of positions or sizes along y; None: the file states it")
     z: Unit | None = Field(None, description="Unit of heights; None: the file states it")

@@ -206,6 +206,12 @@ class Scene(BaseModel):
         return 1 if self.periodic else _WIDER_THAN_A_WINDOW
 
     @property
+    def fields_in_period(self) -> int:
+        """How often a measured field is in a period: more than once where all surfaces are mirrored."""
+        mirrored = [isinstance(each, Measured) and each.periodic == "mirror" for each in self.surfaces.values()]
+        return 2 ** self.ends.count(False) if mirrored and all(mirrored) else 1
+
+    @property
     def in_periods(self) -> Self:
         """The same, with lengths of the form in L_x, and those of random surfaces in the period they are made with."""
         length = self.length or 1.0
@@ -275,7 +281,9 @@ class Scene(BaseModel):
             raise broken_rule(("form", "points"), allowed)
         if counter is not None:
             if self.roughness is not None:
-                raise broken_rule(("roughness",), "nothing with a counter_body: write it inside body or counter_body")
+                raise broken_rule(
+                    ("roughness",), "no punch next to a counter_body: move this roughness into body or counter_body"
+                )
             for name, body in (("body", self.body), ("counter_body", counter)):
                 if body.surface_modulus is None:
                     allowed = "a number above 0 for both bodies, as they share the load"
@@ -446,7 +454,7 @@ class SceneFile(BaseModel):
         if self.discretisation is None and needed:
             raise broken_rule(
                 ("discretisation",),
-                "a mapping with eps_c, eps_f and eps_t, which a random surface without points of its own needs",
+                "a mapping like {eps_c: 0.25, eps_f: 0.01, eps_t: 0.25}, as a random surface has no points of its own",
             )
         if self.discretisation is not None and not needed:
             raise broken_rule(("discretisation",), "nothing, as every surface has its own grid")

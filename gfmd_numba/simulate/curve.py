@@ -362,7 +362,7 @@ def curve_dataset(curve: LoadCurve, solved: list[xr.Dataset]) -> xr.Dataset:
         "Conventions": CONVENTIONS,
         "title": _TITLES.get(curve.prescribed, "load curve"),
         **curve.given.record,
-        "processing": "\n".join(sentence for surface in curve.given.measured for sentence in surface.outcome),
+        "processing": curve.given.processing,
         "prescribed": curve.prescribed,
     }
     if len(solved) < len(curve.loads) * curve.realisations:
@@ -386,11 +386,15 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     scene, units = curve.given.file.scene, units_of(curve.given)
     reduced = found["mean_pressure"] / units.worth["pressure"]
     found["reduced_pressure"] = reduced.assign_attrs(cf_attributes(REDUCED_PRESSURE))
+    fields = scene.fields_in_period
+    whole = "the measured field" if fields > 1 else "one period" if scene.periodic is True else "the window"
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]
-        whole = "one period" if scene.periodic is True else "the window"
         attributes = cf_attributes(f"real {name.replace('_', ' ')} over {whole}", unit)
-        found[name] = (found["contact_area_fraction"] * scene.length**scene.dimension).assign_attrs(attributes)
+        area = scene.length**scene.dimension / fields
+        found[name] = (found["contact_area_fraction"] * area).assign_attrs(attributes)
+    contacts = found["n_segments"].attrs | {"long_name": f"{found['n_segments'].attrs['long_name']}, in {whole}"}
+    found["n_segments"] = (found["n_segments"] / fields).assign_attrs(contacts)
     if "contact_stiffness" in found:
         per = [units.names["pressure"]] if units.names["pressure"] != "1" else []
         per += [f"{units.names['height']}-1"] if units.names["height"] != "1" else []

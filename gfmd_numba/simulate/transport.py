@@ -22,7 +22,7 @@ from gfmd_numba.scene import Document, InputError, validate
 from gfmd_numba.scene.quantities import RECORD, Length, Pressure, Size
 from gfmd_numba.scene.units import ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY, VISCOSITY, WithUnit
 from gfmd_numba.text.input_error import brief
-from gfmd_numba.text.recorded_scene import asked
+from gfmd_numba.text.recorded_scene import asked, fields_in_period
 
 _RESIDUAL = 1e-10
 _OF_RIDGES = (
@@ -78,7 +78,10 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
         + [_OF_NOTHING] * (not touching.any())
     )
     result.attrs["validity"] = "\n".join(warnings)
-    return result if material is None else result.assign(_resistance(result["conductance"], *material))
+    if material is None:
+        return result
+    fields = fields_in_period(contact.attrs.get("scene", "{}"))
+    return result.assign(_resistance(result["conductance"], *material, fields))
 
 
 def _material(contact: xr.Dataset, conductivity: object) -> tuple[list[WithUnit], dict[str, float]]:
@@ -101,15 +104,21 @@ def _conductivity(given: object) -> WithUnit:
     raise InputError.of("conductivity", brief(given), " or ".join(each.allowed for each in _RESISTANCES))
 
 
-def _resistance(conductance: xr.DataArray, known: list[WithUnit], lengths: dict[str, float]) -> dict[str, xr.DataArray]:
-    """Return what the touching spots resist, times the nominal area, and of maps the resistance of that area."""
+def _resistance(
+    conductance: xr.DataArray, known: list[WithUnit], lengths: dict[str, float], fields: int
+) -> dict[str, xr.DataArray]:
+    """Return what the touching spots resist, times the nominal area, and of maps the resistance of that area.
+
+    The nominal area is that of the measured field, of which there may be several `fields` in a period.
+    """
     mean, unit = len(known) / sum(1.0 / one for one in known), _RESISTANCES[known[0].quantity]
     specific = 1.0 / (conductance * mean)
     long_name = "resistance of the touching spots, times the nominal area"
     found = {"resistance_times_area": specific.assign_attrs(cf_attributes(long_name, _TIMES_AREA[unit]))}
     if "y" in lengths:
-        whole = specific / (lengths["x"] * lengths["y"])
-        attributes = cf_attributes("resistance of the touching spots of the nominal area", unit)
+        whole = specific / (lengths["x"] * lengths["y"] / fields)
+        area = "measured field" if fields > 1 else "nominal area"
+        attributes = cf_attributes(f"resistance of the touching spots of the {area}", unit)
         found["resistance"] = whole.assign_attrs(attributes)
     return found
 

@@ -43,6 +43,13 @@ def is_elastic_contact(text: str) -> bool:
     return _at(text, "interface", "hard_wall") is not None and hardness(text) is None and not flows
 
 
+def is_measured_profile(text: str) -> bool:
+    """Return whether rough profiles met that were all measured, which may stand for surfaces that are no ridges."""
+    scene = _at(text)
+    rough = _rough(scene) if isinstance(scene, dict) and scene.get("dimension") == 1 else []
+    return bool(rough) and all(each.get("method") == "measured" for each in rough) and not scene.get("form")
+
+
 def hardness(text: str) -> float | None:
     """Return the hardness of the wall, in the unit of pressures; None of a wall that does not yield."""
     found = _at(text, "interface", "hard_wall", "hardness")
@@ -56,7 +63,8 @@ def described(text: str, load: bool = True) -> str:
     """
     try:
         scene = json.loads(text).get("scene", {})
-        parts = [_surface(scene), f"on {_body(scene['body'])}"] if scene.get("body") else []
+        is_doubled = scene.get("periodic", True) is True and fields_in_period(text) > 1
+        parts = [_surface(scene, is_doubled), f"on {_body(scene['body'])}"] if scene.get("body") else []
         if parts and scene.get("counter_body"):
             parts.append(f"against {_body(scene['counter_body'])}")
         for name, value in (scene.get("loading") or {}).items() if parts and load else ():
@@ -67,19 +75,38 @@ def described(text: str, load: bool = True) -> str:
     return ", ".join(parts)
 
 
-def _surface(scene: dict[str, Any]) -> str:
-    rough, kind = scene.get("roughness"), "map" if scene.get("dimension") == 2 else "profile"
+def _surface(scene: dict[str, Any], is_doubled: bool) -> str:
+    kind, rough = "map" if scene.get("dimension") == 2 else "profile", _rough(scene)
     said = f"smooth {kind}"
     if rough:
-        said = f"rough {kind}" if rough.get("method") != "measured" else f"measured {kind}"
-        said += f", Hurst exponent {rough['hurst']:g}" if "hurst" in rough else ""
+        kinds = {"measured" if each.get("method") == "measured" else "rough" for each in rough}
+        hurst = {each.get("hurst") for each in rough}
+        said = f"{' and '.join(sorted(kinds))} {kind}{'s' * (len(rough) > 1)}"
+        said += f", Hurst exponent {hurst.pop():g}" if len(hurst) == 1 and None not in hurst else ""
     said += " with a form" if scene.get("form") else ""
     length = scene.get("length")
     if length is None:
         return said
-    is_doubled = rough and rough.get("periodic") == "mirror" and scene.get("periodic", True) is True
     size = with_prefix(length, "m")
     return f"{said}, mirrored to a period of {size}" if is_doubled else f"{said}, {size} long"
+
+
+def _rough(scene: dict[str, Any]) -> list[dict[str, Any]]:
+    """The records of the surfaces of the punch and of the bodies."""
+    owners = [scene, *(scene.get(body) for body in ("body", "counter_body"))]
+    found = [owner.get("roughness") for owner in owners if isinstance(owner, dict)]
+    return [each for each in found if isinstance(each, dict)]
+
+
+def fields_in_period(text: str) -> int:
+    """Return how often a measured field is in a period, as `Scene.fields_in_period` does."""
+    scene = _at(text)
+    if not isinstance(scene, dict):
+        return 1
+    periodic, rough = scene.get("periodic", True), _rough(scene)
+    mirrored = bool(rough) and all(each.get("periodic") == "mirror" for each in rough)
+    axes = scene.get("dimension", 1) if periodic is True else int(periodic is not False)
+    return 2**axes if mirrored else 1
 
 
 def _body(body: dict[str, Any]) -> str:

@@ -79,6 +79,12 @@ def test_infinite_stiffness_is_left_out(found):
     assert [len(axis.lines[0].get_xdata()) for axis in plot_curve(full).axes] == [3, 3, 2, 3]
 
 
+def test_a_stiffness_that_is_infinite_everywhere_is_called_so(found):
+    full = found.copy(deep=True)
+    full["contact_stiffness"][:] = np.inf
+    assert [text.get_text() for text in plot_curve(full).axes[2].texts] == ["infinite"]
+
+
 @pytest.mark.parametrize(
     ("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)"), (None, None, "($E^*/L_x$)")]
 )

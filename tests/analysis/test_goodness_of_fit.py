@@ -94,7 +94,10 @@ def test_errors_are_enlarged_and_it_is_said_where_no_law_describes_the_means():
     plain, off = (fit_tfc(each, fixed={"eps_c": 1.1}) for each in (dataset, moved))
     excess, _ = excess_of(moved, {"eps_c": 1.1})
     assert "the means lie" not in plain["message"].item()
-    said = f"the means lie {np.sqrt(excess):.3g} times as far from the laws as their errors allow, which are enlarged"
+    far = f"{np.sqrt(excess):.3g}"
+    said = (
+        f"the means lie {far} times as far from the laws as their errors allow, so all errors are multiplied by {far};"
+    )
     assert said in off["message"].item()
     assert (plain["misfit"].item(), off["misfit"].item()) == (1.0, pytest.approx(np.sqrt(excess)))
     assert excess > 2.0

@@ -60,6 +60,18 @@ def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("loads", "megapascals"),
+    [("1:4MPa:3", [1, 2, 4]), ("1,2,4 MPa", [1, 2, 4]), ("1000 kPa:4MPa:3", [1, 2, 4]), ("4:1N/mm^2:3", [4, 2, 1])],
+)
+def test_the_unit_of_the_last_load_is_that_of_numbers_before_it(tmp_path, loads, megapascals):
+    scene, out = tmp_path / "s.yaml", tmp_path / "c.nc"
+    scene.write_text(SCENE.replace("reduced_pressure: 0.05", "pressure: 1 MPa"))
+    done = gfmd("curve", scene, "--loads", loads, "-o", out)
+    assert done.exit_code == 0, done.output
+    np.testing.assert_allclose(xr.load_dataset(out)["prescribed_load"], 1e6 * np.array(megapascals), rtol=1e-9)
+
+
+@pytest.mark.parametrize(
     ("loads", "said"),
     [
         ("0.1:1", "you gave '0.1:1'; gfmd allows A:B:N with N from 2"),

@@ -1,5 +1,7 @@
 """Whoever reads a spoilt measurement says so: check, plan and surface name form and spikes."""
 
+from copy import deepcopy
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -79,3 +81,27 @@ def test_a_surface_without_spikes_says_where_they_were():
         done = "interpolated 2 heights in spikes linearly, of 512, at index 77; 300"
         assert done in found.attrs["processing"]
         assert float(np.ptp(found["height"].values)) < 4e-6
+
+
+@pytest.mark.usefixtures("folder")
+def test_contacts_and_their_length_are_those_of_the_field_that_was_mirrored():
+    scene = SCENE | {"roughness": ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}}
+    told("curve", "f.yaml", {"scene": scene}, "--loads", "3,10,100MPa", "-o", "c.nc")
+    solved = CliRunner().invoke(main, ["solve", "f.yaml", "-o", "s.nc"])
+    with xr.open_dataset("c.nc") as curve, xr.open_dataset("s.nc") as contact:
+        at = curve.sel(prescribed_load=10e6)
+        assert float(at["n_segments"]) == int(contact["n_segments"]) / 2
+        field = (at["contact_area_fraction"] * 512 * 4e-6).item()
+        assert float(at["contact_length"]) == pytest.approx(field)
+        assert f"contacts {at['n_segments'].item():g} elastic" in " ".join(solved.stdout.split())
+        assert "note a profile stands for ridges without end along y" in " ".join(solved.stdout.split())
+
+
+@pytest.mark.usefixtures("folder")
+def test_bodies_with_the_same_heights_are_told():
+    rough = ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}
+    body = SCENE["body"] | {"roughness": rough}
+    said = told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": deepcopy(body)}})
+    assert "both bodies have the same heights" in said
+    other = SCENE["body"] | {"roughness": rough | {"cutoff": "44 um"}}
+    assert "same heights" not in told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": other}})

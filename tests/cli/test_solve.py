@@ -81,7 +81,7 @@ def test_solve_follows_a_path(tmp_path):
     assert [row[4] for row in above] == [f"{float(gap):.4g}" for gap in nanometres]
     stiffness = 1e3 * float((megapascals[1] - megapascals[0]) / (nanometres[0] - nanometres[1]))  # MPa/µm
     assert [row[5] for row in above] == ["-", *[f"{stiffness:.4g}"] * 2]
-    assert [row[-3] for row in below] == [f"{float(kappa):.4g}" for kappa in result["kappa"]]
+    assert [row[-2] for row in below] == [f"{float(kappa):.4g}" for kappa in result["kappa"]]
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {max_iterations: 1}\n")
     done = gfmd("solve", scene, "-o", tmp_path / "out.nc")
     assert done.exit_code == 3

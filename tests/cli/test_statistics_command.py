@@ -187,7 +187,7 @@ def test_a_curve_is_told_how_its_loads_become_contacts(folder, tmp_path):
         done = gfmd(command, tmp_path / "curve.nc", "-o", tmp_path / "out.nc")
         assert done.exit_code == 2
         assert "a curve, which has no fields" in unfolded(done.stderr)
-        assert "`gfmd solve` leaves of a scene that has these loads in its `path`" in unfolded(done.stderr)
+        assert "for several loads, give its scene a path: [{pressure: 2 MPa}" in unfolded(done.stderr)
 
 
 @pytest.mark.parametrize(

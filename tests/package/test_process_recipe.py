@@ -112,7 +112,7 @@ class Relaxation:
 
     def change(self, state, step):
         factor, out, _ = self._step(state, step)
-        return Change(out=out, factor=factor)
+        return Change(normal_offset=out, factor=factor)
 
     def advance(self, state, solved, step):
         _, out, shares = self._step(state, step)

@@ -140,6 +140,16 @@ def test_a_cutoff_does_not_hide_where_the_ends_of_a_period_are_apart(cutoff):
     assert "where the period along x closes" not in told(waves_in_a_period(), periodic="none", cutoff=cutoff)
 
 
+@pytest.mark.parametrize("shape", [(N,), (128, 128)])
+def test_a_cutoff_that_leaves_waviness_alone_is_told(shape):
+    """Of white noise on a rough surface, a tenth of its height, too short a cutoff says nothing."""
+    z = rough(shape)
+    noise = np.random.default_rng(5).normal(size=shape) * 0.1 * z.std()
+    assert "only waviness is left" in told(z, cutoff=400e-6 if len(shape) == 1 else 130e-6)
+    assert "waviness" not in told(z + noise, cutoff=20e-6)
+    assert "half of its mean square gradient is that of waves shorter than" in read(z).outcome[-1]
+
+
 @pytest.mark.parametrize("n", [128, 256, 257, 512, 1000])
 @pytest.mark.parametrize("radius", [0.02, 0.1])
 def test_rounding_of_a_parabola_is_no_sign(n, radius):

@@ -60,6 +60,17 @@ def test_units_of_two_columns_in_a_header(tmp_path, header, units):
     assert read_table(written(tmp_path, rows, header=header + "\n")).units == units
 
 
+@pytest.mark.parametrize("mark", ["[DATA]", "[ Profile ]", "[Messwerte]"])
+@pytest.mark.parametrize(
+    ("entry", "unit"),
+    [("Unit : um", "um"), ("Z unit = nm", "nm"), ("Einheit: µm", "um"), ("Operator: JK", None)],
+)
+def test_the_mark_of_a_section_is_no_unit(tmp_path, mark, entry, unit):
+    file = written(tmp_path, Z[:, None], header=f"TESTER 5\nNumber of data : 40\n{entry}\n{mark}\n")
+    assert read_table(file).units == (unit,)
+    assert read_table(written(tmp_path, Z[:, None], header=f"{entry}\n[mV]\n")).units == (unit or "mV",)
+
+
 @pytest.mark.parametrize(
     ("header", "units"),
     [

@@ -52,7 +52,7 @@ def test_a_field_of_one_metre_is_in_metres(tmp_path):
         ("", "positions along x and heights without a unit: write units: {x: mm, z: um}"),
         ("x, z", "positions along x and heights without a unit"),
         ("x, z [um]", "positions along x without a unit: write units: {x: mm}"),
-        ("x [s], z [um]", "positions along x in 's', which is no unit of length: name theirs as units.x"),
+        ("x [s], z [um]", "positions along x in 's', which is no unit of length: write units: {x: mm}, with theirs"),
         ("x [L_x], z [um]", "some of positions along x and heights in L_x, not all"),
     ],
 )

@@ -111,8 +111,8 @@ VALUES = {
     ),
     "psd without discretisation": (
         ("discretisation: {eps_c: 1/2, eps_f: 1/64, eps_t: 1/2}\n", ""),
-        "bad.yaml:1:1: discretisation: you gave nothing; gfmd needs a mapping with eps_c, eps_f and eps_t, which "
-        "a random surface without points of its own needs",
+        "bad.yaml:1:1: discretisation: you gave nothing; gfmd needs a mapping like {eps_c: 0.25, "
+        "eps_f: 0.01, eps_t: 0.25}, as a random surface has no points of its own",
     ),
     "k_l not whole": (
         ("eps_t: 1/2", "eps_t: 2/5"),

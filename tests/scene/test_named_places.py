@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import gfmd_numba
 from gfmd_numba.scene import InputError, SceneFile, load_scene
 from support.faulty_files import SCENE, changed, complaint
 
@@ -75,3 +76,38 @@ def test_record_is_checked_too(tmp_path):
     bad = SceneFile.model_validate({**good.model_dump(), "discretisation": {"eps_c": 1, "eps_f": 1, "eps_t": 0.3}})
     with pytest.raises(InputError, match=r"^discretisation\.eps_t: you gave 0\.3; .*; did you mean 1/3\?$"):
         load_scene(bad)
+
+
+@pytest.mark.parametrize(
+    ("place", "given", "meant"),
+    [
+        (("scene", "body", "E"), 1e9, "youngs_modulus"),
+        (("scene", "body", "nu"), 0.3, "poissons_ratio"),
+        (("scene", "roughness", "lambda_s"), 1e-6, "cutoff"),
+        (("scene", "roughness", "Stylus_radius"), 1e-6, "cutoff"),
+        (("scene", "roughness", "lambda_c"), 1e-4, "detrend"),
+        (("scene", "roughness", "detrend"), "plane", "tilt"),
+        (("scene", "roughness", "periodic"), False, "none"),
+        (("scene", "interface", "JKR"), {}, "exponential"),
+    ],
+)
+def test_names_of_standards_and_other_programs_are_known(place, given, meant):
+    scene = {
+        "body": {},
+        "roughness": {"method": "measured", "heights": [0, 1, 0, 2]},
+        "interface": {},
+        "loading": {"reduced_pressure": 0.1},
+    }
+    scene[place[1]][place[2]] = given
+    with pytest.raises(InputError) as refused:
+        gfmd_numba.solve({"scene": scene})
+    assert f"{'.'.join(place)}: you gave" in str(refused.value)
+    assert f"did you mean {meant!r}?" in str(refused.value)
+
+
+def test_a_list_of_loads_names_where_lists_stand():
+    scene = {"body": {}, "interface": {"hard_wall": {}}, "roughness": {"method": "measured", "heights": [0, 1, 0, 2]}}
+    with pytest.raises(InputError, match="one load: several are those of `gfmd curve --loads`, of a `path`"):
+        gfmd_numba.solve({"scene": scene | {"loading": {"reduced_pressure": [0.1, 0.2]}}})
+    with pytest.raises(InputError, match=r"needs a mapping like {pressure: 10 MPa}, of the first load"):
+        gfmd_numba.solve({"scene": scene, "path": [{"reduced_pressure": 0.1}]})

@@ -90,7 +90,7 @@ BAD = {
     ),
     "punch with a counter body": (
         {"counter_body": COUNTER, "roughness": ROUGH},
-        "scene.roughness: you gave {.*}; gfmd allows nothing with a counter_body",
+        "scene.roughness: you gave {.*}; gfmd allows no punch next to a counter_body: move",
     ),
     "counter body without a modulus": (
         {"counter_body": {"poissons_ratio": 0.3, "roughness": ROUGH}},

@@ -4,7 +4,16 @@ import json
 
 import pytest
 
-from gfmd_numba.text.recorded_scene import asked, described, hardness, is_elastic_contact, is_form_alone
+from gfmd_numba.scene import Scene
+from gfmd_numba.text.recorded_scene import (
+    asked,
+    described,
+    fields_in_period,
+    hardness,
+    is_elastic_contact,
+    is_form_alone,
+    is_measured_profile,
+)
 
 SCENE = '{"scene": {"body": {"youngs_modulus": 7e10}, "roughness": {"method": "psd", "hurst": 0.8}, "length": 1e-3}}'
 
@@ -21,6 +30,8 @@ def test_an_altered_record_says_nothing(altered):
     assert hardness(altered) is None
     assert not is_elastic_contact(altered)
     assert not is_form_alone(altered)
+    assert not is_measured_profile(altered)
+    assert fields_in_period(altered) == 1
 
 
 @pytest.mark.parametrize("wall", [3, "hard", [], {"hardness": "soft"}, {"hardness": [1]}])
@@ -40,3 +51,30 @@ def test_the_length_of_a_mirrored_surface_is_that_of_the_period():
         ({"method": "measured", "periodic": "none"}, "measured profile, 442.9 µm long"),
     ):
         assert described(json.dumps({"scene": scene | {"roughness": rough}})).startswith(told)
+
+
+def test_surfaces_of_bodies_are_no_smooth_ones():
+    body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3}
+    rough = {"roughness": {"method": "measured", "periodic": "mirror"}}
+    for bodies, told in (
+        ({"body": body | rough, "counter_body": body}, "measured profile, mirrored to a period of 1 mm, on a half"),
+        ({"body": body, "counter_body": body | rough}, "measured profile, mirrored to a period of 1 mm, on a half"),
+        ({"body": body | rough, "counter_body": body | rough}, "measured profiles, mirrored to a period of 1 mm, on"),
+        ({"body": body | rough, "counter_body": body | {"roughness": {"hurst": 0.8}}}, "measured and rough profiles, "),
+        ({"body": body | {"roughness": {"hurst": 0.8}}, "counter_body": body}, "rough profile, Hurst exponent 0.8, 1"),
+        ({"body": body, "counter_body": body}, "smooth profile, 1 mm long, on"),
+    ):
+        assert described(json.dumps({"scene": bodies | {"length": 1e-3}})).startswith(told)
+
+
+@pytest.mark.parametrize(
+    ("dimension", "periodic", "fields"), [(1, True, 2), (2, True, 4), (2, "x", 2), (2, "y", 2), (2, False, 1)]
+)
+def test_the_fields_in_a_period_are_those_of_the_scene(dimension, periodic, fields):
+    mirrored = {"method": "measured", "file": "p.csv", "periodic": "mirror"}
+    scene = {"body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}, "loading": {"reduced_pressure": 0.1}}
+    scene |= {"periodic": periodic, "dimension": dimension}
+    record = Scene.model_validate(scene | {"roughness": mirrored})
+    assert record.fields_in_period == fields
+    assert fields_in_period(json.dumps({"scene": record.model_dump(mode="json")})) == fields
+    assert fields_in_period(json.dumps({"scene": scene | {"roughness": mirrored | {"periodic": "none"}}})) == 1

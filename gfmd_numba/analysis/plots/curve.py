@@ -74,8 +74,10 @@ def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
             if logarithmic and drawn.size and 0.0 < 10.0 * drawn.min() < drawn.max():
                 axis.set_yscale("log")
                 log_ticks(axis.yaxis)
-            else:
+            elif drawn.size:
                 least_span(axis.yaxis)
+            else:
+                axis.text(0.5, 0.5, "infinite", transform=axis.transAxes, ha="center")
             if (over > 0).all() and float(over.max()) > 10.0 * float(over.min()):
                 axis.set_xscale("log")
                 log_ticks(axis.xaxis)

@@ -97,7 +97,10 @@ def draw_pressure(axis: Axes, dataset: xr.Dataset) -> None:
     colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
     tension = most(-values) or 0.0
     shown, extend = np.where(values != 0.0, values, np.nan), "both" if tension else "max"
-    draw_image(axis, dataset, shown, label, extend, cmap=colours, vmin=-tension, vmax=most(values))
+    bar = draw_image(axis, dataset, shown, label, extend, cmap=colours, vmin=-tension, vmax=most(values))
+    if not np.isfinite(shown).any():
+        bar.remove()
+        axis.set_title("No pressure")
     enlarge_peak(axis, shown)
 
 

@@ -209,7 +209,7 @@ def least_span(axis: Axis) -> None:
     """Let a linear axis span a tenth of its values at least, so that differences by rounding look like none."""
     low, high = axis.get_data_interval()
     room = 0.05 * max(abs(low), abs(high))
-    if high - low < 2.0 * room:
+    if high - low < 2.0 * room:  # unlike the interval of an axis without data
         axis.set_view_interval(0.5 * (low + high) - room, 0.5 * (low + high) + room, ignore=True)
 
 

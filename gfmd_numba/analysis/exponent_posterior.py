@@ -95,7 +95,7 @@ def linear(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Linear:
         at = means.reference[limit]
         around = excess(laws, limit, at * np.exp([-0.01, 0.0, 0.01]), nodes)
         exponents[:, row - 1] = np.log(around[:, 2] / around[:, 0]) / 0.02
-        if laws[limit].whole:
+        if laws[limit].scales_limit:
             change[:, row, 0] = around[:, 1]
     return Linear(
         misfit=(residual**2).sum(axis=1),
@@ -156,7 +156,7 @@ def columns(means: Means, laws: Laws, nodes: Reals, before: Reals) -> Reals:
     whole = np.ones((len(nodes), means.values.size))
     found, units = [], iter(_units(before))
     for (limit, column), unit in zip(laws_of.items(), units, strict=False):
-        if laws[limit].whole:  # the TFC limit times (1 + excess): no coefficient of its own
+        if laws[limit].scales_limit:  # the TFC limit times (1 + excess): no coefficient of its own
             whole = whole + column * at_reference[limit]
         else:
             found.append(unit * column)
@@ -173,7 +173,7 @@ def certainty(means: Means, laws: Laws, before: Reals) -> Reals:
 
 def _counted(means: Means, laws: Laws) -> Flags:
     """Return which of the TFC limit, corrections and interactions have a coefficient: all but those of whole laws."""
-    return np.array([True, *(not laws[limit].whole for limit in means.levels), *[True] * len(means.pairs)])
+    return np.array([True, *(not laws[limit].scales_limit for limit in means.levels), *[True] * len(means.pairs)])
 
 
 def _units(before: Reals) -> Reals:

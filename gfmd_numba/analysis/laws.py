@@ -93,18 +93,18 @@ class Parameter:
 class Law:
     """The law of a limit: `excess` maps eps (level) and parameters (node, parameter) to values (node, level).
 
-    The correction of the limit is in proportion to them. The excess of a `whole` law is the correction over the TFC
-    limit: such a law has no coefficient of its own.
+    The correction of the limit is in proportion to them. The excess of a law that `scales_limit` is the correction over
+    the TFC limit: such a law has no coefficient of its own.
     """
 
     parameters: tuple[Parameter, ...]
     excess: Callable[[Reals, Reals], Reals]
-    whole: bool = False
+    scales_limit: bool = False
 
     @property
     def name(self) -> str:
         """How it is called."""
-        return UNSEEN_SLOPE if self.whole else POWER
+        return UNSEEN_SLOPE if self.scales_limit else POWER
 
 
 def power(limit: str, given: Given) -> Law:
@@ -145,7 +145,7 @@ def unseen_slope(hurst: float, load: float = np.nan, dimension: int = 1, is_meas
         cut = Parameter("eps_f", *ends, logarithmic=True, usual=(median, factor_of_cuts))
     usual_tail = (float(np.exp(0.25 - 0.95 * hurst)), factor_of_tails)
     tail = Parameter("eps_f", *_TAILS, logarithmic=True, usual=usual_tail)
-    return Law((cut, tail), excess, whole=True)
+    return Law((cut, tail), excess, scales_limit=True)
 
 
 def choices(limits: Sequence[str], groups: Sequence[Group], given: Given) -> list[dict[str, Law]]:

@@ -151,7 +151,7 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str
 def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
     """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
     steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
-    if not steep or choices[0].laws["eps_f"].whole:  # there is one law alone near H = 1
+    if not steep or choices[0].laws["eps_f"].scales_limit:  # there is one law alone near H = 1
         return []
     return [
         f"near H = 1 {group.variable} may go as 1 / log(1 / eps_f): a power of eps_f may fit, but its limit is then "
@@ -296,10 +296,10 @@ def distances(index: int, means: Means, choice: Choice) -> Reals:
     return found
 
 
-def doubt(distance: Reals, limit: Reals, is_whole: bool) -> Reals:
-    """Return the standard error (...) of limits by the distances (...) that laws, powers or whole ones, bridge."""
+def doubt(distance: Reals, limit: Reals, scales_limit: bool) -> Reals:
+    """Return the standard error (...) of limits by the distances (...) that laws of either kind bridge."""
     found: Reals = _OF_THE_DISTANCE * abs(distance)
-    if not is_whole:
+    if not scales_limit:
         return found
     most = _OF_THE_LIMIT * abs(limit)
     found = found * abs(distance) / (abs(distance) + most)
@@ -321,9 +321,11 @@ def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Co
     limit, found = choice.fits[index].coefficients[:, 0], far.copy()
     for column, name in enumerate(LIMITS):
         if name in choice.laws and name not in at_an_end:
-            is_whole = choice.laws[name].whole and bool(_was_measured(means.finest(name), group.dimension, group.load))
-            share = _OF_MEASURED if is_whole and group.has_measured_slope_law else 1.0
-            found[:, column] = share * doubt(found[:, column], limit, is_whole)
+            scales_limit = choice.laws[name].scales_limit and bool(
+                _was_measured(means.finest(name), group.dimension, group.load)
+            )
+            share = _OF_MEASURED if scales_limit and group.has_measured_slope_law else 1.0
+            found[:, column] = share * doubt(found[:, column], limit, scales_limit)
     if np.isfinite(group.possible).any():
         size = limit if group.possible[0] == 0.0 else -limit
         found = np.where(far > size[:, np.newaxis], far, found)
@@ -358,9 +360,9 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
     load = fitted["reduced_pressure"].values if "reduced_pressure" in fitted.coords else np.nan
 
     def at_factor(factor: float) -> Reals:
-        is_whole = (at["law"] == UNSEEN_SLOPE).values & _was_measured(finest / factor, dimension, load)
+        scales_limit = (at["law"] == UNSEEN_SLOPE).values & _was_measured(finest / factor, dimension, load)
         bridged = distance * factor ** -at["alpha"].values
-        return np.where(is_whole, doubt(bridged, value, True), doubt(bridged, value, False))
+        return np.where(scales_limit, doubt(bridged, value, True), doubt(bridged, value, False))
 
     now, then = at_factor(1.0), at_factor(finer)
     less: Reals = np.divide(then, now, where=now > 0, out=np.zeros(len(now)))

@@ -80,7 +80,7 @@ class Wear:
 
     def change(self, state: State, step: LoadStep) -> Change:
         """The wall is lower where it has worn, and compliance to the pressure of the step."""
-        worn, most, last = state.memory[self.name], self.rate * state.way(step), state.last
+        worn, most, last = state.memory[self.name], self.rate * state.sliding_distance(step), state.last
         compliance = max(0.5 * most, most - 1.0 / self.stiffest)
         if last is None or most == 0.0:
             return Change(wall=worn, wear_compliance=compliance)
@@ -92,7 +92,7 @@ class Wear:
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
         """Depths grow by what the step wears off."""
-        way, pressure = state.way(step), solved.equilibrium.pressure
+        way, pressure = state.sliding_distance(step), solved.equilibrium.pressure
         share = solved.change.wear_compliance / (self.rate * way) if way > 0.0 else 0.5
         before = 0.0 if state.last is None else state.last.equilibrium.pressure
         worn = self.rate * _slip(solved, way) * (share * pressure + (1.0 - share) * before)

@@ -155,7 +155,7 @@ class State:
         before = None if self.last is None else self.last.step
         return LoadStep(0.0, (0.0,) * len(step.sliding)) if before is None else before
 
-    def way(self, step: LoadStep) -> float:
+    def sliding_distance(self, step: LoadStep) -> float:
         """Distance that the punch slides in the next step."""
         return dist(step.sliding, self.step_before(step).sliding)
 

@@ -47,7 +47,7 @@ def follow(problem: Problem, state: State, tolerance: float) -> Contact:
             error = nan
             break
         changes.append(difference(coarse, found))
-        error = left_open(changes)
+        error = remaining_error(changes)
         if error <= tolerance:
             break
     return replace(found, equilibrium=with_costs(found.equilibrium, spent), time_error=before + error)
@@ -60,7 +60,7 @@ def is_divided(problem: Problem, before: LoadStep | None, step: LoadStep) -> boo
     return problem.interface.couples or step.sliding != before.sliding  # any slip wears
 
 
-def left_open(changes: Sequence[float]) -> float:
+def remaining_error(changes: Sequence[float]) -> float:
     """Error that is left by divisions, halving all of which has made these changes.
 
     Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall with the square of the divisions

@@ -81,7 +81,7 @@ class ElasticBody:
         """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66); on a half-space there is none."""
         if self.aspect_ratio is None:
             return 0.0, 0.0
-        tangential, normal = self.layers.softness()
+        tangential, normal = self.layers.uniform_compliance()
         return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
 
     def material(self, depth: float) -> Material:

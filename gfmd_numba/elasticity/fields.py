@@ -346,7 +346,7 @@ def _tensor(
 def _means(surface: Surface, depth: float, body: ElasticBody) -> dict[str, float]:
     """The uniform part: tractions do not change with depth, the periodic body cannot widen."""
     (u1, u2, u3), (t1, t2, t3) = surface.uniform, surface.traction
-    material, (sheared, stretched) = body.material(depth), body.layers.softness(depth)
+    material, (sheared, stretched) = body.material(depth), body.layers.uniform_compliance(depth)
     nu = material.poissons_ratio
     displacements = (u1 - t1 * sheared, u2 - t2 * sheared, u3 - t3 * stretched)
     strains = (0.0, 0.0, t3 / material.c11, t2 / material.shear, t1 / material.shear, 0.0)

@@ -81,7 +81,7 @@ class Stack:
     def _lowest(self) -> Material:
         return self.materials[-1] if self.base is None else self.base
 
-    def softness(self, depth: float = inf) -> tuple[float, float]:
+    def uniform_compliance(self, depth: float = inf) -> tuple[float, float]:
         """Uniform tangential and normal displacement of the layers down to a depth under unit traction, in L_x/E*."""
         tangential, normal, left = 0.0, 0.0, depth
         for height, material in zip(self.heights, self.materials, strict=True):

@@ -50,7 +50,7 @@ class RigidMean:
 class Certificate:
     """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
 
-    `worst`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
+    `violation`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
     balance. `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a
     hardness no more than that is a pressure: a touching node violates it by what is above, a penetrating one by any
     difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
@@ -67,21 +67,21 @@ class Certificate:
 
     def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
         self.conditions, self.rigid_mean = conditions, rigid_mean
-        self.worst, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
+        self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
     def look(self, state: kernels.State, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
         """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
-        kernels.wall_violation(state, self.conditions, active, n, self.worst, self.peak, self.imbalance)
+        kernels.wall_violation(state, self.conditions, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:
             u = state.u[:, -1]
-            self.worst[active] = np.maximum(self.worst[active], self.rigid_mean.violation(u, active, n))
-            self.worst[self.rigid_mean.impossible] = np.inf
+            self.violation[active] = np.maximum(self.violation[active], self.rigid_mean.violation(u, active, n))
+            self.violation[self.rigid_mean.impossible] = np.inf
             self.drift[active] = self.rigid_mean.drift(u, active, n)
         return self.residual(state.load, active, strongest)
 
     def bounded(self, i: int, load: Reals, bound: float, peak: float, imbalance: float) -> float:
         """Residual of a row whose violations are known to be below a bound, over the largest pressure."""
-        self.worst[i], self.peak[i], self.imbalance[i] = bound * peak, peak, imbalance
+        self.violation[i], self.peak[i], self.imbalance[i] = bound * peak, peak, imbalance
         return float(self.residual(load, np.array([i]))[0])
 
     def with_surroundings(self, i: int, load: Reals, largest: float, mean: float, share: float) -> float:
@@ -89,7 +89,7 @@ class Certificate:
 
         These have the size of the `largest`, and a `mean` over the grid.
         """
-        self.worst[i] = max(self.worst[i], largest)
+        self.violation[i] = max(self.violation[i], largest)
         self.imbalance[i] = share * self.imbalance[i] + abs(mean)
         return float(self.residual(load, np.array([i]))[0])
 
@@ -99,7 +99,7 @@ class Certificate:
         Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
         `[active]` is a floor to the latter. What is far beyond its range leaves nothing to balance.
         """
-        worst, peak = self.worst[active], np.maximum(self.peak[active], strongest)
+        worst, peak = self.violation[active], np.maximum(self.peak[active], strongest)
         # nothing touches and nothing is violated: the surfaces are apart
         local = np.divide(worst, peak, out=np.where(worst > 0.0, np.inf, worst), where=peak > 0.0)
         loaded = load[active] > 0.0

@@ -130,7 +130,7 @@ class SlabNewton:
         tractions = self._load - ku.mean(axis=1)
         kernels.wall_pressure(state, np.inf, active, u.size)
         unbalanced = self.slab.total(tractions - ku.mean(axis=1)) / self.slab.bounds[-1]
-        certificate.worst[0], certificate.peak[0] = self.slab.largest(certificate.worst[0], certificate.peak[0])
+        certificate.violation[0], certificate.peak[0] = self.slab.largest(certificate.violation[0], certificate.peak[0])
         certificate.imbalance[0] = abs(unbalanced)
         return float(certificate.residual(state.load, active)[0])
 

@@ -288,7 +288,7 @@ def _iterate(
         stays = stagnation.look(residual, active)
         status = np.where(stays, Status.stagnated, Status.steps_used_up).astype(np.int8)
         status[residual <= options.residual] = Status.ok
-        status[solver.certificate.worst[active] > blown_up[active]] = Status.unstable
+        status[solver.certificate.violation[active] > blown_up[active]] = Status.unstable
         status[np.isnan(residual)] = Status.nonfinite
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)

@@ -266,7 +266,7 @@ class TruncatedNewton:
             found[active == i] = look.look(self.state, row, n, self._strongest[row])
         if look.rigid_mean is not None:
             drift = look.rigid_mean.violation(self.state.u[:, -1], active, n)
-            self._drifts[active] = (drift >= look.worst[active]) | (look.drift[active] >= found)
+            self._drifts[active] = (drift >= look.violation[active]) | (look.drift[active] >= found)
         self._residual[active] = found
         return found
 

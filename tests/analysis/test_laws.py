@@ -114,15 +114,15 @@ def group(hurst, load, variable="kappa", has_measured_slope_law=False):
 def test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed(variable, hursts, given, from_theory):
     groups = [group(hurst, np.nan, variable) for hurst in hursts]
     found = choices(LIMITS, groups, given)
-    assert [laws["eps_f"].whole for laws in found] == from_theory
-    assert not any(laws[limit].whole for laws in found for limit in ("eps_c", "eps_t"))
-    assert [laws["eps_f"].whole for laws in choices(LIMITS[::2], groups, {}) if "eps_f" in laws] == []
+    assert [laws["eps_f"].scales_limit for laws in found] == from_theory
+    assert not any(laws[limit].scales_limit for laws in found for limit in ("eps_c", "eps_t"))
+    assert [laws["eps_f"].scales_limit for laws in choices(LIMITS[::2], groups, {}) if "eps_f" in laws] == []
 
 
 @pytest.mark.parametrize(("loads", "from_theory"), [([0.05], True), ([0.05, 0.1], True), ([np.nan, 0.05], False)])
 def test_the_law_from_theory_is_one_for_areas_whose_loads_are_known(loads, from_theory):
     (laws,) = choices(LIMITS, [group(0.8, load, "contact_area_fraction") for load in loads], {})
-    assert laws["eps_f"].whole == from_theory
+    assert laws["eps_f"].scales_limit == from_theory
 
 
 def test_a_parameter_with_a_usual_value_has_logarithms_of_a_normal_distribution():

@@ -318,12 +318,12 @@ def test_automatic_steps_hold_the_usual_tolerance(seed, monkeypatch):
 
 def test_the_error_that_is_left_is_judged_by_the_slower_of_two_changes():
     order = [1e-2 * 4.0**-n for n in range(4)]
-    assert time_steps.left_open(order) == pytest.approx(order[-1] / 1.5)
-    assert time_steps.left_open([1e-2]) > 6e-2  # nothing is known of the next change
-    assert time_steps.left_open([6e-3, 1.4e-2]) > 9e-2  # nor where changes grow
-    assert time_steps.left_open([6.8e-3, 4.9e-3, 1.1e-3]) > 2.8e-3  # a small one by chance
-    assert time_steps.left_open([1e-2, 1e-5]) >= 1e-2 / 6.0
-    assert time_steps.left_open([0.0, 0.0]) == 0.0
+    assert time_steps.remaining_error(order) == pytest.approx(order[-1] / 1.5)
+    assert time_steps.remaining_error([1e-2]) > 6e-2  # nothing is known of the next change
+    assert time_steps.remaining_error([6e-3, 1.4e-2]) > 9e-2  # nor where changes grow
+    assert time_steps.remaining_error([6.8e-3, 4.9e-3, 1.1e-3]) > 2.8e-3  # a small one by chance
+    assert time_steps.remaining_error([1e-2, 1e-5]) >= 1e-2 / 6.0
+    assert time_steps.remaining_error([0.0, 0.0]) == 0.0
 
 
 def test_what_the_punch_does_is_stored_or_dissipated():

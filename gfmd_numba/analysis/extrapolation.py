@@ -1,5 +1,10 @@
 """Extrapolation to the thermodynamic, fractal and continuum (TFC) limit, thesis (4.3).
 
+A mean at eps_i is v_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, with the law x_i = eps_i^alpha_i, or of eps_f for kappa
+the law of the unseen slope. An exponent is uniform in its range beforehand, and without one uniform in its logarithm.
+If chi^2 exceeds its limit of 95 %, the coarsest levels are left out; where that does not help, all variances are
+multiplied by the excess.
+
 All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
 possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. What
 is known of the exponents beforehand stands in `theory/exponent_ranges.py`, of the other parameters in `laws.py`.

@@ -1,4 +1,9 @@
-"""One dimensionless contact problem from surface to equilibrium, for a block of realisations."""
+"""One dimensionless contact problem from surface to equilibrium, for a block of realisations.
+
+A step prescribes the mean pressure, or the displacement of the punch beyond first touch. Under a pressure the mean
+displacement of a periodic body is arbitrary, K(0) = 0: the solver finds the level of the wall from the gap, which is 0
+on average over the nodes in contact. In a window that level has a meaning, the approach.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -264,7 +264,7 @@ def rms_gradient(contact: Contact) -> Reals:
     """Rms gradient of the punch in g `[realisation]`."""
     if any(contact.ends):
         return statistics.rms_gradient(contact.roughness, _periods(contact), contact.ends)
-    return np.sqrt(_moment(contact, 2))
+    return np.sqrt(_moments(contact)[1])
 
 
 @once
@@ -342,7 +342,7 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
     if contact.ends or contact.sideways is None:
         return np.full(len(contact.heights), np.nan)
     along = tuple(range(1, contact.heights.ndim))
-    m0, m2 = _moment(contact, 0), _moment(contact, 2) / len(along)  # along any direction
+    m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
     way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
     touches = gap(contact) <= 0.0
     counts = touches | ~touches.any(axis=along, keepdims=True)
@@ -407,8 +407,7 @@ def full_contact_pressure(contact: Contact) -> Reals:
 
 def nayak(contact: Contact) -> Reals:
     """Nayak's parameter m0 m4 / m2^2 of the punch `[realisation]`."""
-    m0, m2, m4 = (_moment(contact, order) for order in (0, 2, 4))
-    return statistics.nayak_of_moments(m0, m2, m4, contact.heights.ndim - 1)
+    return statistics.nayak_of_moments(*_moments(contact), contact.heights.ndim - 1)
 
 
 def elastic_energy(contact: Contact) -> Reals:
@@ -434,13 +433,12 @@ def elastic_energy(contact: Contact) -> Reals:
 
 
 @once
-def _power(contact: Contact) -> Reals:
-    return statistics.power(contact.roughness, _periods(contact))
-
-
-def _moment(contact: Contact, order: int) -> Reals:
-    """Moment of the spectrum of the punch `[realisation]`, in g^2 L_x^(2 - order)."""
-    return statistics.moment_of_power(_power(contact), contact.heights.shape[1:], order, _periods(contact))
+def _moments(contact: Contact) -> tuple[Reals, Reals, Reals]:
+    """Moments 0, 2 and 4 of the spectrum of the punch `[realisation]`, in g^2 L_x^(2 - order)."""
+    periods = _periods(contact)
+    power = statistics.power(contact.roughness, periods)
+    m0, m2, m4 = statistics.moments_of_power(power, contact.heights.shape[1:], (0, 2, 4), periods)
+    return m0, m2, m4
 
 
 def _periods(contact: Contact) -> tuple[float, ...]:

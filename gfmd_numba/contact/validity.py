@@ -299,8 +299,7 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> Iterator[Told]:
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
     touching = found["gap"] <= 0.0
-    steep = _slopes(found, scene.ends)
-    steep[~touching] = 0.0
+    steep = _slopes(found, scene.ends, touching)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
     strained = np.nan_to_num(ratios).mean(nodes) > 1.0
@@ -422,18 +421,19 @@ def at_the_edge(found: Found) -> Iterator[Told]:
         )
 
 
-def _slopes(found: Found, ends: tuple[bool, ...]) -> NDArray[Any]:
-    """Size of the gradient of the heights between the neighbours of each node."""
-    height = found["height"]
-    steepness: NDArray[Any] = np.zeros(height.shape)
+def _slopes(found: Found, ends: tuple[bool, ...], where: NDArray[np.bool_]) -> NDArray[Any]:
+    """Size of the gradient of the heights between the neighbours of nodes, 0 but `where` it is asked for."""
+    height = np.broadcast_to(found["height"], where.shape)
+    steepness: NDArray[Any] = np.zeros(where.shape)
+    nodes = np.nonzero(where)
     for axis, dim, end in zip(range(-len(ends), 0), "yx"[-len(ends) :], ends, strict=True):
+        n, before, after = where.shape[axis], [*nodes], [*nodes]
+        before[axis], after[axis] = nodes[axis] - 1, nodes[axis] + 1
         if end:
-            slope = np.gradient(height, found[dim][1], axis=axis)
-        else:
-            slope = np.roll(height, -1, axis)
-            slope -= np.roll(height, 1, axis)
-            slope /= 2.0 * found[dim][1]
-        np.hypot(steepness, slope, out=steepness)  # in place: a map may fill a good part of the memory
+            before[axis], after[axis] = np.maximum(before[axis], 0), np.minimum(after[axis], n - 1)
+        apart = (after[axis] - before[axis]) * found[dim][1]
+        after[axis] = after[axis] % n
+        steepness[nodes] = np.hypot(steepness[nodes], (height[tuple(after)] - height[tuple(before)]) / apart)
     return steepness
 
 

@@ -36,11 +36,18 @@ def spectral_moment(heights: Reals, order: int, lengths: tuple[float, ...] = UNI
 
 def moment_of_power(power: Reals, shape: tuple[int, ...], order: int, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Moment sum_q q^n P `[...]` over all waves but the mean, of powers laid out like those of `power`."""
+    return moments_of_power(power, shape, (order,), lengths)[0]
+
+
+def moments_of_power(
+    power: Reals, shape: tuple[int, ...], orders: tuple[int, ...], lengths: tuple[float, ...] = UNIT
+) -> list[Reals]:
+    """Moments `[...]` of several even orders, as `moment_of_power` has one."""
     weighted = grid.multiplicity(shape[-1]) * power
-    flat = weighted.reshape(*power.shape[: -len(shape)], -1)
-    q = grid.magnitudes(shape, lengths)
+    flat = weighted.reshape(*power.shape[: -len(shape)], -1)[..., 1:]
+    q_squared = np.square(grid.magnitudes(shape, lengths).ravel()[1:])
     # summed row by row: a matrix product would round differently in batches of different size
-    return np.asarray((flat[..., 1:] * q.ravel()[1:] ** order).sum(axis=-1))
+    return [np.asarray((flat * q_squared ** (order // 2)).sum(axis=-1)) for order in orders]
 
 
 def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -77,7 +84,8 @@ def rms_curvature(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 
 def nayak(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Nayak's parameter m0 m4 / m2^2 `[...]` of profiles, or of the profiles of a map in all directions."""
-    m0, m2, m4 = (spectral_moment(heights, order, lengths) for order in (0, 2, 4))
+    shape = heights.shape[-len(lengths) :]
+    m0, m2, m4 = moments_of_power(power(heights, lengths), shape, (0, 2, 4), lengths)
     return nayak_of_moments(m0, m2, m4, len(lengths))
 
 

@@ -13,6 +13,7 @@ import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from difflib import get_close_matches
 from errno import ENOSPC
 from typing import Any
 
@@ -23,6 +24,7 @@ from gfmd_numba.text.printable import printable
 
 UNTOLD, BAD_INPUT, SOME_FAILED, INTERRUPTED = 1, 2, 3, 130
 _FEWEST_FILES, _MANY_FILES = 256, 4096  # open at a time: two workers take about 100, each more about 20
+_MOST_HOMES = 3  # commands that have an option, that a message names
 _AS_SENTENCES = (  # what click says of a value, and what gfmd says
     (
         r"(?:File|Path|Directory) '(.*)' does not exist\.",
@@ -136,8 +138,20 @@ def refused(error: click.UsageError) -> RefusedCommandError:
             said = re.sub(f"^{pattern}$", sentence, said, flags=re.DOTALL)
         said = f"{where.replace(chr(39), '')}: {said}"
     elif type(error) is not click.UsageError or not said.startswith("--"):  # of click
-        said = f"{said[0].lower()}{said[1:].rstrip('.')}; `{command} --help` says what it takes"
+        meant = _meant(error.option_name) if isinstance(error, click.NoSuchOption) else ""
+        said = said.partition(" Did you mean")[0].rstrip(".")
+        said = f"{said[0].lower()}{said[1:]}; {meant}`{command} --help` says what it takes"
     return RefusedCommandError(printable(said), error.ctx)
+
+
+def _meant(given: str) -> str:
+    """Return which commands have the option that is most like one that was given, if any is."""
+    homes: dict[str, list[str]] = {}
+    for name, command in main.commands.items():
+        for option in (option for parameter in command.params for option in parameter.opts):
+            homes.setdefault(option, []).append(f"`gfmd {name}`")
+    near = get_close_matches(given, homes, 1)
+    return f"{near[0]} is one of {' and '.join(homes[near[0]][:_MOST_HOMES])}; " if near else ""
 
 
 class RefusedCommandError(click.UsageError):

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 _MOST = 10_000
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?")
+_DECIMAL_COMMA = re.compile(r"\s*\d+,\d+\s*[^\d\s,.:eE][^,:]*")  # or two values, of which the second has a unit
 _NUMBER_AND_UNIT = re.compile(rf"{_NUMBER.pattern}\s*(?P<unit>[^\d\s,.].*)")
 _ARGUMENTS = {"body": "--body", "x": "--x", "y": "--y", "planes": "--plane"}  # of `gfmd_numba.body_fields`
 _ARGUMENTS |= {name: f"--{name}" for name in ("viscosity", "pressure", "seal", "seal[0]", "seal[1]", "conductivity")}
@@ -147,6 +148,9 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
 
     if option is None:
         return None
+    if _DECIMAL_COMMA.fullmatch(option):
+        written = option.replace(",", "."), option.replace(",", ", ")
+        raise arguments.not_allowed(repr(option), "{}, or two values with a blank between them: '{}'".format(*written))
     *ends, count = option.split(":")
     if not ends and not re.search(r"\d\s*-\s*\d", option):
         return [plain_scalar(text) for text in _with_unit_of_last(option.split(","))]
@@ -163,7 +167,7 @@ def _values_given(ctx: click.Context, param: click.Parameter, option: str | None
         logarithm = "two different ends above 0, as steps are even in the logarithm, or a list a,b,c"
         raise arguments.not_allowed(repr(option), logarithm)
     inner = [first * (last / first) ** (i / (n - 1)) for i in range(1, n - 1)]
-    return [*ends[:1], *(with_prefix(value, si, 9) for value in inner), ends[1]] if si else [first, *inner, last]
+    return [*ends[:1], *(with_prefix(value, si, 12) for value in inner), ends[1]] if si else [first, *inner, last]
 
 
 def _with_unit_of_last(values: list[str]) -> list[str]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.cli.arguments import LIMITS, OF_PATHS, Fixed
 from gfmd_numba.cli.terminal import Line, Table, Told
 from gfmd_numba.text.numbers import counted, si_prefix, typical, with_error, with_prefix
-from gfmd_numba.text.recorded_scene import fields_in_period, is_elastic_contact, is_form_alone, is_measured_profile
+from gfmd_numba.text.recorded_scene import is_elastic_contact, is_form_alone, is_measured_profile
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -563,7 +563,7 @@ def has_limits(dataset: xr.Dataset) -> bool:
 
 
 def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
-    """Return the dataset with contacts of the measured field and the force on a form, and what has no meaning.
+    """Return the dataset with the force on a form without roughness in a window, and the variables without meaning.
 
     A form without roughness has no gradient, and under a law that keeps the surfaces apart nothing touches.
     """
@@ -571,8 +571,6 @@ def _with_meaning(dataset: xr.Dataset) -> tuple[xr.Dataset, set[str]]:
     from gfmd_numba.scene import Interface
 
     scene = json.loads(dataset.attrs["scene"]).get("scene", {})
-    if "n_segments" in dataset and "prescribed" not in dataset.attrs:  # a curve has those of the measured field
-        dataset = dataset.assign(n_segments=dataset["n_segments"] / fields_in_period(dataset.attrs["scene"]))
     touches = Interface.model_validate(scene["interface"]).touches if "interface" in scene else True
     nothing = set() if touches else OF_TOUCHING
     if not is_form_alone(dataset.attrs["scene"]):

@@ -64,7 +64,8 @@ class Input:
     def doubts(self) -> list[str]:
         """Sentences about measured surfaces that are implausible."""
         heights = [surface.heights for surface in self.measured if not surface.is_design]
-        same = len(heights) > 1 and all(np.array_equal(heights[0], each) for each in heights[1:])
+        files = [each.file for each in self.file.scene.surfaces.values() if isinstance(each, Measured) and each.file]
+        same = len(heights) > 1 and (len({*files}) < len(files) or np.array_equal(heights[0], heights[1]))
         return [*self._said("doubts"), *[_SAME] * same]
 
     def _said(self, what: str) -> list[str]:

@@ -54,8 +54,9 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     """Return the warnings about the steps of a path, one sentence a line, and behind it the steps that have it."""
     last = len(given.file.path)
     found = {str(name): variable.values for name, variable in dataset.variables.items()}
+    ends, order = given.file.scene.ends, given.surfaces.order
     told = [
-        *(rough_body_warnings(given.bodies, given.surfaces.order, dataset) if given.bodies else ()),
+        *(rough_body_warnings(given.bodies, order, ends, dataset) if given.bodies else ()),
         *coarse_times(given.file.numerics, found),
         *_coarse_flow(given, found),
         *_beyond_small_strains(given, found),
@@ -497,13 +498,17 @@ def _overlap(given: ContactInput, found: Found) -> Iterator[Told]:
 
 
 def rough_body_warnings(
-    bodies: tuple[RoughBody, ...], order: int, found: xr.Dataset, displacement: str = "displacement"
+    bodies: tuple[RoughBody, ...],
+    order: int,
+    ends: tuple[bool, ...],
+    found: xr.Dataset,
+    displacement: str = "displacement",
 ) -> Iterator[Told]:
     """Yield warnings about slopes above the thesis's limit and about films at order 0.
 
-    `displacement` names the normal one in the dataset that was found.
+    Along (y,) x bodies may end. `displacement` names the normal one in the dataset that was found.
     """
-    steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * body.heights.ndim)) for body in bodies)
+    steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * len(ends), ends)) for body in bodies)
     steep = f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}"
     if steepest > STEEPEST and "next_order" not in found:
         yield (
@@ -516,7 +521,7 @@ def rough_body_warnings(
         sizes = abs(found[displacement]).max([dim for dim in found[displacement].dims if dim != "step"])
         largest = float(sizes.max()) or 1.0
         off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
-        more = f"; numerics: {{topography_order: {order + 1}}} includes it" if order < _HIGHEST_ORDER else ""
+        more = f"; numerics: {{topography_order: {order + 1}}} includes it" if 0 < order < _HIGHEST_ORDER else ""
         if error >= NEGLIGIBLE * largest:
             yield (
                 (found["next_order"] >= NEGLIGIBLE * sizes.where(sizes > 0.0, 1.0)).values,

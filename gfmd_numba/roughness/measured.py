@@ -15,7 +15,7 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness import plausibility, statistics
 from gfmd_numba.roughness.measurements import Content, Measurement, at_spacing, counts_points, measurement
-from gfmd_numba.roughness.processing import ORDERS, detrended, fill_gaps, largest_square, made_periodic
+from gfmd_numba.roughness.processing import ORDERS, closed, detrended, fill_gaps, largest_square, made_periodic
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene import Document, Scene
@@ -42,7 +42,7 @@ _RINGS = (
     "least 4 spacings, or leave out points"
 )
 _UNCUT = ": give a cutoff if the instrument resolves longer waves only"
-_LEFT_OUT = 0.5  # of the mean square height: more is no noise, but roughness
+_FEWEST_WAVES = 8.0  # of a cutoff in a field: ISO 4288 takes five of lambda_c, and hundreds of lambda_s
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -51,7 +51,7 @@ class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
     `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible. A surface that
-    `is_design` has no roughness; one that `is_cut` has no waves shorter than a cutoff.
+    `is_design` has no roughness; one that `is_cut` has no waves shorter than a cutoff. Along axes it may have `ends`.
     """
 
     heights: Reals
@@ -62,6 +62,7 @@ class MeasuredSurface:
     doubts: tuple[str, ...]
     is_design: bool = False
     is_cut: bool = False
+    ends: tuple[bool, ...] = ()
 
     @property
     def in_periods(self) -> Reals:
@@ -72,9 +73,9 @@ class MeasuredSurface:
     def outcome(self) -> tuple[str, ...]:
         """What was measured, what was done, and the size of the surface that came out."""
         height = float(statistics.rms_height(self.heights, self.lengths))
-        gradient = float(statistics.rms_gradient(self.heights, self.lengths))
+        gradient = float(statistics.rms_gradient(self.heights, self.lengths, self.ends))
         size = _size(height, self.unit)
-        short = _size(statistics.median_wave(self.heights, self.lengths), self.unit, 2)
+        short = _size(statistics.median_wave(*closed(self.heights, self.lengths, self.ends)), self.unit, 3)
         made = (
             f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; half of its mean "
             f"square gradient is that of waves shorter than {short}"
@@ -234,16 +235,16 @@ def periodic_surface(
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
-    if record.cutoff is not None and (left := made.heights.var() / heights.var()) < 1.0 - _LEFT_OUT:
+    if record.cutoff is not None and (waves := min(sizes) / record.cutoff) < _FEWEST_WAVES:
         doubts += (
-            f"the cutoff leaves out {100.0 * (1.0 - left):.3g} % of the mean square height, so that only waviness is "
-            "left: a cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
+            f"the field has {waves:.2g} waves as long as the cutoff, so that only waviness is left: a cutoff is the "
+            "shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
         )
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     is_cut = record.cutoff is not None
     return MeasuredSurface(
-        made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design, is_cut
+        made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design, is_cut, ends
     )
 
 

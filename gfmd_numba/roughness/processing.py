@@ -66,7 +66,7 @@ def made_periodic(
     if periodic == "mirror":
         repeats = tuple(not end for end in ends)
         heights, lengths = mirrored(heights, repeats), _doubled(lengths, repeats)
-        done.append(f"mirrored at its ends: a period holds the field {2 ** sum(repeats)} times")
+        done.append(f"mirrored at its ends: a period holds the field, and its contacts, {2 ** sum(repeats)} times")
     if periodic == "window":
         heights = windowed(heights, ends)
         done.append("multiplied by a Hann window in each direction, and scaled back to its mean square height")
@@ -78,14 +78,19 @@ def made_periodic(
             raise ValueError(f"{_times(shape)} points after resampling, not {allowed}")
     if cutoff is None and shape == heights.shape:
         return Processed(heights, lengths, tuple(done))
-    whole, images = mirrored(heights, ends), ", together with its mirror images" if any(ends) else ""
+    (whole, sizes), images = closed(heights, lengths, ends), ", together with its mirror images" if any(ends) else ""
     if cutoff is not None:
-        whole = filtered(whole, _doubled(lengths, ends), cutoff)
+        whole = filtered(whole, sizes, cutoff)
         done.append(f"left out all waves shorter than {in_unit_of(cutoff, cutoff)} of its Fourier series{images}")
     if shape != heights.shape:
         done.append(f"resampled from {_times(heights.shape)} to {_times(shape)} points by its Fourier series{images}")
         whole = resample(whole, tuple(2 * n if end else n for n, end in zip(shape, ends, strict=True)))
     return Processed(whole[grid.corner(shape)], lengths, tuple(done))
+
+
+def closed(heights: Reals, lengths: tuple[float, ...], ends: tuple[bool, ...]) -> tuple[Reals, tuple[float, ...]]:
+    """Heights and their lengths, with the mirror image along axes where they end, so that no wave knows of a jump."""
+    return mirrored(heights, ends), _doubled(lengths, ends)
 
 
 def _doubled(lengths: tuple[float, ...], axes: tuple[bool, ...]) -> tuple[float, ...]:

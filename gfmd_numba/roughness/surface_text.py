@@ -86,7 +86,11 @@ _SCALE = re.compile(
 )
 _SPLIT = re.compile(r'[\s";:=()\[\]]+|,(?!\d)|(?<!\d),')  # what stands between words and numbers of an entry
 _FORTRAN = re.compile(r"(?<=[\d.,])[dD](?=[-+]?\d)")  # the letter of an exponent
-_LONGEST_UNIT = 5  # characters with brackets: longer ones that stand alone, like [DATA], are the name of a section
+_SECTION = re.compile(r"\[\s*([^\[\]]+?)\s*\]")  # a line like [DATA], if it names no unit
+_OF_DATA = re.compile(
+    r"(?:raw|mess|\W)*(?:data|daten|donnees|datos|dati|werte|values?|profile?s?|profils?|perfil|profil[oi]|heights?|points?)+",
+    re.IGNORECASE,
+)
 _LONGEST = 2**22  # characters of a line, and
 _WIDEST = 2**16  # columns of a map that are read: a table of more columns than rows takes memory without end
 
@@ -162,8 +166,7 @@ def columns_of(header: list[str], columns: int) -> tuple[list[int], tuple[str | 
     chosen, units = _labelled(header, columns) or (list(range(columns)), _stated_units(header, columns))
     named = _entries(header)
     axes = ("z", "xz", "xyz")[len(units) - 1]
-    stated = ((unit, named.get(axis, named.get(""))) for axis, unit in zip(axes, units, strict=True))
-    return chosen, tuple(unit if unit and (length_unit(unit) or other is None) else other for unit, other in stated)
+    return chosen, tuple(unit or named.get(axis, named.get("")) for axis, unit in zip(axes, units, strict=True))
 
 
 def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
@@ -181,7 +184,8 @@ def _stated_units(header: list[str], columns: int) -> tuple[str | None, ...]:
             ((label, unit),) = found
             if not label.strip():
                 return (unit, None if _STATED.sub("", line, 1).strip("\"' ,;") else unit)
-            of_second = bool(re.search("[,;\t]", label)) or len(label.split()) > 1
+            of_heights = _axis(label) == "z" and _STATED.sub("", line, 1).split() == label.split()
+            of_second = of_heights or bool(re.search("[,;\t]", label)) or len(label.split()) > 1
             return (None, unit) if of_second else (unit, None)
         if wanted == 1 and len(heights) == 1:
             return (heights[0],)
@@ -197,7 +201,7 @@ def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | N
     unclear = None
     for number, line in reversed([*enumerate(header)] if columns > 1 else []):
         labels = _cells(_STATED.sub("", line))
-        if len(labels) != columns:
+        if len(labels) != columns or labels[0].endswith((":", "=")):  # or an entry of a protocol
             continue
         chosen = _by_names([_axis(label) for label in labels])
         cells = _cells(line)
@@ -209,10 +213,14 @@ def _labelled(header: list[str], columns: int) -> tuple[list[int], tuple[str | N
         if chosen is None:
             unclear = unclear or (labels if columns > 2 and {_axis(label) for label in labels} & {*"xy"} else None)
             continue
-        below = [row for row in map(_cells, header[number + 1 :]) if len(row) == columns]
+        below = [
+            row for row in map(_cells, header[number + 1 :]) if len(row) == columns and row[0][-1:] not in {":", "="}
+        ]
         units = [next((unit for _, unit in of[i]), None) for i in chosen]
         for row in below:
-            units = [unit or length_unit(row[i].strip("[]() ")) for i, unit in zip(chosen, units, strict=True)]
+            cells = [row[i].strip("[]() ") for i in chosen]
+            if any(map(length_unit, cells)):  # a row of units, of which one may be none of length
+                units = [unit or length_unit(cell) or cell or None for cell, unit in zip(cells, units, strict=True)]
         if not any(units) and columns <= 3:
             stated = _stated_units(header, columns)
             units = [stated[i] for i in chosen]
@@ -528,14 +536,28 @@ def _cells(line: str) -> list[str]:
 
 
 def _entries(header: list[str]) -> dict[str, str]:
-    """Units of axes that entries such as `Z unit: um` of a protocol state; of all others the key is empty."""
+    """Units of axes that entries such as `Z unit: um` of a protocol state; of all others the key is empty.
+
+    Such a general entry counts if no other says another unit, of what is not known, and if it is in no section.
+    """
     found: dict[str, str] = {}
-    for entry in filter(None, map(_ENTRY.match, header)):
-        words = re.findall(r"[^\W_]+", re.sub("(?i)einheit", " einheit", _unaccented(entry[1])))
-        unit, axes = length_unit(entry[2].rstrip(".")), [*map(_axes_of, words)]
-        if unit and None not in axes and any(map(_KINDS["unit"].fullmatch, words)):
-            found |= dict.fromkeys("".join(filter(None, axes)) or ("",), unit)
-    return found
+    general, of_something, section = set(), set(), ""
+    for line in header:
+        if (mark := _SECTION.fullmatch(line.strip())) is not None and length_unit(mark[1]) is None:
+            section = "" if _OF_DATA.fullmatch(_unaccented(mark[1])) else mark[1]
+        entry = _ENTRY.match(line)
+        words = re.findall(r"[^\W_]+", re.sub("(?i)einheit", " einheit", _unaccented(entry[1]))) if entry else []
+        if entry is None or not any(map(_KINDS["unit"].fullmatch, words)):
+            continue
+        units = [*filter(None, map(length_unit, re.findall(r"[^\s\"',;:=()\[\]]+", line[entry.start(2) :])))]
+        axes = [*map(_axes_of, words)]
+        if None in axes or len({*units}) > 1:
+            of_something |= {*units}
+        elif units and any(axes):
+            found |= dict.fromkeys("".join(filter(None, axes)), units[0])
+        elif units and not section:
+            general |= {*units}
+    return found | (dict.fromkeys(("",), *general) if len(general) == 1 and of_something <= general else {})
 
 
 def _axes_of(word: str) -> str | None:
@@ -573,13 +595,9 @@ def _found(part: str, is_last: bool, line: str | None = None) -> list[tuple[str,
         if slashed and slashes < 2 and _axis(label) is None:
             continue  # a quotient, such as px/mm; two are names of columns in another language
         unit = length_unit(square or round_ or slashed or in_words or of_name)
-        is_section = match[0] == (line or part).strip() and len(match[0]) > _LONGEST_UNIT
-        if (
-            unit is None
-            and is_last
-            and not is_section
-            and (square or (round_ and round_.isalpha() and len(round_) < 3))
-        ):
+        is_mark = match[0] == (line or part).strip() and _OF_DATA.fullmatch(_unaccented(square or "")) is not None
+        is_short = round_ and round_.isalpha() and len(round_) < 3
+        if unit is None and is_last and not is_mark and (square or is_short):
             unit = square or round_
         if unit is not None:
             found.append((label, unit))

@@ -207,9 +207,12 @@ class Scene(BaseModel):
 
     @property
     def fields_in_period(self) -> int:
-        """How often a measured field is in a period: more than once where all surfaces are mirrored."""
+        """How often a measured field is in a period: more than once where all surfaces are mirrored.
+
+        A form stands on one of them, and the contact with it.
+        """
         mirrored = [isinstance(each, Measured) and each.periodic == "mirror" for each in self.surfaces.values()]
-        return 2 ** self.ends.count(False) if mirrored and all(mirrored) else 1
+        return 2 ** self.ends.count(False) if mirrored and all(mirrored) and self.form is None else 1
 
     @property
     def in_periods(self) -> Self:

@@ -386,7 +386,8 @@ def _add_derived(curve: LoadCurve, found: xr.Dataset) -> None:
     scene, units = curve.given.file.scene, units_of(curve.given)
     reduced = found["mean_pressure"] / units.worth["pressure"]
     found["reduced_pressure"] = reduced.assign_attrs(cf_attributes(REDUCED_PRESSURE))
-    fields = scene.fields_in_period
+    acts_on_period = curve.prescribed in ("force", "line_load")
+    fields = 1 if acts_on_period else scene.fields_in_period
     whole = "the measured field" if fields > 1 else "one period" if scene.periodic is True else "the window"
     if scene.length is not None:
         name, unit = {1: ("contact_length", "m"), 2: ("contact_area", "m2")}[scene.dimension]

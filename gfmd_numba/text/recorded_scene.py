@@ -104,7 +104,7 @@ def fields_in_period(text: str) -> int:
     if not isinstance(scene, dict):
         return 1
     periodic, rough = scene.get("periodic", True), _rough(scene)
-    mirrored = bool(rough) and all(each.get("periodic") == "mirror" for each in rough)
+    mirrored = bool(rough) and all(each.get("periodic") == "mirror" for each in rough) and not scene.get("form")
     axes = scene.get("dimension", 1) if periodic is True else int(periodic is not False)
     return 2**axes if mirrored else 1
 

@@ -61,7 +61,13 @@ def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
 
 @pytest.mark.parametrize(
     ("loads", "megapascals"),
-    [("1:4MPa:3", [1, 2, 4]), ("1,2,4 MPa", [1, 2, 4]), ("1000 kPa:4MPa:3", [1, 2, 4]), ("4:1N/mm^2:3", [4, 2, 1])],
+    [
+        ("1:4MPa:3", [1, 2, 4]),
+        ("1,2,4MPa", [1, 2, 4]),
+        ("1, 4 MPa", [1, 4]),
+        ("1000 kPa:4MPa:3", [1, 2, 4]),
+        ("4:1N/mm^2:3", [4, 2, 1]),
+    ],
 )
 def test_the_unit_of_the_last_load_is_that_of_numbers_before_it(tmp_path, loads, megapascals):
     scene, out = tmp_path / "s.yaml", tmp_path / "c.nc"
@@ -81,6 +87,7 @@ def test_the_unit_of_the_last_load_is_that_of_numbers_before_it(tmp_path, loads,
         ("0.1:1:99999999999", "gfmd allows A:B:N with N from 2"),
         ("0.1:1:²", "gfmd allows A:B:N with N from 2"),
         ("0.1:1:3:4", "gfmd allows A:B:N with N from 2"),
+        ("1,5MPa", "you gave '1,5MPa'; gfmd allows 1.5MPa, or two values with a blank between them: '1, 5MPa'"),
         ("0:1:3", "gfmd allows two different ends above 0"),
         ("1:1:3", "gfmd allows two different ends above 0"),
         ("0.1,x", "loads[1]: you gave 'x'; gfmd allows a number"),

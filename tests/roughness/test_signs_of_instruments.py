@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness.form import form
-from gfmd_numba.roughness.measured import measured_surface
+from gfmd_numba.roughness.measured import measured_field, measured_surface, periodic_surface
 from gfmd_numba.scene.measured_record import FileUnits, Measured
 
 N, LENGTH = 2048, 4e-3
@@ -141,13 +141,22 @@ def test_a_cutoff_does_not_hide_where_the_ends_of_a_period_are_apart(cutoff):
 
 
 @pytest.mark.parametrize("shape", [(N,), (128, 128)])
-def test_a_cutoff_that_leaves_waviness_alone_is_told(shape):
-    """Of white noise on a rough surface, a tenth of its height, too short a cutoff says nothing."""
-    z = rough(shape)
-    noise = np.random.default_rng(5).normal(size=shape) * 0.1 * z.std()
-    assert "only waviness is left" in told(z, cutoff=400e-6 if len(shape) == 1 else 130e-6)
-    assert "waviness" not in told(z + noise, cutoff=20e-6)
+def test_a_cutoff_of_which_the_field_has_few_waves_is_told(shape):
+    """As lambda_c is taken for the cutoff: an evaluation length has five of it (ISO 4288)."""
+    z, field = rough(shape), LENGTH / N * shape[-1]
+    assert "the field has 5 waves as long as the cutoff, so that only waviness is left" in told(z, cutoff=field / 5.0)
+    assert "waviness" not in told(z, cutoff=field / 12.0)
     assert "half of its mean square gradient is that of waves shorter than" in read(z).outcome[-1]
+
+
+def test_what_is_said_of_a_window_knows_of_no_jump_between_its_ends():
+    z = rough((N,)) + 40e-6 * X / LENGTH
+    record = Measured(method="measured", heights=(1e6 * z).tolist(), units=FileUnits(z="um"))
+    field = measured_field(record)
+    told, closed = (periodic_surface(field, LENGTH, periodic=each).outcome[-1] for each in (False, True))
+    slope = np.sqrt(((np.diff(z) / (LENGTH / N)) ** 2).mean())
+    assert float(re.search(r"rms gradient of ([\d.]+)", told)[1]) == pytest.approx(slope, rel=0.05)
+    assert float(re.search(r"rms gradient of ([\d.]+)", closed)[1]) > 2.0 * slope
 
 
 @pytest.mark.parametrize("n", [128, 256, 257, 512, 1000])

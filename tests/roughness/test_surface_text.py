@@ -68,7 +68,39 @@ def test_units_of_two_columns_in_a_header(tmp_path, header, units):
 def test_the_mark_of_a_section_is_no_unit(tmp_path, mark, entry, unit):
     file = written(tmp_path, Z[:, None], header=f"TESTER 5\nNumber of data : 40\n{entry}\n{mark}\n")
     assert read_table(file).units == (unit,)
-    assert read_table(written(tmp_path, Z[:, None], header=f"{entry}\n[mV]\n")).units == (unit or "mV",)
+    for other in ("[mV]", "[counts]", "[a.u.]", "[Volt]"):
+        stated = read_table(written(tmp_path, Z[:, None], header=f"{entry}\n{other}\n")).units[0]
+        assert stated == other.strip("[]") or stated in ("px", None)  # which is refused
+
+
+@pytest.mark.parametrize(
+    ("header", "units"),
+    [
+        ("Unit: mm\nx [mm],z [?m]", ("mm", "?m")),
+        ("Unit: mm\nx [mm],z [V]", ("mm", "V")),
+        ("Unit: mm\nx,z\nmm,V", ("mm", "V")),
+        ("[X-Axis]\nUnit: mm\n[Z-Axis]\nUnit: um\n[Data]", (None, None)),
+        ("[Filter]\nLambda c: 0.8\nUnit: mm\n[Data]", (None, None)),
+        ("Unit: mm\nZ [um]", ("mm", "um")),
+        ("Unit: mm\nZ (um)", ("mm", "um")),
+        ("Unit: mm\nHeights in um", ("mm", "um")),
+        ("Unit: mm\nz_um", ("mm", "um")),
+        ("Units: mm, um", (None, None)),
+        ("Units,mm,um", (None, None)),
+        ("Einheiten: mm; µm", (None, None)),
+        ("Unit: um (z), mm (x)", ("z", "x")),
+        ("Unit: mm\nUnit: um", (None, None)),
+        ("Z-Unit: um\nUnit: mm", ("mm", "um")),
+        ("Unit: mm\nVertical units: um", (None, None)),
+        ("Unité de la hauteur : µm\nUnit: mm", (None, None)),
+        ("Einheit Messwerte: µm\nEinheit: mm", (None, None)),
+        ("Unit: mm\nSpeed unit: mm/s", ("mm", "mm")),
+        ("X unit: mm\nZ unit: um\n[Profile]", ("mm", "um")),
+    ],
+)
+def test_no_general_unit_overrules_another(tmp_path, header, units):
+    """What is unclear has no unit, or one that is none of length, and is refused where a length is needed."""
+    assert read_table(written(tmp_path, np.column_stack([X, Z]), header=header + "\n")).units == units
 
 
 @pytest.mark.parametrize(

@@ -78,3 +78,5 @@ def test_the_fields_in_a_period_are_those_of_the_scene(dimension, periodic, fiel
     assert record.fields_in_period == fields
     assert fields_in_period(json.dumps({"scene": record.model_dump(mode="json")})) == fields
     assert fields_in_period(json.dumps({"scene": scene | {"roughness": mirrored | {"periodic": "none"}}})) == 1
+    form = Scene.model_validate(scene | {"roughness": mirrored, "form": {"radius": 1.0}})
+    assert form.fields_in_period == fields_in_period(json.dumps({"scene": form.model_dump(mode="json")})) == 1

@@ -96,6 +96,15 @@ def test_the_stiffness_of_the_cohesive_law_is_bounded(pressure):
     assert largest > 0.4 * law.stiffest(pressure, hard_wall=False)
 
 
+def test_a_law_that_resists_slip_most_is_as_stiff_as_its_tractions_at_rest_and_their_coupling():
+    """Both by finite differences, on a law whose tangential length is half its normal one."""
+    law, h = XuNeedlemanLaw(0.3, 0.2, 0.1), 1e-6
+    gap, slip = np.meshgrid(np.linspace(h, 1.0, 401), np.linspace(-0.3, 0.3, 401))
+    at_rest = law.tangential_traction(0.0, h) / h
+    coupling = abs(law.tangential_traction(gap + h, slip) - law.tangential_traction(gap - h, slip)).max() / (2 * h)
+    assert law.stiffest(0.0, hard_wall=True) == pytest.approx(at_rest + coupling, rel=1e-4)
+
+
 @pytest.mark.parametrize("kernel", both(kernels.xu_needleman_pull))
 def test_the_cohesive_kernel_is_the_law(kernel):
     rng = np.random.default_rng(0)

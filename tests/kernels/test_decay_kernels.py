@@ -73,14 +73,15 @@ def test_lists_begin_behind_the_widest_gap(begin):
 @pytest.mark.parametrize("find", both(candidates))
 def test_candidates_are_open_by_less_than_the_mean_misfit(find, free_mean, rng):
     n = 40
-    p, wall = np.where(rng.random(n) < 0.3, 1.0, 0.0), rng.normal(size=n)
+    p, (wall, sp) = np.where(rng.random(n) < 0.3, 1.0, 0.0), rng.normal(size=(2, n))
     nodes, spare = np.empty((2, n), dtype=np.int64)
-    count, approach = find(p, np.zeros(n), wall, n, free_mean, 0.7, nodes, spare)
-    expected = wall[p > 0].mean() if free_mean else 0.0
-    widest = expected + 0.7 * abs(wall[p > 0] - expected).mean()
+    count, approach = find(p, sp, wall, n, free_mean, 0.7, nodes, spare)
+    gap = wall + sp
+    expected = gap[p > 0].mean() if free_mean else 0.0
+    widest = expected + 0.7 * abs(gap[p > 0] - expected).mean()
     assert approach == pytest.approx(expected)
-    assert sorted(nodes[:count]) == np.flatnonzero((p > 0) | (wall <= widest)).tolist()
-    assert find(p, np.zeros(n), wall, n, free_mean, 0.0, nodes, spare)[0] == np.count_nonzero(p)
+    assert sorted(nodes[:count]) == np.flatnonzero((p > 0) | (gap <= widest)).tolist()
+    assert find(p, sp, wall, n, free_mean, 0.0, nodes, spare)[0] == np.count_nonzero(p)
 
 
 @pytest.mark.parametrize("join", both(join_deepest))

@@ -37,7 +37,7 @@ class Interactions:
     slip_rate: SlipRateFriction | None = None
 
     @classmethod
-    def of(cls, asked: scene.Interface, units: tuple[float, float] = (1.0, 1.0)) -> Self:
+    def of(cls, asked: scene.Interface, units: tuple[float, float]) -> Self:
         """Interactions of a record in units of g L_x, g E* and the longest relaxation time.
 
         `units` are what a pressure of 1 is then in Pa, and a slip rate of 1 in m/s, as a function of the user wants.

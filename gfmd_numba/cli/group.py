@@ -151,7 +151,7 @@ def _meant(given: str) -> str:
         for option in (option for parameter in command.params for option in parameter.opts):
             homes.setdefault(option, []).append(f"`gfmd {name}`")
     near = get_close_matches(given, homes, 1)
-    return f"{near[0]} is one of {' and '.join(homes[near[0]][:_MOST_HOMES])}; " if near else ""
+    return f"{near[0]} is an option of {' and '.join(homes[near[0]][:_MOST_HOMES])}; " if near else ""
 
 
 class RefusedCommandError(click.UsageError):

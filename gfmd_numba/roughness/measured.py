@@ -77,8 +77,8 @@ class MeasuredSurface:
         size = _size(height, self.unit)
         short = _size(statistics.median_wave(*closed(self.heights, self.lengths, self.ends)), self.unit, 3)
         made = (
-            f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; half of its mean "
-            f"square gradient is that of waves shorter than {short}"
+            f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; waves shorter "
+            f"than {short} make up half of its mean square gradient"
         )
         return self.found, *self.done, made if self.is_cut else made + _UNCUT
 
@@ -237,8 +237,8 @@ def periodic_surface(
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
     if record.cutoff is not None and (waves := min(sizes) / record.cutoff) < _FEWEST_WAVES:
         doubts += (
-            f"the field has {waves:.2g} waves as long as the cutoff, so that only waviness is left: a cutoff is the "
-            "shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
+            f"only {waves:.2g} waves as long as the cutoff fit into the field, so that waviness alone is left: a "
+            "cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
         )
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)

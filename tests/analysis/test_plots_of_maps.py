@@ -116,4 +116,7 @@ def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough):
 def test_full_contact_and_no_contact_are_drawn(rough, gap, tmp_path):
     rough["gap"][:] = gap
     rough["pressure"][:] = 0.0
-    plot_contact(rough).savefig(tmp_path / "none.png", dpi=40)
+    figure = plot_contact(rough)
+    (_, pressure, _), _ = panels(figure)
+    assert (pressure.axes.get_title(), pressure.colorbar) == ("No pressure", None)
+    figure.savefig(tmp_path / "none.png", dpi=40)

@@ -108,8 +108,11 @@ def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, opti
     ("arguments", "said"),
     [
         (["--foo"], "gfmd: no such option '--foo'; `gfmd --help` says what it takes"),
-        (["solve", "s.yaml", "--load", "1"], "gfmd: no such option '--load'; --loads is one of `gfmd curve`; `gfmd "),
-        (["curve", "s.yaml", "--thread", "1"], "gfmd: no such option '--thread'; --threads is one of `gfmd "),
+        (
+            ["solve", "s.yaml", "--load", "1"],
+            "gfmd: no such option '--load'; --loads is an option of `gfmd curve`; `gfmd ",
+        ),
+        (["curve", "s.yaml", "--thread", "1"], "gfmd: no such option '--thread'; --threads is an option of `gfmd "),
         (["foo"], "gfmd: no such command 'foo'; `gfmd --help` says what it takes"),
         (["fit"], "gfmd: missing argument 'RESULTS'; `gfmd fit --help` says what it takes"),
         (["fit", "none.nc"], "gfmd: RESULTS: you gave none.nc, which does not exist; gfmd needs a path that does"),

@@ -39,6 +39,7 @@ def shares(found):
     ("heights", "pressure"),
     [
         (wave(0.4), 0.19),  # steep sides touch
+        (np.roll(wave(0.4), N // 4), 0.19),  # also on both sides of where the period closes
         (wave(0.25) + wave(0.25, 16), 0.05),  # narrow peaks
         (wave(0.01), 0.5),  # flat, but half the modulus
     ],

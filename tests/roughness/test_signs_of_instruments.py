@@ -144,9 +144,11 @@ def test_a_cutoff_does_not_hide_where_the_ends_of_a_period_are_apart(cutoff):
 def test_a_cutoff_of_which_the_field_has_few_waves_is_told(shape):
     """As lambda_c is taken for the cutoff: an evaluation length has five of it (ISO 4288)."""
     z, field = rough(shape), LENGTH / N * shape[-1]
-    assert "the field has 5 waves as long as the cutoff, so that only waviness is left" in told(z, cutoff=field / 5.0)
+    assert "only 5 waves as long as the cutoff fit into the field, so that waviness alone is left" in told(
+        z, cutoff=field / 5.0
+    )
     assert "waviness" not in told(z, cutoff=field / 12.0)
-    assert "half of its mean square gradient is that of waves shorter than" in read(z).outcome[-1]
+    assert "make up half of its mean square gradient" in read(z).outcome[-1]
 
 
 def test_what_is_said_of_a_window_knows_of_no_jump_between_its_ends():

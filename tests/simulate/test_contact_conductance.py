@@ -46,6 +46,10 @@ def test_the_resistance_is_that_of_the_nominal_area():
         assert float(found) == pytest.approx(holm / mean, rel=0.01)
         assert float(times_area) == pytest.approx(1e-6 * holm / mean, rel=0.01)  # of a square of 1 mm
         assert (found.units, times_area.units) == (unit, {"ohm": "ohm m2", "K W-1": "K m2 W-1"}[unit])
+    mirrored = '{"scene": {"dimension": 2, "roughness": {"method": "measured", "periodic": "mirror"}}}'
+    quarter = gfmd_numba.contact_conductance(spot.assign_attrs(scene=mirrored), given)
+    assert float(quarter["resistance"]) == pytest.approx(4.0 * float(found))  # of a field of which a period has four
+    assert float(quarter["resistance_times_area"]) == float(times_area)
     with pytest.warns(UserWarning, match="ridges without end"):
         found = gfmd_numba.contact_conductance(spot.isel(y=64).drop_vars("y"), "1 S/m")
     assert "resistance" not in found

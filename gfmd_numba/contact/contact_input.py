@@ -204,10 +204,8 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
 def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
     """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
     measured, length = measured_surfaces(scene, document, read)
-    dimensions = {surface.heights.ndim for surface in measured.values()}
-    if "dimension" not in scene.model_fields_set and dimensions == {2}:
-        scene = scene.model_copy(update={"dimension": 2})
-    scene = scene if length is None else scene.model_copy(update={"length": length})
+    dimension = max((surface.heights.ndim for surface in measured.values()), default=scene.dimension)
+    scene = scene.model_copy(update={"dimension": dimension, "length": length})
     with located(document, ("scene",)):
         scene.check_period()
     return scene, measured

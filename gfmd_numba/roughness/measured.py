@@ -23,6 +23,7 @@ from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
 from gfmd_numba.text.numbers import with_prefix
+from gfmd_numba.text.recorded_scene import KIND
 
 Reader = Callable[[Path], Content]
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -163,8 +164,6 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
-    if np.ndim(content.heights) == 2 and 1 in content.heights.shape and not (content.positions or content.sizes):
-        content = replace(content, heights=content.heights.ravel())  # one row, or one column
     if record.spacing is not None and counts_points(content):
         content = at_spacing(content, float(record.spacing))
     elif record.spacing is not None:
@@ -207,9 +206,8 @@ def periodic_surface(
     """
     record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
-        kind, other = {1: ("a map", "a profile"), 2: ("a profile", "a map")}[dimension]
-        shape = " x ".join(map(str, found.heights.shape))
-        raise ValueError(f"{kind} of {shape} heights, where dimension: {dimension} needs {other}")
+        kind, shape = KIND[found.heights.ndim], " x ".join(map(str, found.heights.shape))
+        raise ValueError(f"a {kind} of {shape} heights, where dimension: {dimension} needs a {KIND[dimension]}")
     sizes, unit = _sizes(field, length, in_si, told_by)
     if unit == "1" and isinstance(record.cutoff, WithUnit):
         raise ValueError("a cutoff with a unit, as neither the file nor a length tells the period in m: give length")
@@ -229,12 +227,12 @@ def periodic_surface(
     doubts = signs.sentences + plausibility.of_surface(
         made.heights, made.lengths, signs, ends, found.units, record.cutoff or 0.0
     )
-    if made.heights.size < heights.size * field.fields**heights.ndim:
-        whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
-        doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
+    elif record.points is not None:
+        whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
+        doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
     if record.cutoff is not None and (waves := min(sizes) / record.cutoff) < _FEWEST_WAVES:
         doubts += (
             f"only {waves:.2g} waves as long as the cutoff fit into the field, so that waviness alone is left: a "
@@ -290,8 +288,8 @@ def _sizes(
     if found.lengths is None:
         if found.unit == "m" and length is None:
             raise ValueError(
-                f"{'a profile' if len(shape) == 1 else 'a map'} of {' x '.join(map(str, shape))} heights without "
-                "positions: give spacing, the distance of neighbouring points, or length, the period"
+                f"a {KIND[len(shape)]} of {' x '.join(map(str, shape))} heights without positions: give spacing, the "
+                "distance of neighbouring points, or length, the period"
             )
         if length is not None and field.fields == 2.0 and told_by == "length":
             field_of, period_of = (in_unit_of(length, length / part / shape[-1], "m") for part in (1.0, 2.0))

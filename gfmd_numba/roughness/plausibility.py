@@ -132,7 +132,7 @@ def of_field(field: Field) -> Signs:
     found = (*_repeated(field, again), *formed, coarse, _spikes(spikes, deep), _steps(field, steps))
     sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
-        level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
+        level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, 0)))
     if not sentences or np.ptp(level) <= rounding:
         level = field.heights
     # the median is no matter of single heights that are left, but in a field of few digits it may be 0
@@ -199,9 +199,9 @@ def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
 
 
 def offsets(level: Reals) -> list[tuple[int, int, float]]:
-    """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
+    """Axis, -2 or -1, index of the last point before, and height of the steps of level heights `[(ny,) nx]`."""
     found = []
-    for axis in range(level.ndim):
+    for axis in range(-level.ndim, 0):
         steps = np.moveaxis(np.diff(level, axis=axis), axis, 0)
         line = np.append(0.0, np.cumsum(np.median(steps.reshape(len(steps), -1), axis=1)))
         found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
@@ -318,10 +318,7 @@ def _spikes(found: Flags, deep: bool) -> str:
 def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     if not found:
         return ""
-    shown = ", ".join(
-        f"by {field.said(step)} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
-        for axis, i, step in found
-    )
+    shown = ", ".join(f"by {field.said(step)} behind {('row', 'index')[axis]} {i}" for axis, i, step in found)
     back = abs(sum(step for *_, step in found)) < _BACK * max(abs(step) for *_, step in found)
     if len(found) == 2 and back and found[0][0] == found[1][0]:
         return (

@@ -43,12 +43,9 @@ def read_values(path: Path, dimension: int) -> Reals:
 
     Any of them may be not-a-number.
     """
-    is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
-    if is_text and dimension == 1:
-        values = values.T if len(values) == 1 else values
-        if values.shape[1] > 1:
-            raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
-        values = values[:, 0]
+    values = _VALUES[path.suffix](path)
+    if path.suffix != ".npy" and 1 in values.shape:
+        values = values.ravel()
     if values.ndim != dimension or values.dtype.kind not in "fiu":
         rows = {1: "one row", 2: "rows"}[dimension]
         raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not {rows} of numbers")
@@ -151,10 +148,12 @@ def _read_netcdf(path: Path) -> Content:
     height = dataset["height" if "height" in names else next(name for name in names if name != "x")]
     if set(height.dims) == set(AXES):
         height = height.transpose(*AXES)
-    along = zip(AXES[-height.ndim :], height.dims, strict=False) if height.ndim <= 2 else ()
-    positions = {axis: height[dim] for axis, dim in along if dim in height.coords}
-    if height.ndim == 1 and "x" not in positions and "x" in dataset.variables and dataset["x"].dims == height.dims:
-        positions["x"] = dataset["x"]
+    positions = {
+        axis: dataset[name]
+        for axis, dim in zip(AXES[-height.ndim :], height.dims, strict=False)
+        for name in (axis, dim)
+        if name in dataset.variables and dataset[name].dims == (dim,)
+    }
     units = {"z": height, **positions}
     return Content(
         height.values,

@@ -32,6 +32,10 @@ _FADED = (
     "periodic: window fades the measured surface to a plane at its ends, and area, gap and pressure are those of the "
     "faded surface: take periodic: mirror for a contact, and a window for spectra"
 )
+_SAME = (
+    "both bodies have the same heights, so that each peak meets itself, which no real surfaces do: measure another "
+    "piece for one of them"
+)
 _UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 _FLAT = 1e-12  # of the largest height in the file, below which a range of heights is rounding
 _SIZES = 1e-6  # by which a period in a file and one in the scene may differ,
@@ -43,7 +47,6 @@ _RINGS = (
     "least 4 spacings, or leave out points"
 )
 _UNCUT = ": give a cutoff if the instrument resolves longer waves only"
-_FEWEST_WAVES = 8.0  # of a cutoff in a field: ISO 4288 takes five of lambda_c, and hundreds of lambda_s
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -117,13 +120,17 @@ def measured_surfaces(
     first = next(iter(told), None) if scene.length is None else None
     length, told_by = (scene.length, "length") if first is None else (told[first], ".".join(first))
     dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-    surfaces = {}
+    surfaces: dict[Place, MeasuredSurface] = {}
     for place, field in fields.items():
         at, own = ("scene", *place), None if place == first else length  # whose period is told by nobody else
         with usable(document, at, field.record):
             found = periodic_surface(field, own, dimension, scene.has_moduli, told_by, scene.periodic)
         _check_square(found, field, at, document)
         doubts = (*found.doubts, _FADED) if field.record.periodic == "window" else found.doubts
+        for of_other, other in surfaces.items():
+            one_file = field.record.file is not None and field.record.file == fields[of_other].record.file
+            if not found.is_design and (one_file or np.array_equal(found.heights, other.heights)):
+                doubts += (_SAME,)
         surfaces[place] = replace(found, doubts=doubts)
     return surfaces, length
 
@@ -233,11 +240,7 @@ def periodic_surface(
     elif record.points is not None:
         whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
         doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
-    if record.cutoff is not None and (waves := min(sizes) / record.cutoff) < _FEWEST_WAVES:
-        doubts += (
-            f"only {waves:.2g} waves as long as the cutoff fit into the field, so that waviness alone is left: a "
-            "cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
-        )
+    doubts += plausibility.of_cutoff(record.cutoff or 0.0, sizes)
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     is_cut = record.cutoff is not None

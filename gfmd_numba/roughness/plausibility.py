@@ -53,6 +53,7 @@ _NEXT = 8  # heights above and below, with which one is compared
 _RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
 _PARTS = {1: 256, 2: 8}  # of a field, of which the outer ones tell the values and the slopes at its ends
 _ACROSS = {1: 1.6, 2: 1.2}  # standard deviations of a tilt and a curvature, by which these differ along one axis
+_FEWEST_WAVES = 8.0  # of a cutoff in a field: ISO 4288 takes five of lambda_c, and hundreds of lambda_s
 _DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
 
 Cause = Literal["top", "bottom", "mark", "stuck"]
@@ -180,6 +181,16 @@ def of_resampling(
     return (
         f"{surfaces[0].shape[-1]} points leave out {100.0 * (1.0 - after / before):.3g} % of the rms gradient that "
         f"{surfaces[1].shape[-1]} points have, and contact areas grow as it falls: give more points, or leave them out",
+    )
+
+
+def of_cutoff(cutoff: float, sizes: tuple[float, ...]) -> tuple[str, ...]:
+    """Sentence about a cutoff, 0 without one, of which few waves fit into a field of these sizes."""
+    if cutoff * _FEWEST_WAVES <= min(sizes):
+        return ()
+    return (
+        f"only {min(sizes) / cutoff:.2g} waves as long as the cutoff fit into the field, so that waviness alone is "
+        "left: a cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
     )
 
 

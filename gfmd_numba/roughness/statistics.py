@@ -98,7 +98,7 @@ def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
 
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
-    nx, found = heights.shape[-1], np.empty(heights.shape)
+    nx, found = heights.shape[-1], np.empty_like(heights, dtype=np.float64)  # laid out alike, as a map on its side
     given, filled = np.atleast_2d(heights), np.atleast_2d(found)
     for first in range(0, given.shape[-2], _ROWS):
         some = ..., slice(first, first + _ROWS), slice(None)

@@ -109,7 +109,11 @@ def test_bodies_with_the_same_heights_are_told():
     rough = ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}
     body = SCENE["body"] | {"roughness": rough}
     said = told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": deepcopy(body)}})
-    assert "both bodies have the same heights" in said
+    assert "counter_body: both bodies have the same heights" in said
+    grid = {"pressure": ["1 MPa", "2 MPa"]}
+    two = SCENE | {"body": body, "counter_body": deepcopy(body)}
+    said = told("check", "f.yaml", {"name": "p", "scene": two, "grid": grid})
+    assert "counter_body.roughness: both bodies have the same heights" in said
     other = SCENE["body"] | {"roughness": rough | {"cutoff": "44 um"}}
     assert "same heights" in told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": other}})
     np.savetxt("q.csv", np.flipud(np.loadtxt("p.csv", delimiter=",", skiprows=1)[:, 1:]), header="z [um]", comments="")

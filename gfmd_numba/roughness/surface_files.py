@@ -87,7 +87,7 @@ def _read_text(path: Path) -> Content:
     table = read_table(path)
     match table.values.shape[1]:
         case 1:
-            return _sized(table, table.values[:, 0])
+            return _sized(table, table.values.T)
         case 2:
             present = ~np.isnan(table.values).all(axis=1)  # an empty line between rows is no position
             x, heights = table.values[present].T
@@ -105,21 +105,16 @@ def _read_text(path: Path) -> Content:
 
 
 def _sized(table: Table, heights: Reals) -> Content:
-    """Content of heights without positions, with the sizes that the header states; of profiles, those of points."""
-    axes, along_x = AXES[-heights.ndim :], table.sizes.get("x")
-    if along_x is None or (heights.ndim == 1 and not along_x.of_points):
+    """Content of heights `[ny, nx]` without positions, with sizes that the header states; of one row, those of points."""
+    (ny, nx), along_x, along_y = heights.shape, table.sizes.get("x"), table.sizes.get("y")
+    if along_x is None or (ny == 1 and not along_x.of_points):
         about = table.about_lengths
         return Content(heights, units=_stated(z=table.units[0]), done=table.done, about_lengths=about)
-    sizes = {"x": along_x.of_field(heights.shape[-1])}
-    along_y = table.sizes.get("y")
-    sizes["y"] = (
-        sizes["x"] * (heights.shape[0] / heights.shape[-1]) if along_y is None else along_y.of_field(heights.shape[0])
-    )
-    units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
+    along_y = along_y or along_x._replace(number=along_x.of_field(nx) * (ny / nx), of_points=False)
     return Content(
         heights,
-        sizes={axis: sizes[axis] for axis in axes},
-        units=_stated(z=table.units[0]) | {axis: units[axis] for axis in axes},
+        sizes={"x": along_x.of_field(nx), "y": along_y.of_field(ny)},
+        units=_stated(x=along_x.unit, y=along_y.unit, z=table.units[0]),
         done=table.done,
         rounded=True,
     )

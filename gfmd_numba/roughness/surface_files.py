@@ -105,7 +105,7 @@ def _read_text(path: Path) -> Content:
 
 
 def _sized(table: Table, heights: Reals) -> Content:
-    """Content of heights `[ny, nx]` without positions, with sizes that the header states; of one row, those of points."""
+    """Content of heights `[ny, nx]` alone, with the sizes that the header states; of one row, those of points."""
     (ny, nx), along_x, along_y = heights.shape, table.sizes.get("x"), table.sizes.get("y")
     if along_x is None or (ny == 1 and not along_x.of_points):
         about = table.about_lengths

@@ -245,6 +245,24 @@ def test_arrays_of_the_wrong_shape_are_told_what_fits(tmp_path):
             field(tmp_path / "p.npy", spacing=1e-6, units={"z": "um"})
 
 
+@pytest.mark.parametrize("across", ["x", "y"])
+def test_a_map_of_one_row_or_column_is_a_profile(tmp_path, across):
+    along = {"x": "y", "y": "x"}[across]
+    positions = {along: (along, 0.5 * np.arange(64), {"units": "um"}), across: (across, [3.0], {"units": "um"})}
+    line = xr.DataArray(Z, {along: positions[along]}, (along,), "height", {"units": "nm"})
+    line.expand_dims(across).assign_coords(positions).to_netcdf(tmp_path / "p.nc")
+    found = field(tmp_path / "p.nc")
+    np.testing.assert_array_equal(found.heights, 1e-9 * Z)
+    assert found.lengths == pytest.approx((32e-6,))
+
+
+def test_positions_of_a_map_may_be_variables_along_its_rows_and_columns(tmp_path):
+    positions = {axis: (dim, 0.5 * np.arange(8), {"units": "um"}) for axis, dim in (("y", "row"), ("x", "column"))}
+    heights = (("row", "column"), Z.reshape(8, 8), {"units": "nm"})
+    xr.Dataset({"height": heights, **positions}).to_netcdf(tmp_path / "m.nc")
+    assert field(tmp_path / "m.nc").lengths == pytest.approx((4e-6, 4e-6))
+
+
 @pytest.mark.parametrize("along", ["x", "y"])
 def test_a_line_along_an_axis_keeps_the_units_of_its_own_axis(tmp_path, along):
     still = np.zeros_like(Z)

@@ -27,9 +27,9 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
     Waves with an index beyond `largest_index` in any direction, and the mean, are zero.
     """
     ky, kx = grid.wave_indices((1, *shape)[-2:])
-    kept = (np.maximum(abs(kx), abs(ky)) <= largest_index) & ((kx > 0) | (ky > 0))
-    # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings max(|kx|, |ky|), as far as these have rows
     ring, highest = np.maximum(kx, abs(ky)), min(largest_index, len(ky) // 2)
+    kept = (ring <= largest_index) & ((kx > 0) | (ky > 0))
+    # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings, as far as these have rows
     whole = np.minimum(ring - 1, highest)
     before = 2 * whole * (whole + 1) + (ring - 1 - whole) * (2 * highest + 1)
     within = np.where(kx == ring, ky + np.minimum(ring, highest), np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)

@@ -121,12 +121,10 @@ class ElasticBody:
         tangential, normal = self.uniform_stiffness()
         s11, s13, s33 = self.layers.compliance(q[1:])
         determinant = s11 * s33 - s13**2
-        of_waves = [s33 / determinant, s13 / determinant, s11 / determinant]
-        of_means = tangential, 0.0, normal, tangential
-        if len(shape) > 1:  # waves may also slip across their own direction
-            of_waves.append(1.0 / self.layers.compliance_across(q[1:]))
+        across = 1.0 / self.layers.compliance_across(q[1:])  # waves may also slip across their own direction
+        of_waves = s33 / determinant, s13 / determinant, s11 / determinant, across
         elements = np.empty((len(of_waves), len(q)))
-        for element, mean, over_q in zip(elements, of_means, of_waves, strict=False):
+        for element, mean, over_q in zip(elements, (tangential, 0.0, normal, tangential), of_waves, strict=True):
             element[0], element[1:] = mean, q[1:] * over_q
         return SpectralResponse.on_grid(shape, *elements[:, places.reshape(lengths.shape)])
 

@@ -1,4 +1,8 @@
-"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts."""
+"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts.
+
+Numbers in parentheses, like (4.2), are equations of the thesis that the method comes from; `docs/errata.md` names it
+and corrects some of them.
+"""
 
 from __future__ import annotations
 

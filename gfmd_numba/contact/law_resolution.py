@@ -86,7 +86,7 @@ def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
         return f"No grid of up to {most} {points} resolves the law: take a longer {length} or less work"
     if discretisation is None:
         return f"Take at least {needed} {points}, or a longer {length}"
-    waves = 2 * discretisation.cut_off_index
+    waves = 2 * discretisation.shortest_wave_index
     finer = ceil(needed / waves)
     return f"Take eps_c = 1/{finer} (nx = {finer * waves}), or a longer {length}"
 

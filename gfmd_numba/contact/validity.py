@@ -406,7 +406,7 @@ def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     points = ceil(found["x"].size * FEWEST / fewest)
     finer = f"at least {points} {law_resolution.POINTS[len(nodes)]}"
     if discretisation is not None:
-        finer = f"eps_c = 1/{ceil(points / (2 * discretisation.cut_off_index))} or finer ({finer})"
+        finer = f"eps_c = 1/{ceil(points / (2 * discretisation.shortest_wave_index))} or finer ({finer})"
     off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"
     if scene.form is None:
         off = "area and pressure are those of the node alone"

@@ -7,11 +7,11 @@ _STEEPEST = 0.6  # exponent with which the part of a wave that contacts miss fal
 _SLACK = 0.75
 
 
-OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
+AREAS_OVER_LOAD = ("kappa", "kappa_counted", "kappa_edges")  # a_r g E* / p
 AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
 SHARES = (*AT_ONE_LOAD, "plastic_area_fraction", "stick_fraction")  # which are at most 1
 OF_ONE_SIGN = (  # that of the load, or none: what is always above 0 in contacts that are pressed
-    *(*OF_THE_SLOPE, "kappa_r", "rms_gradient_contact", "contact_radius", "elastic_energy", "mean_gap"),
+    *(*AREAS_OVER_LOAD, "kappa_r", "rms_gradient_contact", "contact_radius", "elastic_energy", "mean_gap"),
     *("mean_plastic_depth", "mean_worn_depth"),
 )
 _COUNTED, _PLASTIC, _OF_GRADIENT, _OF_HEIGHTS = (0.75, 1.5), (0.5, 1.5), (1.25, 2.75), (1.5, 4.0)
@@ -28,7 +28,7 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
 _WIDEST = {1: (inf, -inf), 2: _CORRECTED[2]}  # that all of them have at least, as only those of kappa were measured
-_AREAS = (*OF_THE_SLOPE, *AT_ONE_LOAD, "kappa_r")
+_AREAS = (*AREAS_OVER_LOAD, *AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
 
@@ -37,7 +37,7 @@ def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
 
     The `load` is the reduced pressure p / (g E*) of all levels, nan if it is not the same or not known.
     """
-    known = variable in OF_THE_SLOPE or (variable in AT_ONE_LOAD and load > 0.0)
+    known = variable in AREAS_OVER_LOAD or (variable in AT_ONE_LOAD and load > 0.0)
     return known and 0.0 <= hurst <= 1.0
 
 

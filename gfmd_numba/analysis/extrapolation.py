@@ -11,7 +11,9 @@ multiplied by a factor that makes chi^2 fit.
 All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
 possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. A
 campaign gives the exponents the ranges of `theory/exponent_ranges.py`; `fit_tfc` without `fixed` takes the widest ones,
-`laws.BOUNDS`.
+`laws.BOUNDS`. As a law need not hold beyond its levels, 0.3 of the distance from the finest level to the limit is added
+to the error in quadrature (less for the law of the unseen slope), and so is the distance to the fits that rival this
+one (`limit_errors.py`).
 """
 
 from collections import Counter

@@ -1,4 +1,10 @@
-"""Periodic self-affine profiles and maps by the power spectral density method (thesis 3.5.2.1)."""
+"""Periodic self-affine profiles and maps by the power spectral density method (thesis 3.5.2.1).
+
+A wave q has the Fourier coefficient A |q|^-(d/2 + H) z in d dimensions. Each z is a complex Gaussian of its own, which
+belongs to the seed, the realisation and the wave (`amplitudes.py`). Below the longest wavelength |q| is that of this
+wavelength, or the coefficient is zero. The factor A makes the rms gradient of each surface 1, or, scaled as an
+ensemble, that of the mean spectrum.
+"""
 
 import math
 from dataclasses import dataclass, field, replace

@@ -1,6 +1,12 @@
 """The certificate of a contact: how far displacement and traction are from static equilibrium.
 
-A contact is `ok` once `Certificate.residual` is at most `numerics.residual`, by default `table.RESIDUAL`.
+A contact is `ok` once its residual is at most `numerics.residual`, by default 1e-8. The residual is the largest of
+
+    violation / peak pressure,    |imbalance| / load,    and the drift,
+
+which `Certificate` explains. How a solver keeps bodies from penetrating is its own matter, and the certificate does not
+depend on it: Newton's methods choose the nodes that touch and solve for their pressures (`active_set_newton.py`), time
+steps clip displacements at the wall (`kernels/steps.py`).
 """
 
 from dataclasses import dataclass

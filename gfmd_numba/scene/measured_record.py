@@ -55,8 +55,8 @@ class Heights:
 
 
 def is_table(values: npt.NDArray[Any]) -> bool:
-    """Whether values are a row or a table of real numbers."""
-    return values.ndim in (1, 2) and values.dtype.kind in "fiu"
+    """Whether values are a row or a table of real numbers, of at least one."""
+    return values.ndim in (1, 2) and values.dtype.kind in "fiu" and values.size > 0
 
 
 def heights(given: Any) -> Heights:
@@ -81,7 +81,7 @@ def heights(given: Any) -> Heights:
             values = np.array(bare if unit is not None else given)  # a copy, which nobody changes
         except (TypeError, Warning):
             raise ValueError("no numbers") from None
-    if not is_table(values) or values.size == 0:
+    if not is_table(values):
         raise ValueError("no row or table of numbers")
     positions, units = _described(given) if hasattr(given, "dims") else ({}, {})
     units = units if unit is None else {**units, "z": str(unit)}

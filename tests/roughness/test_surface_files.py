@@ -1,5 +1,6 @@
 """Files as instruments and their software write them: what they hold, or what to do with them."""
 
+import re
 import time
 
 import numpy as np
@@ -243,6 +244,13 @@ def test_arrays_of_the_wrong_shape_are_told_what_fits(tmp_path):
         np.save(tmp_path / "p.npy", np.zeros((512, columns)))
         with pytest.raises(ValueError, match=rf"512 x {columns} heights, not at least 4 x 4; columns of .* as text"):
             field(tmp_path / "p.npy", spacing=1e-6, units={"z": "um"})
+
+
+@pytest.mark.parametrize("shape", [(0,), (0, 5), (5, 0)])
+def test_an_array_without_heights_is_told_so(tmp_path, shape):
+    np.save(tmp_path / "p.npy", np.zeros(shape))
+    with pytest.raises(ValueError, match=rf"{re.escape(str(shape))} and type float64, not a row or a table of numbers"):
+        field(tmp_path / "p.npy", spacing=1e-6, units={"z": "um"})
 
 
 @pytest.mark.parametrize("across", ["x", "y"])

@@ -235,9 +235,9 @@ def periodic_surface(
         made.heights, made.lengths, signs, ends, found.units, record.cutoff or 0.0
     )
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
-    if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
-        doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
-    elif record.points is not None:
+    if record.points is not None:  # which a map may have more of along one axis, and fewer along the other
+        finer = np.divide(made.heights.shape, made.lengths) > np.divide(heights.shape, sizes)
+        doubts += (_RINGS,) * bool(finer.any() and record.cutoff is None and _is_sharp(heights))
         whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
         doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
     doubts += plausibility.of_cutoff(record.cutoff or 0.0, sizes)

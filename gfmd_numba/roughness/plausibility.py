@@ -174,13 +174,14 @@ def of_surface(
 def of_resampling(
     surfaces: tuple[Reals, Reals], lengths: tuple[float, ...], ends: tuple[bool, ...] = ()
 ) -> tuple[str, ...]:
-    """Sentence about the gradient that the first of two surfaces, on fewer points, has lost of that of the second."""
+    """Sentence about the gradient that the first of two surfaces, on other points, has lost of that of the second."""
     after, before = (float(statistics.rms_gradient(each, lengths, ends)) for each in surfaces)
     if after >= (1.0 - _LOST) * before:
         return ()
+    fewer, all_of = (" x ".join(map(str, each.shape)) for each in surfaces)
     return (
-        f"{surfaces[0].shape[-1]} points leave out {100.0 * (1.0 - after / before):.3g} % of the rms gradient that "
-        f"{surfaces[1].shape[-1]} points have, and contact areas grow as it falls: give more points, or leave them out",
+        f"{fewer} points leave out {100.0 * (1.0 - after / before):.3g} % of the rms gradient that {all_of} points "
+        "have, and contact areas grow as it falls: give more points, or leave them out",
     )
 
 

@@ -1,5 +1,7 @@
 """Maps of instruments that are no squares, and maps of three columns."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -154,3 +156,14 @@ def test_a_contact_of_a_faded_surface_is_warned_of():
     scene = {"roughness": surface, "body": {"poissons_ratio": 0.3}, "interface": {"hard_wall": {}}}
     with pytest.warns(UserWarning, match="periodic: window fades"):
         gfmd_numba.solve({"scene": scene | {"loading": {"reduced_pressure": 0.1}}})
+
+
+@pytest.mark.parametrize(("nx", "ny"), [(16, 128), (128, 16)])
+def test_points_that_leave_out_waves_along_one_axis_alone_are_doubted(tmp_path, nx, ny):
+    x, y = (np.arange(n) * 64e-6 / n for n in (nx, ny))
+    heights = 1e-8 * np.random.default_rng(0).normal(size=(ny, nx))
+    positions = {"x": ("x", x, {"units": "m"}), "y": ("y", y, {"units": "m"})}
+    xr.DataArray(heights, positions, ("y", "x"), "height", {"units": "m"}).to_netcdf(tmp_path / "map.nc")
+    for points in (16, 24, 64):
+        told = rf"{points} x {points} points leave out \d\d(\.\d)? % of the rms gradient that {ny} x {nx} points have"
+        assert re.search(told, "\n".join(read(tmp_path / "map.nc", points=points).doubts))

@@ -19,7 +19,7 @@ from gfmd_numba.roughness.processing import ORDERS, closed, detrended, fill_gaps
 from gfmd_numba.roughness.spikes import without_spikes
 from gfmd_numba.roughness.surface_files import content_of, read_content
 from gfmd_numba.scene import Document, Scene
-from gfmd_numba.scene.measured_record import AXES, Measured
+from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
 from gfmd_numba.text.numbers import with_prefix
@@ -176,15 +176,14 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     elif record.spacing is not None:
         if content.positions or (content.sizes and not content.rounded):
             raise ValueError("positions or sizes in the file, so that spacing has to be left out")
-        points = dict(zip(AXES[-np.ndim(content.heights) :], np.shape(content.heights), strict=True))
-        for axis, n in points.items():
+        for axis, n in content.nodes.items():
             unit = content.units.get(axis, "m")
             stated, given = content.sizes.get(axis, 0.0) / n, record.spacing / METRES[unit]
             if stated and abs(stated - given) > _OF_A_HEADER * stated:
                 told = f"points {stated:.6g} {unit} apart along {axis} in the header of the file"
                 raise ValueError(f"{told}, not {given:.6g} {unit}: leave spacing out, or correct it")
-        in_metres = {**content.units, **dict.fromkeys(points, "m")}
-        sizes = {axis: n * float(record.spacing) for axis, n in points.items()}
+        in_metres = {**content.units, **dict.fromkeys(content.nodes, "m")}
+        sizes = {axis: n * float(record.spacing) for axis, n in content.nodes.items()}
         content = replace(content, sizes=sizes, units=in_metres, rounded=False)
     found = measurement(content, units, resample=record.points is not None)
     if record.crop == "square":

@@ -51,6 +51,12 @@ class Content:
         if not is_table(given):
             raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
 
+    @property
+    def nodes(self) -> dict[str, int]:
+        """Numbers of heights along each axis that has several: a profile has one such axis."""
+        shape = self.heights.shape
+        return {axis: n for axis, n in zip(AXES[-len(shape) :], shape, strict=True) if n > 1}
+
 
 @dataclass(frozen=True)
 class Measurement:
@@ -87,8 +93,7 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     with np.errstate(over="ignore"):  # of more than double precision
         heights = np.asarray(given, dtype=np.float64)
     check_finite(heights)
-    nodes = zip(AXES[-content.heights.ndim :], content.heights.shape, strict=True)
-    axes = tuple(axis for axis, n in nodes if n > 1)
+    axes = tuple(content.nodes)
     done = list(content.done)
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
@@ -162,7 +167,7 @@ def _scales(
 
     Which of the two is None if nobody says.
     """
-    given = {"z", *content.positions, *content.sizes}
+    given = {"z", *content.positions, *(content.sizes.keys() & content.nodes)}
     for axis in asked:
         if axis not in given:
             raise ValueError(f"no {_NAMES[axis]} in the file, so that units.{axis} has to be left out")

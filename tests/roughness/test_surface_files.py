@@ -264,6 +264,18 @@ def test_a_map_of_one_row_or_column_is_a_profile(tmp_path, across):
     assert found.lengths == pytest.approx((32e-6,))
 
 
+@pytest.mark.parametrize("heights", [Z, Z[np.newaxis]])
+def test_a_profile_is_not_asked_about_the_other_axis_of_a_header(tmp_path, heights):
+    np.savetxt(tmp_path / "p.txt", heights, header="dx = 0.6 um\ndy = 0.9 um")
+    found = field(tmp_path / "p.txt", spacing=0.6e-6, units={"z": "um"})
+    assert found.lengths == pytest.approx((38.4e-6,))
+    for more in ({}, {"spacing": 0.6e-6}):
+        with pytest.raises(ValueError, match=r"no positions along y in the file, so that units\.y has to be left out"):
+            field(tmp_path / "p.txt", units={"y": "um", "z": "um"}, **more)
+    with pytest.raises(ValueError, match=r"points 0\.6 um apart along x in the header of the file, not 0\.5 um"):
+        field(tmp_path / "p.txt", spacing=0.5e-6, units={"z": "um"})
+
+
 def test_positions_of_a_map_may_be_variables_along_its_rows_and_columns(tmp_path):
     positions = {axis: (dim, 0.5 * np.arange(8), {"units": "um"}) for axis, dim in (("y", "row"), ("x", "column"))}
     heights = (("row", "column"), Z.reshape(8, 8), {"units": "nm"})

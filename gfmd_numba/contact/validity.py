@@ -41,7 +41,6 @@ NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
-_SQUARE_ACROSS = {1: 1.0, 2: 4.0 / pi}  # of a stretch or a disc of one node, by the dimension
 _UNKNOWN_EDGES = 0.05  # of the contact area
 _HIGHEST_ORDER = 3
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
@@ -396,8 +395,8 @@ def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
         across = np.min([bears.any(tuple({*nodes} - {axis})).sum(-1) for axis in nodes], axis=0)
-    else:
-        across = (_SQUARE_ACROSS[len(nodes)] * counts) ** (1.0 / len(nodes))
+    else:  # a stretch, or a disc, of as many nodes
+        across = counts if len(nodes) == 1 else (4.0 / pi * counts) ** 0.5
     # of a path where it is widest: each contact begins with a node
     fewest = _largest(np.where(counts > 0, across, nan))
     least = FEWEST if scene.form is not None else _A_NODE

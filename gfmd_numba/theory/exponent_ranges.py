@@ -27,7 +27,6 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
     "mean_plastic_depth": _OF_HEIGHTS,
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
-_WIDEST = {1: (inf, -inf), 2: _CORRECTED[2]}  # that all of them have at least, as only those of kappa were measured
 _AREAS = (*AREAS_OVER_LOAD, *AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
@@ -65,13 +64,14 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     known.
     """
     low, high = _IN_EPS_C.get(variable, _CORRECTED[dimension])
-    lowest, highest = _WIDEST[dimension]
+    if dimension == 2:  # where only those of kappa were measured
+        low, high = min(low, _CORRECTED[2][0]), max(high, _CORRECTED[2][1])
     if _IN_EPS_C.get(variable) == _OF_HEIGHTS:
         slowest = 0.1 if isnan(hurst) else round(max(0.1, 0.5 * hurst), 2)
     else:
         slowest = 0.2 if isnan(hurst) else round(max(0.1, _SLACK * min(2.0 - 2.0 * hurst, _STEEPEST)), 2)
     return {
-        "eps_c": (min(low, lowest), max(high, highest)),
+        "eps_c": (low, high),
         "eps_f": (slowest, 2.0),
         "eps_t": _IN_EPS_T[dimension] if variable in _AREAS else _AS_OF_EDGES[dimension],
     }

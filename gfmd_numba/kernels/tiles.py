@@ -294,6 +294,29 @@ def take_tiles(rows: Reals, tiles: Indices, nx: int, values: Reals) -> None:
 
 
 @jit
+def tiles_of_rows(tiles: Indices, nx: int, top: int, rows: int) -> tuple[int, slice]:
+    """Number of the first tile of some rows of a map, from `top` on, and which of the listed tiles lie there."""
+    first = top // TILE * (nx // TILE)
+    after = first + rows // TILE * (nx // TILE)
+    return first, slice(np.searchsorted(tiles, first), np.searchsorted(tiles, after))
+
+
+@jit
+def put_on_rows(values: Reals, tiles: Indices, nx: int, top: int, rows: Reals) -> None:
+    """Fill some rows of a map, from `top` on, with the values on the listed tiles, and zeros elsewhere."""
+    first, some = tiles_of_rows(tiles, nx, top, rows.shape[0])
+    rows[:] = 0.0
+    put_tiles(values[some], tiles[some] - first, rows, nx)
+
+
+@jit
+def take_from_rows(values: Reals, tiles: Indices, nx: int, top: int, rows: Reals) -> None:
+    """Fill the values on those of the listed tiles that lie in some rows of a map, from `top` on."""
+    first, some = tiles_of_rows(tiles, nx, top, rows.shape[0])
+    take_tiles(rows, tiles[some] - first, nx, values[some])
+
+
+@jit
 def gaps_in_contact(wall: Reals, displacement: Reals, tiles: Indices, contact: Flags) -> tuple[int, float, float]:
     """Count the nodes in contact on the listed tiles of a map; mean and variance of their gaps."""
     across = wall.shape[1] // TILE

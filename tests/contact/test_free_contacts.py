@@ -528,10 +528,10 @@ def test_rows_around_the_window_of_a_map_are_transformed_for_an_exact_certificat
         monkeypatch.setattr(newton.MapContact, "bound", lambda contact: np.inf)
     n, filled, plain = 64, [], transform._Blocks.multiply
 
-    def told(self, symbol, size, divide, some):
+    def told(self, symbol, size, divide, some, *ways):
         if size == 4 * n * n:
             filled.append(some)
-        plain(self, symbol, size, divide, some)
+        plain(self, symbol, size, divide, some, *ways)
 
     monkeypatch.setattr(transform._Blocks, "multiply", told)
     assert pressed(rough(n, 2), 0.05).equilibrium.status == Status.ok

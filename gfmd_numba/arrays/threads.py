@@ -7,10 +7,14 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from functools import lru_cache
 from math import prod
+from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-_FEWEST = 2**19  # nodes that are shared: fewer take less time than to wake a thread and wait for it
+T = TypeVar("T")
+
+_PIECE = 2**14  # entries of arrays that make one sum
+_FEWEST = 2**18  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
 
 class Team:
@@ -34,6 +38,22 @@ class Team:
         work(0, 0, ends[1])
         for other in others:
             other.result()
+
+    def in_pieces(self, work: Callable[[slice], T], size: int) -> list[T]:
+        """Return what `work` makes of some of the entries of arrays of a size after others, in their order.
+
+        Sums of these are then the same for any number of threads.
+        """
+        ends = [*range(0, size, _PIECE), size]
+        if len(ends) == 2:
+            return [work(slice(0, size))]
+        made: list[list[T]] = [[] for _ in range(self.size)]
+
+        def some(thread: int, first: int, last: int) -> None:
+            made[thread] += [work(slice(ends[k], ends[k + 1])) for k in range(first, last)]
+
+        self.share(some, len(ends) - 1, size)
+        return [each for found in made for each in found]
 
     def by_rows(self, work: Callable[[slice], None], shape: tuple[int, ...]) -> None:
         """Call `work` with some of the rows of an array of a shape after others, for all of these."""

@@ -271,9 +271,7 @@ class _Blocks:
         self._along_both(rows, self._waves.shape[1], load, multiply)
         self._back_along_x(rows, read)
 
-    def _along_both(
-        self, rows: int, columns: int, load: OnRows | None, work: Callable[["_Worker", int], None]
-    ) -> None:
+    def _along_both(self, rows: int, columns: int, load: OnRows | None, work: Callable[["_Worker", int], None]) -> None:
         """Transform so many rows along x, then some columns after others along y, and do some work with these.
 
         The work is given the worker whose block holds the columns, and the first of them.

@@ -16,7 +16,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.pressure_solvers import begin_behind_widest_gap, newton_error, without_mean
+from gfmd_numba.kernels.pressure_solvers import begin_behind_widest_gap, newton_change, newton_error, without_mean
 
 
 @jit
@@ -555,7 +555,9 @@ def _close_gap(
         if not fresh:
             exponential_sum_solve(r, touching, level.coarse.weights, level.factors, z)
         fresh = False
-        energy, error = newton_error(r, z, uniform, new, inside, touching, task.rounding, task.free_mean)
+        share = z[:touching].sum() / uniform[:touching].sum() if task.free_mean else 0.0
+        sizes = newton_change(r[:touching], z[:touching], uniform[:touching], share, new, inside[:touching])
+        energy, error = sizes[0], newton_error(sizes, task.rounding)
         if final < 0.0:
             final = max(task.target, task.share * error) if error < np.inf else task.target
             tolerance = max(tolerance, final)

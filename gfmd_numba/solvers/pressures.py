@@ -1,13 +1,13 @@
 """What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.fourier.transform import Transform, aligned_rows
@@ -134,41 +134,100 @@ class Closing(NamedTuple):
 
     def error(self) -> float:
         """Relative error of the pressure."""
-        self._begin()
-        return self._change()[1]
+        return self._change(self._begin())[1]
 
     def solve(self, tolerance: float, most: int) -> int:
         """Go on by preconditioned conjugate gradients until the error is that small; how many, at most `most`."""
-        iterate, nodes, count, (r, z) = self.iterate, self.nodes, self.nodes.size, self.room
-        self._begin()
+        nodes, (_, z), (_, _, t, st) = self.nodes, self.room, self.iterate
+        uniform = self._begin()
         last = step = 0.0
         for iteration in range(most):
-            energy, error = self._change()
+            energy, error = self._change(uniform)
             if not error > tolerance:
                 return iteration
-            kernels.newton_direction(z, step, last, nodes, count, iterate)
+            beta = 0.0
+            if last > 0.0:  # as Polak and Ribiere: a preconditioner may differ from one iteration to the next
+                beta = -step / last * self._sum(lambda some: kernels.work_done(z[some], st, nodes[some]))
+            else:
+                team().in_pieces(lambda some: t[some].fill(0.0), t.size)
+            self._direct(beta)
             last = energy
             self.soften()
-            step = kernels.newton_update(iterate, energy, nodes, count, r, self.free_mean)
+            step = kernels.quotient(energy, self._sum(lambda some: kernels.curvature(t, st, nodes[some])))
+            self._go(step)
             self.open(step)
         return most
 
     def open(self, step: float) -> None:
         """Add what a step along the direction opens to the gap."""
         gap, opened = self.iterate.gap, self.iterate.st
-        team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
+        team().in_pieces(lambda some: kernels.add_displacement(gap[some], opened[some], step), gap.size)
 
-    def _begin(self) -> None:
-        kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)
+    def revise(self, contact: Flags, load: float) -> int:
+        """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
 
-    def _change(self) -> tuple[float, float]:
-        """Fill the next change of the pressure; its energy and the relative error that it tells."""
-        r, z = self.room
-        self.inverse.solve(r, z)
-        energy, error = kernels.newton_error(
-            r, z, self.uniform, self.iterate.p, self.nodes, self.nodes.size, self.rounding, self.free_mean
+        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
+        gap, and the others carry what was lost.
+        """
+        (p, gap, _, _), nodes, rounding, approach = self.iterate, self.nodes, self.rounding, 0.0
+        if self.free_mean and nodes.size:
+            first = float(gap[nodes[0]])  # as differences: a sum of gaps almost alike would lose digits
+            approach = first + self._sum(lambda some: kernels.sum_from(gap, first, nodes[some])) / nodes.size
+        found = team().in_pieces(
+            lambda some: kernels.revise_contact(p[some], gap[some], contact[some], approach, rounding), p.size
         )
-        return float(energy), float(error)
+        changed = sum(each for each, _ in found)
+        if self.free_mean and changed:
+            scale = kernels.quotient(load, _added(total for _, total in found))
+            team().in_pieces(lambda some: np.multiply(p[some], scale, out=p[some]), p.size)
+        return int(changed)
+
+    def _sum(self, work: Callable[[slice], float]) -> float:
+        """Sum of what some work makes of some nodes after others."""
+        return _added(team().in_pieces(work, self.nodes.size))
+
+    def _begin(self) -> float:
+        """Fill what is to be closed; the sum of the pressures that a uniform displacement takes."""
+        gap, r, nodes, uniform = self.iterate.gap, self.room[0], self.nodes, self.uniform
+        self._level(self._sum(lambda some: kernels.closing_displacement(gap, nodes[some], r[some])))
+        return self._sum(lambda some: float(uniform[some].sum())) if self.free_mean else 0.0
+
+    def _level(self, total: float) -> None:
+        """Take the mean off what is to be closed, which adds up to a total, if the gap is known up to a constant."""
+        if self.free_mean:
+            r, mean = self.room[0], total / self.nodes.size
+            team().in_pieces(lambda some: np.subtract(r[some], mean, out=r[some]), self.nodes.size)
+
+    def _change(self, all_uniform: float) -> tuple[float, float]:
+        """Fill the next change of the pressure; its energy and the relative error that it tells."""
+        (r, z), uniform, p, nodes, share = self.room, self.uniform, self.iterate.p, self.nodes, 0.0
+        self.inverse.solve(r, z)
+        if self.free_mean:
+            share = kernels.quotient(self._sum(lambda some: float(z[some].sum())), all_uniform)
+        found = team().in_pieces(
+            lambda some: kernels.newton_change(r[some], z[some], uniform[some], share, p, nodes[some]), nodes.size
+        )
+        energy, *largest, moved, carried = zip(*found, strict=True)
+        sizes = _added(energy), *(max(each) for each in largest), _added(moved), _added(carried)
+        return sizes[0], float(kernels.newton_error(sizes, self.rounding))
+
+    def _direct(self, beta: float) -> None:
+        """Make the direction the next change, and beta times the last direction."""
+        z, nodes, t = self.room[1], self.nodes, self.iterate.t
+        team().in_pieces(lambda some: kernels.newton_direction(z[some], beta, nodes[some], t), nodes.size)
+
+    def _go(self, step: float) -> None:
+        """Go a step along the direction, in all but the gap."""
+        iterate, r, nodes = self.iterate, self.room[0], self.nodes
+        self._level(self._sum(lambda some: kernels.newton_update(iterate, step, nodes[some], r[some])))
+
+
+def _added(values: Iterable[float]) -> float:
+    """Sum in this order, and to the same last bit: `sum` keeps more digits from Python 3.12 on."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 def between(coarse: tuple[int, ...], fine: tuple[int, ...]) -> list[tuple[Indices, Reals]]:

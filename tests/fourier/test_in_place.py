@@ -89,7 +89,7 @@ def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(
     np.testing.assert_array_equal(pieces.samples, alone.samples)
 
 
-@pytest.mark.parametrize(("nodes", "busy"), [(2**18, 1), (2**20, 2)])
+@pytest.mark.parametrize(("nodes", "busy"), [(2**17, 1), (2**20, 2)])
 def test_small_work_is_not_shared(monkeypatch, nodes, busy):
     monkeypatch.setattr(threading, "cores", lambda: 2)
     used = set()

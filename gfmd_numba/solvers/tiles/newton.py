@@ -277,15 +277,13 @@ class MapContact:
         iterate, nodes = closing.iterate, closing.nodes
         iterations = closing.solve(tolerance, _ITERATIONS) if nodes.size else 0
         ahead = loosely and 0 < iterations < _ITERATIONS
-        iterate.t[:] = iterate.p
+        before, p = iterate.t, iterate.p
+        team().in_pieces(lambda some: np.copyto(before[some], p[some]), p.size)
         if ahead:
-            iterate.p[nodes] = closing.changed
-        total = 0.0 if self._load is None else self._load * self.transform.n
-        changed = kernels.revise_contact(
-            iterate, contact, nodes, nodes.size, contact.size, total, self._rounding, self.free_mean
-        )
+            p[nodes] = closing.changed
+        changed = closing.revise(contact, 0.0 if self._load is None else self._load * self.transform.n)
         if changed:
-            np.subtract(iterate.p, iterate.t, out=iterate.t)
+            team().in_pieces(lambda some: np.subtract(p[some], before[some], out=before[some]), p.size)
             closing.soften()
             closing.open(1.0)
         elif ahead:

@@ -44,9 +44,9 @@ class Team:
 
         Sums of these are then the same for any number of threads.
         """
-        ends = [*range(0, size, _PIECE), size]
-        if len(ends) == 2:
+        if is_one_piece(size):
             return [work(slice(0, size))]
+        ends = [*range(0, size, _PIECE), size]
         made: list[list[T]] = [[] for _ in range(self.size)]
 
         def some(thread: int, first: int, last: int) -> None:
@@ -63,6 +63,11 @@ class Team:
         """End the threads."""
         if self._pool is not None:
             self._pool.shutdown()
+
+
+def is_one_piece(size: int) -> bool:
+    """Return whether arrays of a size make one sum."""
+    return size <= _PIECE
 
 
 _ALONE = Team(1)

@@ -62,14 +62,29 @@ def closing_displacement(gap: Reals, nodes: Indices, r: Reals) -> float:
 
 
 @jit
-def without_mean(r: Reals, count: int) -> None:
-    """Take the mean off the first `count` values."""
-    mean = 0.0
-    for k in range(count):
-        mean += r[k]
-    mean /= count
-    for k in range(count):
+def take_off(r: Reals, mean: float) -> None:
+    """Take a mean off all values."""
+    for k in range(r.size):
         r[k] -= mean
+
+
+@jit
+def sum_of(values: Reals) -> float:
+    """Sum of all values."""
+    total = 0.0
+    for k in range(values.size):
+        total += values[k]
+    return total
+
+
+@jit
+def sums_of(z: Reals, uniform: Reals) -> tuple[float, float]:
+    """Sums of all values, of a change and of the pressures that a uniform displacement takes."""
+    total = takes = 0.0
+    for k in range(z.size):
+        total += z[k]
+        takes += uniform[k]
+    return total, takes
 
 
 @jit
@@ -158,6 +173,55 @@ def newton_update(iterate: Iterate, step: float, nodes: Indices, r: Reals) -> fl
         r[k] -= step * st[nodes[k]]
         total += r[k]
     return total
+
+
+@jit
+def close_few(gap: Reals, nodes: Indices, r: Reals, free_mean: bool) -> None:
+    """Displacement r that closes the gap on the nodes in contact.
+
+    `free_mean`: the load is prescribed, so the gap is known up to a constant; r has no mean then.
+    """
+    total = closing_displacement(gap, nodes, r)
+    if free_mean:
+        take_off(r, total / nodes.size)
+
+
+@jit
+def change_few(
+    r: Reals, z: Reals, uniform: Reals, p: Reals, nodes: Indices, rounding: float, free_mean: bool
+) -> tuple[float, float]:
+    """Energy r z of a change z of the pressure, and its size as in `newton_error`.
+
+    Under a prescribed load z first loses what changes the load, by means of the pressure that a `uniform`
+    displacement takes.
+    """
+    share = 0.0
+    if free_mean:
+        total, takes = sums_of(z, uniform)
+        share = total / takes
+    sizes = newton_change(r, z, uniform, share, p, nodes)
+    return sizes[0], newton_error(sizes, rounding)
+
+
+@jit
+def direct_few(z: Reals, step: float, last: float, nodes: Indices, iterate: Iterate) -> None:
+    """Make the direction z, conjugate to the last one; the energy `last` is zero if there was none."""
+    beta = 0.0
+    if last > 0.0:
+        beta = -step / last * work_done(z, iterate.st, nodes)
+    else:
+        iterate.t[:] = 0.0
+    newton_direction(z, beta, nodes, iterate.t)
+
+
+@jit
+def update_few(iterate: Iterate, energy: float, nodes: Indices, r: Reals, free_mean: bool) -> float:
+    """Line search along the direction, of all but the gap; the step."""
+    step: float = energy / curvature(iterate.t, iterate.st, nodes)
+    total = newton_update(iterate, step, nodes, r)
+    if free_mean:
+        take_off(r, total / nodes.size)
+    return step
 
 
 @jit

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.arrays.threads import team
+from gfmd_numba.arrays.threads import is_one_piece, team
 from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.iteration import Batch
@@ -125,6 +125,11 @@ class Closing(NamedTuple):
         return self.room[1, : self.nodes.size]
 
     @property
+    def remainder(self) -> Reals:
+        """Displacement `[node]` that is left to be closed."""
+        return self.room[0, : self.nodes.size]
+
+    @property
     def changed(self) -> Reals:
         """Pressure `[node]` after that change, in the part of the room that no error is kept in."""
         changed = self.room[0, : self.nodes.size]
@@ -134,34 +139,28 @@ class Closing(NamedTuple):
 
     def error(self) -> float:
         """Relative error of the pressure."""
-        return self._change(self._begin())[1]
+        self._begin()
+        return self._change()[1]
 
     def solve(self, tolerance: float, most: int) -> int:
         """Go on by preconditioned conjugate gradients until the error is that small; how many, at most `most`."""
-        nodes, (_, z), (_, _, t, st) = self.nodes, self.room, self.iterate
-        uniform = self._begin()
+        self._begin()
         last = step = 0.0
         for iteration in range(most):
-            energy, error = self._change(uniform)
+            energy, error = self._change()
             if not error > tolerance:
                 return iteration
-            beta = 0.0
-            if last > 0.0:  # as Polak and Ribiere: a preconditioner may differ from one iteration to the next
-                beta = -step / last * self._sum(lambda some: kernels.work_done(z[some], st, nodes[some]))
-            else:
-                team().in_pieces(lambda some: t[some].fill(0.0), t.size)
-            self._direct(beta)
+            self._direct(step, last)
             last = energy
             self.soften()
-            step = kernels.quotient(energy, self._sum(lambda some: kernels.curvature(t, st, nodes[some])))
-            self._go(step)
+            step = self._update(energy)
             self.open(step)
         return most
 
     def open(self, step: float) -> None:
         """Add what a step along the direction opens to the gap."""
         gap, opened = self.iterate.gap, self.iterate.st
-        team().in_pieces(lambda some: kernels.add_displacement(gap[some], opened[some], step), gap.size)
+        team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
 
     def revise(self, contact: Flags, load: float) -> int:
         """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
@@ -186,40 +185,62 @@ class Closing(NamedTuple):
         """Sum of what some work makes of some nodes after others."""
         return _added(team().in_pieces(work, self.nodes.size))
 
-    def _begin(self) -> float:
-        """Fill what is to be closed; the sum of the pressures that a uniform displacement takes."""
-        gap, r, nodes, uniform = self.iterate.gap, self.room[0], self.nodes, self.uniform
-        self._level(self._sum(lambda some: kernels.closing_displacement(gap, nodes[some], r[some])))
-        return self._sum(lambda some: float(uniform[some].sum())) if self.free_mean else 0.0
+    def _begin(self) -> None:
+        """Fill what is to be closed."""
+        gap, r, nodes = self.iterate.gap, self.remainder, self.nodes
+        if is_one_piece(nodes.size):
+            kernels.close_few(gap, nodes, r, self.free_mean)
+            return
+        self._take_off(self._sum(lambda some: kernels.closing_displacement(gap, nodes[some], r[some])))
 
-    def _level(self, total: float) -> None:
-        """Take the mean off what is to be closed, which adds up to a total, if the gap is known up to a constant."""
-        if self.free_mean:
-            r, mean = self.room[0], total / self.nodes.size
-            team().in_pieces(lambda some: np.subtract(r[some], mean, out=r[some]), self.nodes.size)
-
-    def _change(self, all_uniform: float) -> tuple[float, float]:
+    def _change(self) -> tuple[float, float]:
         """Fill the next change of the pressure; its energy and the relative error that it tells."""
-        (r, z), uniform, p, nodes, share = self.room, self.uniform, self.iterate.p, self.nodes, 0.0
+        r, z, uniform, p, nodes, share = self.remainder, self.change, self.uniform, self.iterate.p, self.nodes, 0.0
         self.inverse.solve(r, z)
+        if is_one_piece(nodes.size):
+            energy, error = kernels.change_few(r, z, uniform[: nodes.size], p, nodes, self.rounding, self.free_mean)
+            return float(energy), float(error)
         if self.free_mean:
-            share = kernels.quotient(self._sum(lambda some: float(z[some].sum())), all_uniform)
+            totals = team().in_pieces(lambda some: kernels.sums_of(z[some], uniform[some]), nodes.size)
+            share = kernels.quotient(*(_added(each) for each in zip(*totals, strict=True)))
         found = team().in_pieces(
             lambda some: kernels.newton_change(r[some], z[some], uniform[some], share, p, nodes[some]), nodes.size
         )
-        energy, *largest, moved, carried = zip(*found, strict=True)
-        sizes = _added(energy), *(max(each) for each in largest), _added(moved), _added(carried)
+        energies, *largest, moved, carried = zip(*found, strict=True)
+        sizes = _added(energies), *(max(each) for each in largest), _added(moved), _added(carried)
         return sizes[0], float(kernels.newton_error(sizes, self.rounding))
 
-    def _direct(self, beta: float) -> None:
-        """Make the direction the next change, and beta times the last direction."""
-        z, nodes, t = self.room[1], self.nodes, self.iterate.t
+    def _direct(self, step: float, last: float) -> None:
+        """Make the direction the next change, conjugate to the last one; the energy `last` is zero if there was none.
+
+        Polak and Ribiere's formula, as a preconditioner may not be exactly the same from one iteration to the next.
+        """
+        z, nodes, t, st = self.change, self.nodes, self.iterate.t, self.iterate.st
+        if is_one_piece(nodes.size):
+            kernels.direct_few(z, step, last, nodes, self.iterate)
+            return
+        beta = 0.0
+        if last > 0.0:
+            beta = -step / last * self._sum(lambda some: kernels.work_done(z[some], st, nodes[some]))
+        else:
+            team().share(lambda _, a, b: t[a:b].fill(0.0), t.size, t.size)
         team().in_pieces(lambda some: kernels.newton_direction(z[some], beta, nodes[some], t), nodes.size)
 
-    def _go(self, step: float) -> None:
-        """Go a step along the direction, in all but the gap."""
-        iterate, r, nodes = self.iterate, self.room[0], self.nodes
-        self._level(self._sum(lambda some: kernels.newton_update(iterate, step, nodes[some], r[some])))
+    def _update(self, energy: float) -> float:
+        """Line search along the direction, of all but the gap; the step."""
+        iterate, r, nodes = self.iterate, self.remainder, self.nodes
+        if is_one_piece(nodes.size):
+            return float(kernels.update_few(iterate, energy, nodes, r, self.free_mean))
+        curvature = self._sum(lambda some: kernels.curvature(iterate.t, iterate.st, nodes[some]))
+        step = float(kernels.quotient(energy, curvature))
+        self._take_off(self._sum(lambda some: kernels.newton_update(iterate, step, nodes[some], r[some])))
+        return step
+
+    def _take_off(self, total: float) -> None:
+        """Take the mean off what is to be closed, which adds up to a total, if the gap is known up to a constant."""
+        if self.free_mean:
+            r, mean = self.remainder, total / self.nodes.size
+            team().in_pieces(lambda some: kernels.take_off(r[some], mean), r.size)
 
 
 def _added(values: Iterable[float]) -> float:

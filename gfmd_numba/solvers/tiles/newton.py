@@ -116,6 +116,7 @@ class MapContact:
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
+        self._around = np.empty((0, 9), dtype=np.int64)
         self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map

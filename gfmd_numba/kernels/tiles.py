@@ -305,7 +305,7 @@ def tiles_of_rows(tiles: Indices, nx: int, top: int, rows: int) -> tuple[int, in
     """Number of the first tile of some rows of a map, from `top` on; places of the first and last but one in a list."""
     first = top // TILE * (nx // TILE)
     after = first + rows // TILE * (nx // TILE)
-    return first, np.searchsorted(tiles, first), np.searchsorted(tiles, after)
+    return first, int(np.searchsorted(tiles, first)), int(np.searchsorted(tiles, after))
 
 
 @jit

@@ -143,7 +143,12 @@ class MapContact:
         self._retile()
         samples = coarse.transform.samples[0, : coarse.wall.shape[0]]
         coarse.put()
-        kernels.refine_tiles(samples, above, down, left, right, self.tiles, across, self.pressure)
+        pressure, tiles = self.pressure, self.tiles
+
+        def onto(_: int, a: int, b: int) -> None:
+            kernels.refine_tiles(samples, above, down, left, right, tiles[a:b], across, pressure[a:b])
+
+        team().share(onto, tiles.size, pressure.size)
         total = float(self.pressure.sum())
         if self._load is not None and total > 0.0:
             self.pressure *= self._load * self.transform.n / total

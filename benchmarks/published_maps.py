@@ -99,7 +99,7 @@ def show_challenge(waves, nx, surfaces):
         seconds = (time.perf_counter() - begun) / surfaces
         shown = "  ".join(f"{mean:.5f} ({error:.5f})" for mean, error in values)
         marked = " <- 250 kPa" if load == CHALLENGE["reduced_pressure"] else ""
-        cut_off = CHALLENGE["period"] / waves.cut_off_index
+        cut_off = CHALLENGE["period"] / waves.shortest_wave_index
         print(f"{nx:4}^2 {cut_off:12.3f} {load:10}    {shown}  {seconds:8.1f}{marked}", flush=True)
 
 

@@ -41,11 +41,7 @@ def autocorrelations(heights):
     power = statistics.power(heights, (1.0,) * dimension)
     power[(slice(None), *(0,) * dimension)] = 0.0
     found = np.array([model_surfaces.periodic_autocorrelation(p, heights.shape[-1]) for p in power])
-    return np.array([statistics.radial_mean(r, (1.0, 1.0))[1] for r in found]) if dimension == 2 else half(found)
-
-
-def half(found):
-    return found[..., : found.shape[-1] // 2 + 1]
+    return np.array([statistics.radial_mean(r, (1.0,) * dimension)[1] for r in found])
 
 
 def grid_sum(power, nx):
@@ -57,7 +53,7 @@ def compare(name, dimension, hurst, nx, power, draw):
     """One line: deviation of the mean autocorrelation from theory, in w^2 and in sampling errors, in every batch."""
     power = power / grid_sum(power, nx) if name in RECURSIVE else power  # scaled to w = 1 over all waves
     periodic = model_surfaces.periodic_autocorrelation(power, nx)
-    theory = statistics.radial_mean(periodic, (1.0, 1.0))[1] if dimension == 2 else half(periodic)
+    theory = statistics.radial_mean(periodic, (1.0,) * dimension)[1]
     seen = power > 1e-12 * power.max()
     means, noises, scores = [], [], []
     for seed in range(BATCHES):
@@ -124,7 +120,8 @@ def filtered(axis):
         }
         powers["R * R"] = powers["FFM"] ** 2
         for name, power in powers.items():
-            found = half(statistics.autocorrelation(model_surfaces.surfaces(power, nx, nx // 2 - 1, 7, range(1)))[0])
+            heights = model_surfaces.surfaces(power, nx, nx // 2 - 1, 7, range(1))
+            found = statistics.radial_mean(statistics.autocorrelation(heights)[0], (1.0,))[1]
             deviation = np.sqrt(((found - theory)[near] ** 2).mean())
             print(f"  H = {hurst}: {name:6} {deviation:.4f}")
             axis.plot(distance[near], found[near], style, c=COLOURS.get(name, "#CC79A7"), label=name, lw=1)

@@ -1,4 +1,8 @@
-"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts."""
+"""Batch campaigns of Green's function molecular dynamics for rough elastic contacts.
+
+Numbers in parentheses, like (4.2), are equations of the thesis that the method comes from; `docs/errata.md` names it
+and corrects some of them.
+"""
 
 from __future__ import annotations
 
@@ -586,9 +590,13 @@ def _failures(dataset: xr.Dataset) -> Iterator[str]:
         ended = dataset["status"] == i
         if i == 0 or not ended.any() or ending.startswith("not_asked"):
             continue
-        where = f" in {int(ended.sum())} of {ended.size} simulations" if ended.ndim > 1 else ""
-        if ended.ndim == 1:
-            where = f" at {ended.dims[0]} " + ", ".join(f"{place:.4g}" for place in ended[ended.dims[0]].values[ended])
+        match ended.dims:
+            case ():
+                where = ""
+            case (along,):
+                where = f" at {along} " + ", ".join(f"{place:.4g}" for place in ended[along].values[ended])
+            case _:
+                where = f" in {int(ended.sum())} of {ended.size} simulations"
         name, _, sentence = ending.partition(": ")
         yield f"{name}{where}: {sentence}"
 

@@ -53,7 +53,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     result = xr.Dataset(attrs={"title": "statistics of a rough contact", **asked(dataset.attrs)})
     result["pressure_density"] = _histogram(pressure.where(touching), nodes, "pressure", pressures, _density)
     result["gap_density"] = _histogram(gap.where(~touching), nodes, "gap", gaps, _density)
-    counted, size = _CONTACTS[len(nodes)]
+    counted, size, of_edges = _CONTACTS[len(nodes)]
     total = np.prod([dataset.sizes[dim] for dim in nodes])
     octaves = 2.0 ** np.arange(np.log2(total) + 1)
     around = goes_around(dataset)
@@ -71,9 +71,9 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
         result["contact_area_fraction_persson"] = xr.apply_ufunc(persson.contact_area_fraction, reduced, 1.0)
     if "contact_area_fraction" in dataset:
         result["contact_area_fraction"] = dataset["contact_area_fraction"]
-    if len(nodes) == 2:
-        result["perimeter"] = xr.apply_ufunc(
-            _perimeter, touching, kwargs={"around": around}, input_core_dims=[nodes], vectorize=True
+    for name, measure in of_edges.items():
+        result[name] = xr.apply_ufunc(
+            measure, touching, kwargs={"around": around}, input_core_dims=[nodes], vectorize=True
         )
     for name in map(str, result.variables):
         if name in _LONG_NAMES:
@@ -127,8 +127,7 @@ def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
 
     A profile is a map of one row, and its clusters are stretches.
     """
-    rows = np.atleast_2d(touching)
-    return np.asarray(np.histogram(sizes(regions(rows, around[0] and touching.ndim == 2, around[-1])), edges)[0])
+    return np.asarray(np.histogram(sizes(regions(np.atleast_2d(touching), *(False, *around)[-2:])), edges)[0])
 
 
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
@@ -152,5 +151,8 @@ def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
     return float(length / nx)
 
 
-# of profiles and of maps: how contacts are counted, and over what
-_CONTACTS = {1: ("segments", "length"), 2: ("clusters", "area")}
+# of profiles and of maps: how contacts are counted, and over what, and what is measured of their edges
+_CONTACTS: dict[int, tuple[str, str, dict[str, Callable[..., float]]]] = {
+    1: ("segments", "length", {}),
+    2: ("clusters", "area", {"perimeter": _perimeter}),
+}

@@ -1,13 +1,19 @@
 """Extrapolation to the thermodynamic, fractal and continuum (TFC) limit, thesis (4.3).
 
+The discretisations are eps_c = 2 dx / lambda_s, eps_f = lambda_s / lambda_l and eps_t = lambda_l / L_x, where lambda_s
+and lambda_l are the shortest and the longest wavelength.
+
 A mean at eps_i is v_tfc + sum_i C_i x_i + sum_ij C_ij x_i x_j, with the law x_i = eps_i^alpha_i, or of eps_f for kappa
 the law of the unseen slope. An exponent is uniform in its range beforehand, and without one uniform in its logarithm.
 If chi^2 exceeds its limit of 95 %, the coarsest levels are left out; where that does not help, all variances are
-multiplied by the excess.
+multiplied by a factor that makes chi^2 fit.
 
 All parameters of the laws of the three limits count by how well they fit, and so do the laws where more than one is
-possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. What
-is known of the exponents beforehand stands in `theory/exponent_ranges.py`, of the other parameters in `laws.py`.
+possible: the limit is the mean over them, and its error holds the scatter between them and that of the surfaces. A
+campaign gives the exponents the ranges of `theory/exponent_ranges.py`; `fit_tfc` without `fixed` takes the widest ones,
+`laws.BOUNDS`. As a law need not hold beyond its levels, 0.3 of the distance from the finest level to the limit is added
+to the error in quadrature (less for the law of the unseen slope), and so is the distance to the fits that rival this
+one (`limit_errors.py`).
 """
 
 from collections import Counter

@@ -18,22 +18,19 @@ STEPS = 48  # of the curve through the levels of a limit
 # what a fit finds of one group, by the names of `_VARIABLES`; what is not there is unknown
 GroupFit = dict[str, Any]
 
-_COLUMNS = {  # of a table of the parameters of a fit
-    "{variable}_tfc": slice(0, 1),
+_COLUMNS: dict[str, int | slice] = {  # of a table of the parameters of a fit
+    "{variable}_tfc": 0,
     "correction": slice(1, 4),  # C x (limit) at the reference discretisation
     "C": slice(4, 7),  # (limit)
     "alpha": slice(7, 10),  # (limit), of other laws than powers that of the tangent at the reference
     "interaction": slice(10, 13),  # C_ij x_i x_j (pair) at the reference discretisation
 }
-
-
-N_PARAMETERS = _COLUMNS["interaction"].stop
+N_PARAMETERS = 13
 
 
 def named(table: Reals, ending: str = "") -> GroupFit:
     """Return views (...), (..., limit) or (..., pair) of parameters, or their errors, by name with an ending."""
-    parts = {name: table[..., columns] for name, columns in _COLUMNS.items()}
-    return {f"{name}{ending}": each[..., 0] if each.shape[-1] == 1 else each for name, each in parts.items()}
+    return {f"{name}{ending}": table[..., columns] for name, columns in _COLUMNS.items()}
 
 
 _OF_THE_VARIABLE = "unit of the variable that is fitted"

@@ -312,7 +312,7 @@ def check_fields(
 ) -> list[str]:
     """Return the dims of the nodes, `[x]` or `[y, x]`; raises UnusableDataError for what is no solved contact.
 
-    Of maps, and where it has to be `whole`, a part of the nodes is refused, too.
+    A part of the nodes of a period is refused, too, and where it has to be `whole`, of a window.
     """
     kind = "a map's contact" if maps_only else "a contact"
     if not {"x", "status", *needed} <= dataset.variables.keys():
@@ -336,7 +336,7 @@ def check_fields(
         raise UnusableDataError("you gave a run that is not ok; gfmd allows contacts in equilibrium, whose status is 0")
     if not all(np.isfinite(field).all() for field in fields):
         raise UnusableDataError(f"you gave fields that are not finite; gfmd allows what `gfmd solve` leaves of {kind}")
-    for dim in nodes if whole or len(nodes) == 2 else ():  # clusters may go around the period
+    for dim in nodes:  # contacts may go around the period
         told = dataset[dim].attrs if dim in dataset.coords else {_POINTS: "unknown"}
         points = told.get(_POINTS, told.get(_POINTS_OF_WINDOW if whole else _POINTS, dataset.sizes[dim]))
         if str(points) != str(dataset.sizes[dim]):

@@ -18,7 +18,7 @@ from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import FIT, UnusableDataError
 from gfmd_numba.analysis.selection import axes
 from gfmd_numba.arrays import Reals
-from gfmd_numba.theory.exponent_ranges import AT_ONE_LOAD, OF_THE_SLOPE
+from gfmd_numba.theory.exponent_ranges import AREAS_OVER_LOAD, AT_ONE_LOAD
 from gfmd_numba.theory.persson import contact_area_fraction
 
 _FEWEST = 3  # values of each parameter
@@ -92,7 +92,7 @@ _NAMES = {
 def _persson(variable: str, parameters: dict[str, Reals]) -> Reals | float:
     """What Persson's theory has for a contact area or a kappa at some parameters, 1 of everything else."""
     load = parameters.get("reduced_pressure")
-    if load is None or variable not in (*OF_THE_SLOPE, *AT_ONE_LOAD, "kappa_r"):
+    if load is None or variable not in (*AREAS_OVER_LOAD, *AT_ONE_LOAD, "kappa_r"):
         return 1.0
     area = contact_area_fraction(load, 0.5)
     return area if variable in AT_ONE_LOAD else area / load

@@ -202,11 +202,8 @@ def _smaller(problem: Problem) -> Iterator[Problem]:
     if problem.tractions is not None:
         return  # which are prescribed node by node
     for halvings in range(1, 32):
-        nx = 2 * (surface.nx >> (halvings + 1))
-        if nx ** len(surface.shape) < _LEAST_NODES:
-            return
-        fewer_waves = without_shortest(surface, nx, halvings)
-        if fewer_waves is None:
+        fewer_waves = without_shortest(surface, 2 * (surface.nx >> (halvings + 1)), halvings)
+        if fewer_waves is None or fewer_waves.nodes < _LEAST_NODES:
             return
         yield replace(problem, surface=fewer_waves, interface=problem.interface.everywhere)
 

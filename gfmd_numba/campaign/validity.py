@@ -137,5 +137,5 @@ def _of_cases(affected: xr.DataArray | xr.Variable) -> str:
     affected = affected.any([dim for dim in affected.dims if dim not in ("case", "step")])
     cases = affected.any([dim for dim in affected.dims if dim == "step"])
     steps = affected.any("case").values
-    where = steps_told(steps.tolist(), steps.size - 1) if steps.ndim else ""
+    where = steps_told(np.atleast_1d(steps).tolist(), steps.size - 1)
     return f"{int(cases.sum())} of {cases.size} cases{where and f', in {where}'}"

@@ -88,13 +88,13 @@ def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> fl
 
     Of values [realisation, step] it is the largest over the steps at which most surfaces are known.
     """
-    if exact.ndim == 2:
-        steps = _known_steps(exact)
-        return _largest(relative_error(values[:, i], exact[:, i], of_means=of_means) for i in steps)
-    known = np.isfinite(exact)
-    if not known.any() or exact[known].mean() == 0.0:
+    return _largest(_relative_error(found, known, of_means) for found, known in _best_known(values, exact))
+
+
+def _relative_error(values: Reals, exact: Reals, of_means: bool) -> float:
+    mean = abs(exact[np.isfinite(exact)].mean())
+    if mean == 0.0:
         return nan
-    mean = abs(exact[known].mean())
     difference = values / mean - exact / mean
     good = np.isfinite(difference)
     if not good.any():
@@ -104,17 +104,16 @@ def relative_error(values: Reals, exact: Reals, *, of_means: bool = False) -> fl
 
 def sampling_error(values: Reals, number: int) -> float:
     """Return the relative standard error of the mean of a number of surfaces, the largest of a path; nan if unknown."""
-    if values.ndim == 2:
-        return _largest(sampling_error(values[:, i], number) for i in _known_steps(values))
-    known = values[np.isfinite(values)]
-    if len(known) < 2 or known.mean() == 0.0:
-        return nan
-    return float(np.std(known, ddof=1) / np.sqrt(number) / abs(known.mean()))
+    surfaces = (of_step[np.isfinite(of_step)] for (of_step,) in _best_known(values))
+    known = [each for each in surfaces if len(each) > 1 and each.mean() != 0.0]
+    return _largest(float(np.std(each, ddof=1) / np.sqrt(number) / abs(each.mean())) for each in known)
 
 
-def _known_steps(values: Reals) -> list[int]:
-    known = np.isfinite(values).sum(axis=0)
-    return [] if known.max() == 0 else np.flatnonzero(known == known.max()).tolist()
+def _best_known(*values: Reals) -> list[tuple[Reals, ...]]:
+    """Values `[realisation]` at each step at which most surfaces are known, by the last of them."""
+    steps = [tuple(each) for each in zip(*(np.atleast_2d(each.T) for each in values), strict=True)]
+    known = [np.isfinite(of_step[-1]).sum() for of_step in steps]
+    return [of_step for of_step, count in zip(steps, known, strict=True) if count == max(known) > 0]
 
 
 def _largest(errors: Iterable[float]) -> float:
@@ -227,7 +226,7 @@ class Study:
         estimators = {"corrected on average": best}
         if axis == "eps_c":
             estimators |= {"counted": f"{best}_counted"}
-            if dimension == 1 and best == KAPPA:  # the edges of a map's contact are not located
+            if np.isfinite(finest["kappa_edges"]).any():  # those of a map's contact are not located
                 estimators, best = estimators | {"each edge located": "kappa_edges"}, "kappa_edges"
         for label, name in estimators.items():
             for eps, values in levels if name != best else levels[:-1]:

@@ -16,7 +16,7 @@ import click
 from gfmd_numba.cli import arguments
 from gfmd_numba.cli.group import SOME_FAILED, main
 from gfmd_numba.cli.outputs import pictures, say_written, write_picture
-from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_campaign
+from gfmd_numba.cli.tables import duration, endings, fit_options, has_limits, of_results
 from gfmd_numba.cli.terminal import progress_bar, say, say_command, say_doubts, show_queue, tell, waiting, warn
 from gfmd_numba.text.printable import printable, word
 
@@ -130,10 +130,10 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     elif has_limits(dataset):
         with waiting("fitting"):
             fitted = gfmd_numba.fit_tfc(dataset, **fit_options(dataset))
-        tell(of_campaign(dataset, fitted))
+        tell(of_results(dataset, fitted))
         drawn = _draw(dataset, fitted, results.with_suffix(".png"))
     else:
-        tell(of_campaign(dataset, None))
+        tell(of_results(dataset, None))
     for block, failure in failures.items():
         warn(f"block {block} {failure.status}: {failure.reason}")
     for ending, which, sentence in endings(dataset["status"]):

@@ -16,7 +16,7 @@ import click
 
 from gfmd_numba.cli import arguments
 from gfmd_numba.cli.fits import naming
-from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main, without_collections
+from gfmd_numba.cli.group import INTERRUPTED, SOME_FAILED, main
 from gfmd_numba.cli.mpi import mpi_option, of_the_first
 from gfmd_numba.cli.outputs import check_output, companion, pictures, say_written, write, write_picture
 from gfmd_numba.cli.tables import columns_of_measures, endings, named, of_results, over, unit, unit_of
@@ -51,10 +51,9 @@ def solve(file: Path, threads: int | None, mpi: Communicator | None, output: Pat
     and other numbers of the whole contact. If the run does not converge, its `status` says so and the command exits
     with 3.
     """
-    with without_collections():
-        from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.simulate import solve as solve_file
-        from gfmd_numba.simulate import solve_in_processes
+    from gfmd_numba.scene import input_files, load_scene
+    from gfmd_numba.simulate import solve as solve_file
+    from gfmd_numba.simulate import solve_in_processes
 
     def read() -> tuple[SceneFile, Document]:
         described, document = _with_threads(*load_scene(file), threads)
@@ -227,11 +226,10 @@ def curve(
     unit is what the loading of the scene prescribes, like a reduced pressure p/(g E*) or a displacement of the punch.
     In addition to the netCDF file, the command writes a table (.csv) and a picture (.png) of the same name.
     """
-    with without_collections():
-        from gfmd_numba.scene import input_files, load_scene
-        from gfmd_numba.scene.units import given_with_units
-        from gfmd_numba.simulate.curve import curve_dataset, one_of, read_curve, solve_curve
-        from gfmd_numba.storage.atomic_file import write_table
+    from gfmd_numba.scene import input_files, load_scene
+    from gfmd_numba.scene.units import given_with_units
+    from gfmd_numba.simulate.curve import curve_dataset, one_of, read_curve, solve_curve
+    from gfmd_numba.storage.atomic_file import write_table
 
     what, values = one_of({"loads": loads, "times": times, "speeds": speeds})
     picture, table = companion(output, "picture", ".png"), companion(output, "table", ".csv")

@@ -38,11 +38,19 @@ _AS_SENTENCES = (  # what click says of a value, and what gfmd says
 )
 
 
+# Imports make up to 300,000 objects that stay until the end. With its usual thresholds Python would look through them
+# for garbage again and again while they load, and once more at the end, which takes a second each.
+_OBJECTS_BETWEEN_SEARCHES = (20_000, 20, 100)
+
+
 class _Gfmd(click.Group):
     """The group of commands. It turns what the user can mend into one message and an exit code."""
 
     def main(self, *args: Any, **kwargs: Any) -> Any:
         """Run the command line, whatever standard streams are open."""
+        gc.set_threshold(*_OBJECTS_BETWEEN_SEARCHES)
+        atexit.unregister(gc.freeze)  # once is enough
+        atexit.register(gc.freeze)
         open_streams()
         return super().main(*args, **kwargs)
 
@@ -173,21 +181,3 @@ def open_streams() -> None:
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
-
-
-@contextmanager
-def without_collections() -> Iterator[None]:
-    """Import without collecting garbage. What an import leaves lives until the end, and is never looked at again.
-
-    Nothing is collected when the process ends either, because its memory is freed anyway.
-    """
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        gc.freeze()
-        if collecting:
-            gc.enable()
-        atexit.unregister(gc.freeze)  # once is enough
-        atexit.register(gc.freeze)

@@ -110,7 +110,7 @@ def _show_size(planned: Plan, workers: int) -> None:
     distinct, asked = sum(planned.demand.values()), sum(case.realisations for case in planned.cases)
     click.echo(f"simulations   {distinct} of {asked} asked for")
     largest = max((case.problem.surface for case in planned.cases), key=lambda surface: surface.nodes)
-    click.echo(f"largest grid  nx = {largest.nx}" + (" = ny" if len(largest.shape) == 2 else ""))
+    click.echo(f"largest grid  {' x '.join(map(str, largest.shape))} nodes")
     program = f"{PROGRAM_BYTES / 1e6:.0f} MB for the program"
     click.echo(f"memory        {planned.worker_bytes / 1e6:.0f} MB a worker, besides {program}")
     click.echo(f"results       {planned.file_bytes / 1e6:.2f} MB, and as much again in shards")

@@ -29,10 +29,6 @@ from gfmd_numba.scene.units import in_unit_of
 from gfmd_numba.solvers.table import Options, able
 
 _ROUNDING = 1e-6  # mean over largest traction that is taken for rounding of a file, and subtracted
-_SAME = (
-    "both bodies have the same heights, so that each peak meets itself, which no real surfaces do: measure another "
-    "piece for one of them"
-)
 _FILES = {1: "a column of numbers as text, or an array of one dimension", 2: "rows of numbers, one for each y"}
 
 
@@ -63,10 +59,7 @@ class Input:
     @property
     def doubts(self) -> list[str]:
         """Sentences about measured surfaces that are implausible."""
-        heights = [surface.heights for surface in self.measured if not surface.is_design]
-        files = [each.file for each in self.file.scene.surfaces.values() if isinstance(each, Measured) and each.file]
-        same = len(heights) > 1 and (len({*files}) < len(files) or np.array_equal(heights[0], heights[1]))
-        return [*self._said("doubts"), *[_SAME] * same]
+        return self._said("doubts")
 
     def _said(self, what: str) -> list[str]:
         """Sentences of all measured surfaces; those of several say of which."""
@@ -204,10 +197,8 @@ def with_measured_surfaces(file: SceneFile, document: Document) -> tuple[SceneFi
 def with_measured(scene: Scene, document: Document, read: Reader = read_content) -> tuple[Scene, MeasuredSurfaces]:
     """As `with_measured_surfaces`, of a scene alone; `read` gives the content of a file."""
     measured, length = measured_surfaces(scene, document, read)
-    dimensions = {surface.heights.ndim for surface in measured.values()}
-    if "dimension" not in scene.model_fields_set and dimensions == {2}:
-        scene = scene.model_copy(update={"dimension": 2})
-    scene = scene if length is None else scene.model_copy(update={"length": length})
+    dimension = max((surface.heights.ndim for surface in measured.values()), default=scene.dimension)
+    scene = scene.model_copy(update={"dimension": dimension, "length": length})
     with located(document, ("scene",)):
         scene.check_period()
     return scene, measured

@@ -303,7 +303,7 @@ mean_gap = _mean(lambda contact: gap(contact))
 
 
 def _over_pressure(product: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
-    """Area times gradient over the mean pressure `[realisation]`; nan without one above 0, as adhesion allows."""
+    """Return kappa = a_r g E* / p `[realisation]`, a_r / p a secant and g that of this surface; nan if p <= 0."""
 
     def found(contact: Contact) -> Reals:
         pressure = mean_pressure(contact)

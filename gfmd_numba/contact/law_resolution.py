@@ -20,6 +20,7 @@ _TOO_LARGE = {1: 25, 2: 8}  # percent of the pull-off of either at 0.9, by the d
 _DRAG_TOO_LARGE = 15  # percent of the largest traction that drags a wave, at 0.9
 REFUSED = 1.0  # above it every wave of the grid may snap, the shortest too: each node is in or out on its own
 _REACH = {1: 2**24, 2: 2**14}  # points in each direction, by the dimension: beyond them nobody solves a contact
+POINTS = {1: "points", 2: "points both ways"}  # of a grid, by the dimension
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
 
@@ -79,15 +80,13 @@ def check_resolved(
 def _finer(problem: Problem, discretisation: Discretisation | None) -> str:
     """Which grid resolves the law of a problem, or that none within reach does."""
     needed, dimension = _needed(problem), len(problem.surface.shape)
-    both = {1: "", 2: " both ways"}[dimension]
+    most, points = _REACH[dimension], POINTS[dimension]
     length = "range" if problem.interface.cohesive is None else ("normal_length", "tangential_length")[_slips(problem)]
-    if needed > _REACH[dimension]:
-        return (
-            f"No grid of up to {_REACH[dimension]} points{both} resolves the law: take a longer {length} or less work"
-        )
+    if needed > most:
+        return f"No grid of up to {most} {points} resolves the law: take a longer {length} or less work"
     if discretisation is None:
-        return f"Take at least {needed} points{both}, or a longer {length}"
-    waves = 2 * discretisation.cut_off_index
+        return f"Take at least {needed} {points}, or a longer {length}"
+    waves = 2 * discretisation.shortest_wave_index
     finer = ceil(needed / waves)
     return f"Take eps_c = 1/{finer} (nx = {finer * waves}), or a longer {length}"
 

@@ -24,7 +24,7 @@ from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
-RESIDUAL = 100.0  # that of the flow over that of the contact
+RESIDUAL_RATIO = 100.0  # that of the flow over that of the contact
 _FEWEST = 4  # increments, half of which tell their error: one and two of them often err alike
 _MIXED, _LOOPS, _RISEN = 5, 500, 2.0
 _PROBES, _SHALLOWEST, _DEEPEST = 32, 0.25, 2.0  # sublayers that look for the depth, from (nodes) to (L_x)
@@ -75,7 +75,8 @@ def _divided(problem: Problem, state: State, increments: int, tell: Callable[[],
 def _increment(problem: Problem, state: State, strain: Reals) -> Contact:
     """Equilibrium at the load of a problem, after a state, begun with a guess of the plastic strain."""
     assert problem.plasticity is not None
-    start, hardening, bound = state.memory[NAME], problem.plasticity.hardening, RESIDUAL * problem.numerics.residual
+    start, hardening = state.memory[NAME], problem.plasticity.hardening
+    bound = RESIDUAL_RATIO * problem.numerics.residual
     body, mixing, is_last = start.body, Mixing(start), False
     transforms, iterations = np.zeros((2, 1), dtype=np.int64)
     for _ in range(_LOOPS):
@@ -150,15 +151,14 @@ class Mixing:
 
 def _nothing_yet(problem: Problem, state: State, largest: float) -> Flow:
     """A body in which nothing has flowed, with sublayers as deep as a problem says, or as its largest load asks for."""
-    plasticity, shape = problem.plasticity, state.heights.shape[1:]
+    plasticity, shape = problem.plasticity, state.heights.shape
     assert plasticity is not None
-    map_shape = (1, *shape)[-2:]
-    depth = plasticity.depth
+    map_shape, depth = shape[-2:], plasticity.depth  # of a profile the one realisation is the one row
     if depth is None:
         probes = np.diff(np.geomspace(_SHALLOWEST / shape[-1], _DEEPEST, _PROBES), prepend=0.0)
-        probe = Flow.untouched(Sublayers(map_shape, probes, problem.body.nu))
+        probe = Flow.untouched(Sublayers(map_shape, probes, problem.body.nu), shape)
         elastic = solution.solve(problem.under(problem.step._replace(load=largest)), state.remembering(NAME, probe))
         stress = stresses(elastic)[0].max(axis=(1, 2))
         reached = np.flatnonzero(stress >= min(plasticity.hardening.stress, _NEARLY * stress.max()))[-1]
         depth = _MARGIN * float(probes[: reached + 1].sum())
-    return Flow.untouched(Sublayers(map_shape, plasticity.thicknesses(depth, shape[-1]), problem.body.nu))
+    return Flow.untouched(Sublayers(map_shape, plasticity.thicknesses(depth, shape[-1]), problem.body.nu), shape)

@@ -35,12 +35,10 @@ class Flow:
     error: float = np.nan
 
     @classmethod
-    def untouched(cls, body: Sublayers) -> "Flow":
-        """Nothing has flowed."""
-        ny, nx = body.shape
-        equivalent = np.zeros((body.waves.thickness.size, ny, nx))
-        out = np.zeros((1, nx) if ny == 1 else (1, ny, nx))
-        return cls(body, np.zeros((body.components, *equivalent.shape)), equivalent, out)
+    def untouched(cls, body: Sublayers, shape: tuple[int, ...]) -> "Flow":
+        """Nothing has flowed below a surface of a shape `[realisation, (y,) x]`."""
+        equivalent = np.zeros((body.waves.thickness.size, *body.shape))
+        return cls(body, np.zeros((body.components, *equivalent.shape)), equivalent, np.zeros(shape))
 
 
 @dataclass(frozen=True)

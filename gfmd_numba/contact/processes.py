@@ -15,7 +15,11 @@ from gfmd_numba.elasticity import free_body
 
 @dataclass(frozen=True)
 class Dents:
-    """Flattening of a punch of finite hardness; it remembers how far the punch is flattened `[realisation, (y,) x]`."""
+    """Flattening of a punch of hardness H, whose nodes bear a pressure of H at most.
+
+    It remembers how far the punch is flattened `[realisation, (y,) x]`. The flattened material vanishes: its volume
+    is not conserved.
+    """
 
     name: ClassVar[str] = "dents"
 
@@ -63,11 +67,15 @@ class Deflection(Process):
 class Wear:
     """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times how far it slides.
 
-    It remembers the depth `[realisation, (y,) x]` in g L_x. Under friction, each node wears by its own slip. A step
-    wears off what a mean of the pressures at its two ends does: of second order in the step where that is short against
-    what the shortest wave, of the `stiffest` response (E*/L_x), wears off in. Longer ones lean to the pressure at the
-    end, so that no wave of the grid swings to and fro. Within a step the compliance is that of nodes that all slip as
-    far as the punch slides; a node that slipped by less in the last step gets the difference back.
+    It remembers the depth `[realisation, (y,) x]` in g L_x. Under friction, each node wears by its own slip. In a step
+    a node loses
+
+        rate slip (theta p_end + (1 - theta) p_begin),    theta = max(1/2, 1 - 1 / (rate way K_max)),
+
+    where the punch slides by `way`, and K_max (E*/L_x) is the stiffness of the `stiffest` wave. Short steps are of
+    second order. In long steps theta grows, so that no wave of the grid oscillates. The wall of a step contains
+    rate way theta p_end as a compliance, as if every node slipped by the whole way. If a node slipped by less in the
+    last step, its wall is corrected by the share that it slipped.
     """
 
     rate: float
@@ -84,18 +92,18 @@ class Wear:
         compliance = max(0.5 * most, most - 1.0 / self.stiffest)
         if last is None or most == 0.0:
             return Change(wall=worn, wear_compliance=compliance)
-        share: Reals | float = 1.0
+        slipped: Reals | float = 1.0  # share of the way
         if last.equilibrium.tangential is not None:
             before = min(2.0 * last.change.wear_compliance, last.change.wear_compliance + 1.0 / self.stiffest)
-            share = self.rate / before * _slip(last, 0.0) if before > 0.0 else compliance / most
-        return Change(wall=worn + (share * most - compliance) * last.equilibrium.pressure, wear_compliance=compliance)
+            slipped = self.rate / before * _slip(last, 0.0) if before > 0.0 else compliance / most
+        return Change(wall=worn + (slipped * most - compliance) * last.equilibrium.pressure, wear_compliance=compliance)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Reals:
         """Depths grow by what the step wears off."""
         way, pressure = state.sliding_distance(step), solved.equilibrium.pressure
-        share = solved.change.wear_compliance / (self.rate * way) if way > 0.0 else 0.5
+        theta = solved.change.wear_compliance / (self.rate * way) if way > 0.0 else 0.5
         before = 0.0 if state.last is None else state.last.equilibrium.pressure
-        worn = self.rate * _slip(solved, way) * (share * pressure + (1.0 - share) * before)
+        worn = self.rate * _slip(solved, way) * (theta * pressure + (1.0 - theta) * before)
         depth: Reals = state.memory[self.name] + worn
         return depth
 

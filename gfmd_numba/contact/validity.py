@@ -41,6 +41,7 @@ NARROW_CONTACTS = "contacts are narrow on this grid"
 FEW_NODES = "the grid has too few nodes for the contact"
 
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
+_SQUARE_ACROSS = {1: 1.0, 2: 4.0 / pi}  # of a stretch or a disc of one node, by the dimension
 _UNKNOWN_EDGES = 0.05  # of the contact area
 _HIGHEST_ORDER = 3
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
@@ -395,17 +396,17 @@ def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     counts = bears.sum(nodes)
     if scene.form is not None and not scene.surfaces:
         across = np.min([bears.any(tuple({*nodes} - {axis})).sum(-1) for axis in nodes], axis=0)
-    else:  # a disc of as many nodes
-        across = counts if len(nodes) == 1 else (4.0 / np.pi * counts) ** 0.5
+    else:
+        across = (_SQUARE_ACROSS[len(nodes)] * counts) ** (1.0 / len(nodes))
     # of a path where it is widest: each contact begins with a node
     fewest = _largest(np.where(counts > 0, across, nan))
     least = FEWEST if scene.form is not None else _A_NODE
     if not fewest < least:
         return
     points = ceil(found["x"].size * FEWEST / fewest)
-    finer = f"at least {points} points" + (" both ways" if len(nodes) == 2 else "")
+    finer = f"at least {points} {law_resolution.POINTS[len(nodes)]}"
     if discretisation is not None:
-        finer = f"eps_c = 1/{ceil(points / (2 * discretisation.cut_off_index))} or finer ({finer})"
+        finer = f"eps_c = 1/{ceil(points / (2 * discretisation.shortest_wave_index))} or finer ({finer})"
     off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"
     if scene.form is None:
         off = "area and pressure are those of the node alone"

@@ -25,8 +25,8 @@ class Springs:
 
     `stretch` and `traction` are `[spring, realisation, component, (y,) x]`, the normal component last and out of the
     body. The stretch of the relaxed one is the displacement. `dissipated` is the energy per nominal area that dashpots
-    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over nodes so far
-    of the sizes of what all bear together, and of the displacement.
+    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over the nodes, in
+    any step so far, of |traction of all springs| and of |displacement|.
     """
 
     stretch: Reals

@@ -98,7 +98,7 @@ class ElasticBody:
             return half_space(q)
         found = np.full_like(q, self.uniform_stiffness()[1])
         waves, places = np.unique(q[q > 0.0], return_inverse=True)  # on maps every length occurs several times
-        found[q > 0.0] = (waves / self.layers.compliance(waves)[2])[places]
+        found[q > 0.0] = (waves / self.layers.compliance_times_q(waves)[2])[places]
         return found
 
     def deviation(self) -> float:
@@ -119,14 +119,12 @@ class ElasticBody:
         lengths = grid.magnitudes(shape)
         q, places = np.unique(lengths, return_inverse=True)  # on maps every length occurs several times
         tangential, normal = self.uniform_stiffness()
-        s11, s13, s33 = self.layers.compliance(q[1:])
+        s11, s13, s33 = self.layers.compliance_times_q(q[1:])
         determinant = s11 * s33 - s13**2
-        of_waves = [s33 / determinant, s13 / determinant, s11 / determinant]
-        of_means = tangential, 0.0, normal, tangential
-        if len(shape) > 1:  # waves may also slip across their own direction
-            of_waves.append(1.0 / self.layers.compliance_across(q[1:]))
+        across = 1.0 / self.layers.compliance_across(q[1:])  # waves may also slip across their own direction
+        of_waves = s33 / determinant, s13 / determinant, s11 / determinant, across
         elements = np.empty((len(of_waves), len(q)))
-        for element, mean, over_q in zip(elements, of_means, of_waves, strict=False):
+        for element, mean, over_q in zip(elements, (tangential, 0.0, normal, tangential), of_waves, strict=True):
             element[0], element[1:] = mean, q[1:] * over_q
         return SpectralResponse.on_grid(shape, *elements[:, places.reshape(lengths.shape)])
 
@@ -136,7 +134,7 @@ class ElasticBody:
         In L_x/E*. A half-space's mean displacement is held.
         """
         q, found = wavenumbers[1:], np.zeros((3, wavenumbers.size))
-        found[:, 1:] = np.divide(self.layers.compliance(q), q)
+        found[:, 1:] = np.divide(self.layers.compliance_times_q(q), q)
         found[[0, 2], 0] = [1.0 / uniform if uniform else 0.0 for uniform in self.uniform_stiffness()]
         return Compliance(*found)
 

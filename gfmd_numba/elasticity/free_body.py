@@ -1,14 +1,15 @@
 """A body without a period: what its surface does under tractions on a window of nodes.
 
 The displacement at a distance r of a line load on a profile is (2/pi E*) ln(R/r) into the body, of a force on a map
-1/(pi E* r). Cut off at r = R, these kernels have Fourier transforms in closed form,
+1/(pi E* r). Cut off at r = R, the second one less its value there, these kernels have the Fourier transforms
 
-    C(q) = 4 Si(q R) / (pi E* q),  C(0) = 4 R / (pi E*)    and    C(q) = (2 / E* q) int_0^(q R) J0(t) dt.
+    C(q) = 4 Si(q R) / (pi E* q),                               C(0) = 4 R / (pi E*)    and
+    C(q) = (2 / E* q) (int_0^(q R) J0(t) dt - J1(q R)),         C(0) = R / E*.
 
 On a grid that is twice as wide as the window, no image of a node is nearer to another node of the window than half its
 period. A kernel that is right up to there, on a pressure that is zero beyond the window, gives the displacements in the
 window: those of a free body, with nothing periodic left. The waves of the kernel end at Nyquist as on a periodic
-grid, so that nodes mean the same.
+grid, so that nodes mean the same. What a node does to itself follows from this, and is no average over a pixel (Love).
 
 Profiles are cut at the length of the window: R = L_x, where the displacement is zero. Maps have to be cut beyond the
 diagonal. Their kernel is therefore sampled on four windows, cut at two, and kept up to the width of one. What is

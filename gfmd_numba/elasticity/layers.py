@@ -91,7 +91,7 @@ class Stack:
             tangential, normal = tangential + left / self.base.shear, normal + left / self.base.c11
         return tangential, normal
 
-    def compliance(self, q: Reals) -> tuple[Reals, Reals, Reals]:
+    def compliance_times_q(self, q: Reals) -> tuple[Reals, Reals, Reals]:
         """Elements S11, S13 and S33 of the compliance times q of waves q > 0 `[wave]`, in 1/E*."""
         found = np.empty((3, len(q)))
         for first in range(0, len(q), _CHUNK):
@@ -154,7 +154,9 @@ class Stack:
     def _compliance_of_base(self, q: Reals) -> Reals:
         if self.base is None:
             return np.zeros((2, 2, len(q)))
-        return np.broadcast_to(half_space(self.base.poissons_ratio), (2, 2, len(q))) / (2.0 * self.base.shear)
+        return np.broadcast_to(half_space_compliance(self.base.poissons_ratio), (2, 2, len(q))) / (
+            2.0 * self.base.shear
+        )
 
     def _compliances_across(self, q: Reals) -> list[Reals]:
         """Compliance times q of waves of shear across q, from each layer's top downwards, the base's last, in 1/E*."""
@@ -170,7 +172,9 @@ class Stack:
         tops = [0.0, *accumulate(self.heights)]
         for top, height, material in reversed(list(zip(tops, self.heights, self.materials, strict=False))):
             scale, nu = 2.0 * material.shear, material.poissons_ratio
-            compliance = np.broadcast_to(half_space(nu), (2, 2, len(q))).copy()  # of waves that fade above it
+            compliance = np.broadcast_to(
+                half_space_compliance(nu), (2, 2, len(q))
+            ).copy()  # of waves that fade above it
             felt = q * max(top, height) < _FADED  # what is below at the layer's top, and that at the surface
             compliance[..., felt] = Layer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
             found.append(compliance / scale)
@@ -275,7 +279,7 @@ def of_waves(v: Reals, w: Reals, poissons_ratio: float) -> Reals:
     )
 
 
-def half_space(poissons_ratio: float) -> Reals:
+def half_space_compliance(poissons_ratio: float) -> Reals:
     """Compliance `[2, 2, 1]` of a half-space, in 1/(2 G q) (6.83)."""
     nu = poissons_ratio
     lead = -(1.0 - 2.0 * nu)

@@ -65,22 +65,19 @@ class SpectralResponse:
         return cls(_inverse(elements), window)
 
     @classmethod
-    def on_grid(
-        cls, shape: tuple[int, ...], k11: Reals, k13: Reals, k33: Reals, k22: Reals | None = None
-    ) -> "SpectralResponse":
-        """Response on (ny,) nx nodes from the stiffness of waves along q and, of a map, of those across.
+    def on_grid(cls, shape: tuple[int, ...], k11: Reals, k13: Reals, k33: Reals, k22: Reals) -> "SpectralResponse":
+        """Response on (ny,) nx nodes from the stiffness of waves along q and, which count on maps, of those across.
 
         All are `[(ny,) nx // 2 + 1]`.
         """
-        if k22 is None:
-            return cls(_free_at_nyquist(np.array([k11, k13, k33]), shape))
-        qy, qx = grid.wavevectors(shape, (1.0, 1.0))
+        qy, qx = grid.wavevectors((1, *shape)[-2:], (1.0, 1.0))
         q = np.hypot(qy, qx)
         q[0, 0] = 1.0
-        c, s = qx / q, qy / q
-        c[0, 0] = 1.0  # the uniform displacements, one as stiff as the other
+        c, s = (each.reshape(k11.shape) for each in (qx / q, qy / q))
+        c.flat[0] = 1.0  # the uniform displacements, one as stiff as the other
         along, both, across = k11 * c**2 + k22 * s**2, (k11 - k22) * c * s, k11 * s**2 + k22 * c**2
-        return cls(_free_at_nyquist(np.array([along, both, across, k13 * c, k13 * s, k33]), shape))
+        every, components = np.array([along, both, across, k13 * c, k13 * s, k33]), len(shape) + 1
+        return cls(_free_at_nyquist(every[_FOLLOWED[components * (components + 1) // 2]], shape))
 
     @property
     def components(self) -> int:

@@ -1,6 +1,6 @@
 """Stiffness of a half-space, compliances of waves, and what bodies that face each other do, in E*/L_x.
 
-That of a slab, or of layers, is one over the compliance of `layers.py`; `body.ElasticBody` chooses.
+The formulas of half-space and slab stand together in `body.py`, whose `ElasticBody` chooses.
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ _SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0
 
 
 def half_space(q: Reals) -> Reals:
-    """Stiffness q/2 of the half-space, in E*/L_x (6.75 for q z_m -> infinity)."""
+    """Stiffness q/2 of the half-space, in E*/L_x (thesis (6.75) for an infinite height)."""
     return 0.5 * q
 
 

@@ -1,4 +1,4 @@
-"""Finite-range law of the gap alone: energy, traction and curvature."""
+"""Law of the gap alone that decays exponentially, without a cut-off: energy, traction and curvature."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -12,7 +12,7 @@ from gfmd_numba.scene.interface_records import Exponential
 
 @dataclass(frozen=True)
 class ExponentialLaw:
-    """Finite-range law with energy -work exp(-gap / length) per area (6.109): work > 0 attracts, < 0 repels.
+    """Law with the energy -work exp(-gap / length) per area (6.109): work > 0 attracts, < 0 repels.
 
     Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
     """

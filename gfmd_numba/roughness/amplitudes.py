@@ -26,22 +26,19 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
 
     Waves with an index beyond `largest_index` in any direction, and the mean, are zero.
     """
-    found: Complexes = np.zeros((*shape[:-1], shape[-1] // 2 + 1), dtype=np.complex128)
-    if len(shape) == 1:
-        found[1 : largest_index + 1] = complex_gaussian(seed, realisation, largest_index)
-        found /= np.sqrt(2.0)
-        return found
-    ky, kx = grid.wave_indices(shape)
-    kept = (np.maximum(abs(kx), abs(ky)) <= largest_index) & ((kx > 0) | (ky > 0))
-    # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings max(|kx|, |ky|)
-    ring = np.maximum(kx, abs(ky))
-    within = np.where(kx == ring, ky + ring, np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
-    place = np.broadcast_to(2 * ring * (ring - 1) + within, kept.shape)
-    found[kept] = complex_gaussian(seed, realisation, 2 * largest_index * (largest_index + 1))[place[kept]]
+    ky, kx = grid.wave_indices((1, *shape)[-2:])
+    ring, highest = np.maximum(kx, abs(ky)), min(largest_index, len(ky) // 2)
+    kept = (ring <= largest_index) & ((kx > 0) | (ky > 0))
+    # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings, as far as these have rows
+    whole = np.minimum(ring - 1, highest)
+    before = 2 * whole * (whole + 1) + (ring - 1 - whole) * (2 * highest + 1)
+    within = np.where(kx == ring, ky + np.minimum(ring, highest), np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
+    found: Complexes = np.zeros(kept.shape, dtype=np.complex128)
+    found[kept] = complex_gaussian(seed, realisation, int(kept.sum()))[(before + within)[kept]]
     # of a pair of opposite waves along y, the layout keeps both
-    found[-1 : -largest_index - 1 : -1, 0] = found[1 : largest_index + 1, 0].conj()
+    found[-1 : -highest - 1 : -1, 0] = found[1 : highest + 1, 0].conj()
     found /= np.sqrt(2.0)
-    return found
+    return found.reshape(*shape[:-1], -1)
 
 
 def waves_of_columns(seed: int, realisation: int, largest_index: int, columns: slice) -> Complexes:

@@ -114,7 +114,7 @@ def band(record: PowerLaw, discretisation: Discretisation | None) -> tuple[float
     if record.cut_on is not None and record.roll_off is not None:
         return 1.0 / record.roll_off, 1.0 / record.cut_on
     assert discretisation is not None  # the loader's promise
-    return float(discretisation.cut_on_index), discretisation.cut_off_index
+    return float(discretisation.longest_wave_index), discretisation.shortest_wave_index
 
 
 def random_surface(

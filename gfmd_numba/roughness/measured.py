@@ -23,6 +23,7 @@ from gfmd_numba.scene.measured_record import AXES, Measured
 from gfmd_numba.scene.records import ends_of
 from gfmd_numba.scene.units import METRES, WithUnit, in_unit_of
 from gfmd_numba.text.numbers import with_prefix
+from gfmd_numba.text.recorded_scene import KIND
 
 Reader = Callable[[Path], Content]
 Place = tuple[str, ...]  # of a roughness in the scene
@@ -30,6 +31,10 @@ Place = tuple[str, ...]  # of a roughness in the scene
 _FADED = (
     "periodic: window fades the measured surface to a plane at its ends, and area, gap and pressure are those of the "
     "faded surface: take periodic: mirror for a contact, and a window for spectra"
+)
+_SAME = (
+    "both bodies have the same heights, so that each peak meets itself, which no real surfaces do: measure another "
+    "piece for one of them"
 )
 _UNEQUAL = 1e-3  # of the size of a map, by which its two sizes may differ
 _FLAT = 1e-12  # of the largest height in the file, below which a range of heights is rounding
@@ -42,7 +47,6 @@ _RINGS = (
     "least 4 spacings, or leave out points"
 )
 _UNCUT = ": give a cutoff if the instrument resolves longer waves only"
-_FEWEST_WAVES = 8.0  # of a cutoff in a field: ISO 4288 takes five of lambda_c, and hundreds of lambda_s
 _SPACING = 1e-3  # of the spacing, by which positions are rounded
 
 
@@ -116,13 +120,17 @@ def measured_surfaces(
     first = next(iter(told), None) if scene.length is None else None
     length, told_by = (scene.length, "length") if first is None else (told[first], ".".join(first))
     dimension = scene.dimension if "dimension" in scene.model_fields_set else None
-    surfaces = {}
+    surfaces: dict[Place, MeasuredSurface] = {}
     for place, field in fields.items():
         at, own = ("scene", *place), None if place == first else length  # whose period is told by nobody else
         with usable(document, at, field.record):
             found = periodic_surface(field, own, dimension, scene.has_moduli, told_by, scene.periodic)
         _check_square(found, field, at, document)
         doubts = (*found.doubts, _FADED) if field.record.periodic == "window" else found.doubts
+        for of_other, other in surfaces.items():
+            one_file = field.record.file is not None and field.record.file == fields[of_other].record.file
+            if not found.is_design and (one_file or np.array_equal(found.heights, other.heights)):
+                doubts += (_SAME,)
         surfaces[place] = replace(found, doubts=doubts)
     return surfaces, length
 
@@ -163,8 +171,6 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     """
     units = {} if record.units is None else record.units.model_dump(exclude_none=True)
     content = read(Path(record.file or "")) if record.heights is None else content_of(record.heights)
-    if np.ndim(content.heights) == 2 and 1 in content.heights.shape and not (content.positions or content.sizes):
-        content = replace(content, heights=content.heights.ravel())  # one row, or one column
     if record.spacing is not None and counts_points(content):
         content = at_spacing(content, float(record.spacing))
     elif record.spacing is not None:
@@ -207,9 +213,8 @@ def periodic_surface(
     """
     record, found = field.record, field.found
     if dimension is not None and found.heights.ndim != dimension:
-        kind, other = {1: ("a map", "a profile"), 2: ("a profile", "a map")}[dimension]
-        shape = " x ".join(map(str, found.heights.shape))
-        raise ValueError(f"{kind} of {shape} heights, where dimension: {dimension} needs {other}")
+        kind, shape = KIND[found.heights.ndim], " x ".join(map(str, found.heights.shape))
+        raise ValueError(f"a {kind} of {shape} heights, where dimension: {dimension} needs a {KIND[dimension]}")
     sizes, unit = _sizes(field, length, in_si, told_by)
     if unit == "1" and isinstance(record.cutoff, WithUnit):
         raise ValueError("a cutoff with a unit, as neither the file nor a length tells the period in m: give length")
@@ -229,17 +234,13 @@ def periodic_surface(
     doubts = signs.sentences + plausibility.of_surface(
         made.heights, made.lengths, signs, ends, found.units, record.cutoff or 0.0
     )
-    if made.heights.size < heights.size * field.fields**heights.ndim:
-        whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
-        doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
     doubts += plausibility.of_sizes(signs, made.lengths[-1]) if unit == "m" else ()
     if record.points is not None and made.lengths[-1] / record.points < sizes[-1] / heights.shape[-1]:
         doubts += (_RINGS,) * (record.cutoff is None and _is_sharp(heights))
-    if record.cutoff is not None and (waves := min(sizes) / record.cutoff) < _FEWEST_WAVES:
-        doubts += (
-            f"only {waves:.2g} waves as long as the cutoff fit into the field, so that waviness alone is left: a "
-            "cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
-        )
+    elif record.points is not None:
+        whole = made_periodic(heights, sizes, record.periodic, record.cutoff, None, ends)
+        doubts += plausibility.of_resampling((made.heights, whole.heights), made.lengths, ends)
+    doubts += plausibility.of_cutoff(record.cutoff or 0.0, sizes)
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
     is_cut = record.cutoff is not None
@@ -290,8 +291,8 @@ def _sizes(
     if found.lengths is None:
         if found.unit == "m" and length is None:
             raise ValueError(
-                f"{'a profile' if len(shape) == 1 else 'a map'} of {' x '.join(map(str, shape))} heights without "
-                "positions: give spacing, the distance of neighbouring points, or length, the period"
+                f"a {KIND[len(shape)]} of {' x '.join(map(str, shape))} heights without positions: give spacing, the "
+                "distance of neighbouring points, or length, the period"
             )
         if length is not None and field.fields == 2.0 and told_by == "length":
             field_of, period_of = (in_unit_of(length, length / part / shape[-1], "m") for part in (1.0, 2.0))

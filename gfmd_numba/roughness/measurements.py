@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.scene.measured_record import AXES
+from gfmd_numba.scene.measured_record import AXES, is_table
 from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import COUNTS, METRES, PERIOD, length_unit, metres
 
@@ -31,8 +31,8 @@ _SCATTERED = 0.5  # of a grid without its heights: points at random fill far les
 class Content:
     """Heights `[nx]` or `[ny, nx]`, not-a-number where nothing was measured, as they stand in a file.
 
-    `positions` along each axis or the physical `sizes` may be missing, or the sizes be `rounded` ones of a header; a
-    profile on a map has one position across it. `units` are those of x, y and z that the file states: names of units of
+    A map of one row or column is a profile. `positions` along each axis or the physical `sizes` may be missing, or the
+    sizes be `rounded` ones of a header. `units` are those of x, y and z that the file states: names of units of
     length, or the file's own words for another. `about_lengths` is a line of its header that speaks of a length. Raises
     ValueError for what is no row or table of numbers.
     """
@@ -48,7 +48,7 @@ class Content:
     def __post_init__(self) -> None:
         """Check the shape and the type of the heights."""
         given = self.heights
-        if given.ndim not in (1, 2) or given.dtype.kind not in "fiu":
+        if not is_table(given):
             raise ValueError(f"an array of shape {given.shape} and type {given.dtype}, not a row or a table of numbers")
 
 
@@ -77,19 +77,18 @@ def measurement(content: Content, units: Mapping[str, str] | None = None, resamp
     wrong, where, and what to do, for files that cannot be read, units that are missing or contradict each other, and
     fewer than 4 heights.
     """
-    given = content.heights
+    given = np.atleast_1d(content.heights.squeeze())
     if given.dtype == np.float16:  # in metres, most heights lie below its smallest normal number
         raise ValueError("heights of type float16, which keeps 3 digits at most: give float32 or float64")
     if min(given.shape) < 4:
         heights_of, least = (" x ".join(map(str, each)) for each in (given.shape, (4,) * given.ndim))
         columns = "; columns of positions and heights are read from text: save them as text, or the heights alone"
-        raise ValueError(f"{heights_of} heights, not at least {least}{columns if given.ndim == 2 else ''}")
+        raise ValueError(f"{heights_of} heights, not at least {least}{columns if max(given.shape) >= 4 else ''}")
     with np.errstate(over="ignore"):  # of more than double precision
         heights = np.asarray(given, dtype=np.float64)
     check_finite(heights)
-    axes = AXES[-heights.ndim :]
-    if heights.ndim == 1 and len(content.positions.get("y", ())) > 1:
-        axes = ("y",)
+    nodes = zip(AXES[-content.heights.ndim :], content.heights.shape, strict=True)
+    axes = tuple(axis for axis, n in nodes if n > 1)
     done = list(content.done)
     sizes: list[float] = []
     if set(axes) <= set(content.positions):
@@ -328,10 +327,10 @@ def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:
 
 
 def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
-    """Heights `[ny, nx]` or `[nx]` of points `[n]` on a grid, and the ascending positions along each axis.
+    """Heights `[ny, nx]` of points `[n]` on a grid, and the ascending positions along each axis.
 
-    Points that are missing leave not-a-number. Points along a line parallel to an axis are a profile. Raises
-    ValueError, with the row, for positions that are missing, a point given twice, and points that lie on no grid.
+    Points that are missing leave not-a-number. Raises ValueError, with the row, for positions that are missing, a point
+    given twice, and points that lie on no grid.
     """
     present = ~(np.isnan(x) & np.isnan(y) & np.isnan(z))  # an empty line between rows is no point
     x, y, z = x[present], y[present], z[present]
@@ -355,7 +354,7 @@ def on_a_grid(x: Reals, y: Reals, z: Reals) -> tuple[Reals, dict[str, Reals]]:
     along_y, of_y = _completed(along_y) or (along_y, np.arange(len(along_y)))
     heights = np.full((len(along_y), len(along_x)), np.nan)
     heights[of_y[j], of_x[i]] = z
-    return heights.ravel() if 1 in heights.shape else heights, {"x": along_x, "y": along_y}
+    return heights, {"x": along_x, "y": along_y}
 
 
 def _spacing(positions: Reals, of: np.dtype[Any], name: str) -> tuple[float, tuple[str, ...]]:

@@ -53,6 +53,7 @@ _NEXT = 8  # heights above and below, with which one is compared
 _RUN = 3.0  # equal neighbours in the mean, from which on heights are stuck
 _PARTS = {1: 256, 2: 8}  # of a field, of which the outer ones tell the values and the slopes at its ends
 _ACROSS = {1: 1.6, 2: 1.2}  # standard deviations of a tilt and a curvature, by which these differ along one axis
+_FEWEST_WAVES = 8.0  # of a cutoff in a field: ISO 4288 takes five of lambda_c, and hundreds of lambda_s
 _DESIGN = 0.005  # of the second difference, by which it changes between neighbours on wedges, parabolas and circles
 
 Cause = Literal["top", "bottom", "mark", "stuck"]
@@ -132,7 +133,7 @@ def of_field(field: Field) -> Signs:
     found = (*_repeated(field, again), *formed, coarse, _spikes(spikes, deep), _steps(field, steps))
     sentences = tuple(filter(None, (filled if share > FILLED else "", *found)))
     for axis, i, step in steps:
-        level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, level.ndim)))
+        level -= step * np.expand_dims(np.arange(level.shape[axis]) > i, tuple(range(axis + 1, 0)))
     if not sentences or np.ptp(level) <= rounding:
         level = field.heights
     # the median is no matter of single heights that are left, but in a field of few digits it may be 0
@@ -183,6 +184,16 @@ def of_resampling(
     )
 
 
+def of_cutoff(cutoff: float, sizes: tuple[float, ...]) -> tuple[str, ...]:
+    """Sentence about a cutoff, 0 without one, of which few waves fit into a field of these sizes."""
+    if cutoff * _FEWEST_WAVES <= min(sizes):
+        return ()
+    return (
+        f"only {min(sizes) / cutoff:.2g} waves as long as the cutoff fit into the field, so that waviness alone is "
+        "left: a cutoff is the shortest wave that is kept (lambda_s), not the longest one (lambda_c)",
+    )
+
+
 def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
     """Sentences about a surface of a period L_x in m, larger or smoother than any."""
     found = []
@@ -199,9 +210,9 @@ def of_sizes(signs: Signs, length: float) -> tuple[str, ...]:
 
 
 def offsets(level: Reals) -> list[tuple[int, int, float]]:
-    """Axis, index of the last point before, and height of the steps of level heights `[nx]` or `[ny, nx]`."""
+    """Axis, -2 or -1, index of the last point before, and height of the steps of level heights `[(ny,) nx]`."""
     found = []
-    for axis in range(level.ndim):
+    for axis in range(-level.ndim, 0):
         steps = np.moveaxis(np.diff(level, axis=axis), axis, 0)
         line = np.append(0.0, np.cumsum(np.median(steps.reshape(len(steps), -1), axis=1)))
         found += [(axis, int(i), float(step)) for i, step in _of_line(line, float(level.std()))]
@@ -318,10 +329,7 @@ def _spikes(found: Flags, deep: bool) -> str:
 def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     if not found:
         return ""
-    shown = ", ".join(
-        f"by {field.said(step)} behind {'row' if axis == 0 and field.heights.ndim == 2 else 'index'} {i}"
-        for axis, i, step in found
-    )
+    shown = ", ".join(f"by {field.said(step)} behind {('row', 'index')[axis]} {i}" for axis, i, step in found)
     back = abs(sum(step for *_, step in found)) < _BACK * max(abs(step) for *_, step in found)
     if len(found) == 2 and back and found[0][0] == found[1][0]:
         return (

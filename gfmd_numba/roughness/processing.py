@@ -20,7 +20,6 @@ Fill = Literal["refuse", "interpolate"]
 
 ORDERS: dict[Detrend, int] = {"none": -1, "mean": 0, "tilt": 1, "curvature": 2}  # of what is subtracted
 MOST = 0.5  # of all heights, that may be missing: of the rest a surface is made up, not measured
-INTERPOLATED = {1: "linearly", 2: "by a harmonic function"}  # of profiles and maps
 _EQUAL = 1e-3  # by which sizes of the square may differ without a word: positions and sizes in files are rounded
 _WHOLE = 1e-6  # of a spacing, likewise
 
@@ -150,14 +149,14 @@ def fill_gaps(heights: Reals, fill: Fill) -> tuple[Reals, tuple[str, ...]]:
         raise ValueError(
             f"height nan at {place(np.argwhere(missing))}, not a finite number; write fill: interpolate to fill gaps"
         )
-    how = INTERPOLATED[heights.ndim]
-    done = f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {how}"
-    return interpolated(heights, missing), (done,)
+    filled, how = interpolated(heights, missing)
+    return filled, (f"filled {int(missing.sum())} missing heights of {heights.size} ({100 * share:.3g} %) {how}",)
 
 
-def interpolated(heights: Reals, missing: Flags) -> Reals:
-    """Heights `[nx]` or `[ny, nx]` in which each that is missing is the mean of its neighbours."""
-    return (_linear if heights.ndim == 1 else _harmonic)(heights, missing)
+def interpolated(heights: Reals, missing: Flags) -> tuple[Reals, str]:
+    """Heights `[nx]` or `[ny, nx]` with each missing one the mean of its neighbours, and what that is called."""
+    interpolate, how = _INTERPOLATED[heights.ndim]
+    return interpolate(heights, missing), how
 
 
 def largest_square(found: Measurement) -> Measurement:
@@ -221,3 +220,6 @@ def _harmonic(heights: Reals, missing: Flags) -> Reals:
     filled = heights.copy()
     filled[missing] = spsolve(csr_array(diags_array(neighbours) - coupling).tocsc(), known)
     return filled
+
+
+_INTERPOLATED = {1: (_linear, "linearly"), 2: (_harmonic, "by a harmonic function")}  # profiles and maps

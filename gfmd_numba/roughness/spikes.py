@@ -13,7 +13,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.roughness.form import polynomial
-from gfmd_numba.roughness.processing import INTERPOLATED, interpolated
+from gfmd_numba.roughness.processing import interpolated
 
 STEPS = 8.0  # standard steps between neighbours by which a spike is off the median of the heights around it
 NEARBY = 5.0  # rms steps around it, likewise: where a surface is rough, its steps are large
@@ -37,8 +37,8 @@ def without_spikes(heights: Reals) -> tuple[Reals, tuple[str, ...]]:
     shown = "; ".join(", ".join(map(str, index)) for index in indices[:_SHOWN].tolist())
     more = f" and {len(indices) - _SHOWN} more" if len(indices) > _SHOWN else ""
     many = "height in a spike" if len(indices) == 1 else "heights in spikes"
-    done = f"interpolated {len(indices)} {many} {INTERPOLATED[heights.ndim]}, of {heights.size}, at index {shown}{more}"
-    return interpolated(heights, found), (done,)
+    cleaned, how = interpolated(heights, found)
+    return cleaned, (f"interpolated {len(indices)} {many} {how}, of {heights.size}, at index {shown}{more}",)
 
 
 def despiked(heights: Reals, step: float = 0.0) -> tuple[Reals, Flags]:

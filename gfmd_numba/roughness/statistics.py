@@ -4,6 +4,7 @@
 """
 
 from collections.abc import Iterator
+from functools import reduce
 from math import frexp, ldexp
 from typing import Any
 
@@ -56,7 +57,10 @@ def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 
 
 def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Reals:
-    """Root-mean-square gradient `[...]` (thesis (4.2), corrected); heights may end along some axes (y,) x."""
+    """Root-mean-square gradient `[...]`, sqrt(sum of |q|^2 |h(q)|^2) over all waves, on maps that of the whole vector.
+
+    Heights may end along some axes (y,) x. Source: thesis (4.2), without its factor.
+    """
     if any(ends):
         squares = sum(each**2 for each in gradients(heights, lengths, ends))
         return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
@@ -97,7 +101,7 @@ def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
 
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
-    nx, found = heights.shape[-1], np.empty(heights.shape)
+    nx, found = heights.shape[-1], np.empty_like(heights, dtype=np.float64)  # laid out alike, as a map on its side
     given, filled = np.atleast_2d(heights), np.atleast_2d(found)
     for first in range(0, given.shape[-2], _ROWS):
         some = ..., slice(first, first + _ROWS), slice(None)
@@ -168,13 +172,13 @@ def autocorrelation(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     return np.asarray(found / found[mean])
 
 
-def radial_mean(correlation: Reals, lengths: tuple[float, float]) -> tuple[Reals, Reals]:
-    """Distances and means over rings of one spacing's width of a map of shifts `[ny, nx]`, up to half a period."""
-    spacing = [length / n for length, n in zip(lengths, correlation.shape, strict=True)]
-    y, x = (grid.shifts(n, length) for n, length in zip(correlation.shape, lengths, strict=True))
-    distance = np.hypot(y[:, np.newaxis], x)
-    ring = np.rint(distance / max(spacing)).astype(np.int64).ravel()
-    kept = ring <= int(min(lengths) / 2.0 / max(spacing))
+def radial_mean(correlation: Reals, lengths: tuple[float, ...]) -> tuple[Reals, Reals]:
+    """Distances and means over rings of one spacing's width of all shifts `[(ny,) nx]`, up to half a period."""
+    spacing = max(length / n for length, n in zip(lengths, correlation.shape, strict=True))
+    along = (grid.shifts(n, length) for n, length in zip(correlation.shape, lengths, strict=True))
+    distance = reduce(np.hypot, np.ix_(*along), np.zeros(1))
+    ring = np.rint(distance / spacing).astype(np.int64).ravel()
+    kept = ring <= int(min(lengths) / 2.0 / spacing * (1.0 + 1e-9))
     count = np.bincount(ring[kept])
     sums = [np.bincount(ring[kept], values.ravel()[kept]) for values in (distance, correlation)]
     return sums[0] / count, sums[1] / count

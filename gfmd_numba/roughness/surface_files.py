@@ -43,12 +43,9 @@ def read_values(path: Path, dimension: int) -> Reals:
 
     Any of them may be not-a-number.
     """
-    is_text, values = path.suffix != ".npy", _VALUES[path.suffix](path)
-    if is_text and dimension == 1:
-        values = values.T if len(values) == 1 else values
-        if values.shape[1] > 1:
-            raise ValueError(f"{values.shape[1]} columns, not one column of equidistant values")
-        values = values[:, 0]
+    values = _VALUES[path.suffix](path)
+    if path.suffix != ".npy" and 1 in values.shape:
+        values = values.ravel()
     if values.ndim != dimension or values.dtype.kind not in "fiu":
         rows = {1: "one row", 2: "rows"}[dimension]
         raise ValueError(f"an array of shape {values.shape} and type {values.dtype}, not {rows} of numbers")
@@ -90,7 +87,7 @@ def _read_text(path: Path) -> Content:
     table = read_table(path)
     match table.values.shape[1]:
         case 1:
-            return _sized(table, table.values[:, 0])
+            return _sized(table, table.values.T)
         case 2:
             present = ~np.isnan(table.values).all(axis=1)  # an empty line between rows is no position
             x, heights = table.values[present].T
@@ -108,21 +105,16 @@ def _read_text(path: Path) -> Content:
 
 
 def _sized(table: Table, heights: Reals) -> Content:
-    """Content of heights without positions, with the sizes that the header states; of profiles, those of points."""
-    axes, along_x = AXES[-heights.ndim :], table.sizes.get("x")
-    if along_x is None or (heights.ndim == 1 and not along_x.of_points):
+    """Content of heights `[ny, nx]` alone, with the sizes that the header states; of one row, those of points."""
+    (ny, nx), along_x, along_y = heights.shape, table.sizes.get("x"), table.sizes.get("y")
+    if along_x is None or (ny == 1 and not along_x.of_points):
         about = table.about_lengths
         return Content(heights, units=_stated(z=table.units[0]), done=table.done, about_lengths=about)
-    sizes = {"x": along_x.of_field(heights.shape[-1])}
-    along_y = table.sizes.get("y")
-    sizes["y"] = (
-        sizes["x"] * (heights.shape[0] / heights.shape[-1]) if along_y is None else along_y.of_field(heights.shape[0])
-    )
-    units = {"x": along_x.unit, "y": along_x.unit if along_y is None else along_y.unit}
+    along_y = along_y or along_x._replace(number=along_x.of_field(nx) * (ny / nx), of_points=False)
     return Content(
         heights,
-        sizes={axis: sizes[axis] for axis in axes},
-        units=_stated(z=table.units[0]) | {axis: units[axis] for axis in axes},
+        sizes={"x": along_x.of_field(nx), "y": along_y.of_field(ny)},
+        units=_stated(x=along_x.unit, y=along_y.unit, z=table.units[0]),
         done=table.done,
         rounded=True,
     )
@@ -151,10 +143,12 @@ def _read_netcdf(path: Path) -> Content:
     height = dataset["height" if "height" in names else next(name for name in names if name != "x")]
     if set(height.dims) == set(AXES):
         height = height.transpose(*AXES)
-    along = zip(AXES[-height.ndim :], height.dims, strict=False) if height.ndim <= 2 else ()
-    positions = {axis: height[dim] for axis, dim in along if dim in height.coords}
-    if height.ndim == 1 and "x" not in positions and "x" in dataset.variables and dataset["x"].dims == height.dims:
-        positions["x"] = dataset["x"]
+    positions = {
+        axis: dataset[name]
+        for axis, dim in zip(AXES[-height.ndim :], height.dims, strict=False)
+        for name in (axis, dim)
+        if name in dataset.variables and dataset[name].dims == (dim,)
+    }
     units = {"z": height, **positions}
     return Content(
         height.values,

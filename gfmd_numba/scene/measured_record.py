@@ -54,6 +54,11 @@ class Heights:
         return self.said
 
 
+def is_table(values: npt.NDArray[Any]) -> bool:
+    """Whether values are a row or a table of real numbers."""
+    return values.ndim in (1, 2) and values.dtype.kind in "fiu"
+
+
 def heights(given: Any) -> Heights:
     """Heights of an array, an xarray array, nested lists, or their own text; raises ValueError for anything else."""
     import numpy as np
@@ -76,7 +81,7 @@ def heights(given: Any) -> Heights:
             values = np.array(bare if unit is not None else given)  # a copy, which nobody changes
         except (TypeError, Warning):
             raise ValueError("no numbers") from None
-    if values.ndim not in (1, 2) or values.dtype.kind not in "fiu" or values.size == 0:
+    if not is_table(values) or values.size == 0:
         raise ValueError("no row or table of numbers")
     positions, units = _described(given) if hasattr(given, "dims") else ({}, {})
     units = units if unit is None else {**units, "z": str(unit)}

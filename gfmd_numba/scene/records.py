@@ -325,12 +325,12 @@ class Discretisation(BaseModel):
         return {"eps_t": cut_on, "eps_f": cut_off, "eps_c": 2 * cut_off / self.eps_c}
 
     @property
-    def cut_on_index(self) -> int:
+    def longest_wave_index(self) -> int:
         """Wave index of the longest roughness wavelength, k_l = 1/eps_t."""
         return round(self.waves["eps_t"])
 
     @property
-    def cut_off_index(self) -> int:
+    def shortest_wave_index(self) -> int:
         """Wave index of the shortest roughness wavelength, k_s = 1/(eps_t eps_f)."""
         return round(self.waves["eps_f"])
 

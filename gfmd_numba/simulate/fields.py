@@ -100,7 +100,7 @@ class _Inside:
         if any(self.ends):
             return free_fields.under_tractions(tractions, self.elastic, self.ends)
         surface: LoadedSurface = fields.surface_under_tractions(tractions, self.elastic)
-        if heights is not None and (len(self.nodes) == 1 or (self.order > 0 and heights.any())):
+        if heights is not None and heights.any():
             surface = topography.rough_surface(tractions, heights, self.elastic, self.order)
         return Inside((surface,), self.elastic)
 

@@ -133,7 +133,7 @@ def _add_spectrum(dataset: xr.Dataset, made: Made) -> None:
 
 
 def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
-    distance, found = _along_distance(statistics.autocorrelation(made.heights, made.lengths), made.lengths)
+    distance, found = statistics.radial_mean(statistics.autocorrelation(made.heights, made.lengths), made.lengths)
     variance = statistics.rms_height(made.heights, made.lengths) ** 2
     attributes = cf_attributes("autocorrelation")
     squares = cf_attributes("mean square height difference", _power(made.unit, 2))
@@ -143,16 +143,9 @@ def _add_correlation(dataset: xr.Dataset, made: Made) -> None:
     if made.power is not None:
         periodic = model_surfaces.periodic_autocorrelation(made.power, made.heights.shape[-1])
         total = periodic.flat[0]
-        _, theory = _along_distance(periodic / total, made.lengths)
+        _, theory = statistics.radial_mean(periodic / total, made.lengths)
         dataset["autocorrelation_theory"] = ("distance", theory, attributes)
         dataset["height_height_correlation_theory"] = ("distance", 2.0 * total * (1.0 - theory), squares)
-
-
-def _along_distance(correlated: Reals, lengths: tuple[float, ...]) -> tuple[Reals, Reals]:
-    if len(lengths) == 2:
-        return statistics.radial_mean(correlated, (lengths[0], lengths[1]))
-    n = correlated.size
-    return np.arange(n // 2 + 1) / n * lengths[0], correlated[: n // 2 + 1]
 
 
 def _add_distribution(dataset: xr.Dataset, made: Made) -> None:

@@ -1,6 +1,12 @@
 """The certificate of a contact: how far displacement and traction are from static equilibrium.
 
-A contact is `ok` once `Certificate.residual` is at most `numerics.residual`, by default `table.RESIDUAL`.
+A contact is `ok` once its residual is at most `numerics.residual`, by default 1e-8. The residual is the largest of
+
+    violation / peak pressure,    |imbalance| / load,    and the drift,
+
+which `Certificate` explains. How a solver keeps bodies from penetrating is its own matter, and the certificate does not
+depend on it: Newton's methods choose the nodes that touch and solve for their pressures (`active_set_newton.py`), time
+steps clip displacements at the wall (`kernels/steps.py`).
 """
 
 from dataclasses import dataclass
@@ -51,13 +57,13 @@ class Certificate:
     """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
 
     `violation`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
-    balance. `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a
-    hardness no more than that is a pressure: a touching node violates it by what is above, a penetrating one by any
-    difference from it, and none other may penetrate. With a `rigid_mean` a mean displacement is a violation too;
-    `drift` is that over the largest displacement. (A uniform pressure deforms nothing there: were it huge, it would
-    make any other violation look small.) Where the state is that of a corner of the grid alone, `mean_displacement` is
-    that of the whole one. `bears` `[realisation]`: these rows of the state hold the pressure itself, not the restoring
-    traction.
+    balance. Penetration counts as the traction that is left when the surface has been moved back to the wall. Under a
+    hardness H, a touching node bears 0 <= p <= H and a penetrating one p = H; what differs from that is the violation.
+    `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a `rigid_mean` a
+    mean displacement is a violation too; `drift` is that over the largest displacement. (A uniform pressure deforms
+    nothing there: were it huge, it would make any other violation look small.) Where the state is that of a corner of
+    the grid alone, `mean_displacement` is that of the whole one. `bears` `[realisation]`: these rows of the state hold
+    the pressure itself, not the restoring traction.
     `full_contact` `[realisation]` is the `pressure_scale`, where a solver has found it on its way.
     """
 

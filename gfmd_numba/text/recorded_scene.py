@@ -6,6 +6,7 @@ from typing import Any
 
 from gfmd_numba.text.numbers import with_prefix
 
+KIND = {1: "profile", 2: "map"}  # of surfaces, by their dimension
 _TEXTS = ("campaign", "yaml")  # attributes that hold what a user wrote
 _LOADS = {"pressure": "Pa", "line_load": "N m-1", "force": "N"}
 
@@ -70,13 +71,13 @@ def described(text: str, load: bool = True) -> str:
         for name, value in (scene.get("loading") or {}).items() if parts and load else ():
             if name in _LOADS and value is not None:
                 parts.append(f"under {with_prefix(value, _LOADS[name])}")
-    except (AttributeError, TypeError, ValueError):
+    except (AttributeError, LookupError, TypeError, ValueError):
         return ""
     return ", ".join(parts)
 
 
 def _surface(scene: dict[str, Any], is_doubled: bool) -> str:
-    kind, rough = "map" if scene.get("dimension") == 2 else "profile", _rough(scene)
+    kind, rough = KIND[scene.get("dimension", 1)], _rough(scene)
     said = f"smooth {kind}"
     if rough:
         kinds = {"measured" if each.get("method") == "measured" else "rough" for each in rough}

@@ -7,11 +7,11 @@ _STEEPEST = 0.6  # exponent with which the part of a wave that contacts miss fal
 _SLACK = 0.75
 
 
-OF_THE_SLOPE = ("kappa", "kappa_counted", "kappa_edges")  # areas over p / (g E*)
+AREAS_OVER_LOAD = ("kappa", "kappa_counted", "kappa_edges")  # a_r g E* / p
 AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
 SHARES = (*AT_ONE_LOAD, "plastic_area_fraction", "stick_fraction")  # which are at most 1
 OF_ONE_SIGN = (  # that of the load, or none: what is always above 0 in contacts that are pressed
-    *(*OF_THE_SLOPE, "kappa_r", "rms_gradient_contact", "contact_radius", "elastic_energy", "mean_gap"),
+    *(*AREAS_OVER_LOAD, "kappa_r", "rms_gradient_contact", "contact_radius", "elastic_energy", "mean_gap"),
     *("mean_plastic_depth", "mean_worn_depth"),
 )
 _COUNTED, _PLASTIC, _OF_GRADIENT, _OF_HEIGHTS = (0.75, 1.5), (0.5, 1.5), (1.25, 2.75), (1.5, 4.0)
@@ -27,7 +27,8 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
     "mean_plastic_depth": _OF_HEIGHTS,
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
-_AREAS = (*OF_THE_SLOPE, *AT_ONE_LOAD, "kappa_r")
+_WIDEST = {1: (inf, -inf), 2: _CORRECTED[2]}  # that all of them have at least, as only those of kappa were measured
+_AREAS = (*AREAS_OVER_LOAD, *AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
 
@@ -36,7 +37,7 @@ def has_slope_law(variable: str, hurst: float, load: float = nan) -> bool:
 
     The `load` is the reduced pressure p / (g E*) of all levels, nan if it is not the same or not known.
     """
-    known = variable in OF_THE_SLOPE or (variable in AT_ONE_LOAD and load > 0.0)
+    known = variable in AREAS_OVER_LOAD or (variable in AT_ONE_LOAD and load > 0.0)
     return known and 0.0 <= hurst <= 1.0
 
 
@@ -63,14 +64,14 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     kappa were measured on maps, so that other variables have wider ranges there. A Hurst exponent that is nan is not
     known.
     """
-    corrected = _CORRECTED[dimension]
-    low, high = _IN_EPS_C.get(variable, corrected)
+    low, high = _IN_EPS_C.get(variable, _CORRECTED[dimension])
+    lowest, highest = _WIDEST[dimension]
     if _IN_EPS_C.get(variable) == _OF_HEIGHTS:
         slowest = 0.1 if isnan(hurst) else round(max(0.1, 0.5 * hurst), 2)
     else:
         slowest = 0.2 if isnan(hurst) else round(max(0.1, _SLACK * min(2.0 - 2.0 * hurst, _STEEPEST)), 2)
     return {
-        "eps_c": (low, high) if dimension == 1 else (min(low, corrected[0]), max(high, corrected[1])),
+        "eps_c": (min(low, lowest), max(high, highest)),
         "eps_f": (slowest, 2.0),
         "eps_t": _IN_EPS_T[dimension] if variable in _AREAS else _AS_OF_EDGES[dimension],
     }

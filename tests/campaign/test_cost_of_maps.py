@@ -69,6 +69,8 @@ def test_a_map_has_the_same_physics_on_a_smaller_grid(tmp_path):
         for smaller in cost._smaller(problem):
             nx, waves = smaller.surface.nx, smaller.surface.generator
             assert 64 <= nx < surface.nx
-            assert waves.anisotropy <= waves.cut_on_index <= waves.cut_off_index <= nx // 2
-            assert nx / waves.cut_off_index == pytest.approx(surface.nx / surface.generator.cut_off_index, rel=0.1)
+            assert waves.anisotropy <= waves.longest_wave_index <= waves.shortest_wave_index <= nx // 2
+            assert nx / waves.shortest_wave_index == pytest.approx(
+                surface.nx / surface.generator.shortest_wave_index, rel=0.1
+            )
             assert (smaller.body, smaller.mean_pressure) == (problem.body, problem.mean_pressure)

@@ -18,7 +18,7 @@ def test_plan_counts_cases_and_distinct_problems(tmp_path):
     path = campaign(tmp_path, **{"hurst: [0.3, 0.8]": "poissons_ratio: [0.2, 0.33]"})
     output = gfmd("plan", path).output
     assert "10, of which 5 distinct problems" in output
-    assert "nx = 512" in output
+    assert "largest grid  512 nodes" in output
     assert "Poisson's ratio" in output
 
 

@@ -97,6 +97,16 @@ def test_contacts_and_their_length_are_those_of_the_field_that_was_mirrored():
 
 
 @pytest.mark.usefixtures("folder")
+def test_a_campaign_of_measured_profiles_tells_that_they_are_ridges():
+    scene = SCENE | {"roughness": ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}}
+    with open("c.yaml", "w", encoding="utf-8") as opened:
+        yaml.safe_dump({"name": "c", "scene": scene, "grid": {"pressure": ["10 MPa", "20 MPa"]}}, opened)
+    done = CliRunner().invoke(main, ["run", "c.yaml", "--workers", "0", "-o", "out"])
+    assert done.exit_code == 0, done.output
+    assert " ".join(done.stdout.split()).count("note a profile stands for ridges without end along y") == 1
+
+
+@pytest.mark.usefixtures("folder")
 def test_under_a_line_load_on_the_period_the_contact_is_that_of_the_period():
     scene = SCENE | {"roughness": ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}}
     told("curve", "f.yaml", {"scene": scene}, "--loads", "10, 40 kN/m", "-o", "c.nc")
@@ -109,7 +119,11 @@ def test_bodies_with_the_same_heights_are_told():
     rough = ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}
     body = SCENE["body"] | {"roughness": rough}
     said = told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": deepcopy(body)}})
-    assert "both bodies have the same heights" in said
+    assert "counter_body: both bodies have the same heights" in said
+    grid = {"pressure": ["1 MPa", "2 MPa"]}
+    two = SCENE | {"body": body, "counter_body": deepcopy(body)}
+    said = told("check", "f.yaml", {"name": "p", "scene": two, "grid": grid})
+    assert "counter_body.roughness: both bodies have the same heights" in said
     other = SCENE["body"] | {"roughness": rough | {"cutoff": "44 um"}}
     assert "same heights" in told("check", "f.yaml", {"scene": SCENE | {"body": body, "counter_body": other}})
     np.savetxt("q.csv", np.flipud(np.loadtxt("p.csv", delimiter=",", skiprows=1)[:, 1:]), header="z [um]", comments="")

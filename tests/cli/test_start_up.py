@@ -1,10 +1,7 @@
 """What a command loads before it computes: time that nobody asked for."""
 
-import gc
-
 import pytest
 
-from gfmd_numba.cli.group import without_collections
 from support.command_line import python
 from support.scenes import SCENE
 
@@ -73,20 +70,6 @@ def test_a_worker_loads_no_datasets_and_no_statistics():
     names = ("xarray", "pandas", "netCDF4", "matplotlib", "scipy.optimize", "scipy.stats", "pint")
     script = "import sys, gfmd_numba.campaign.execution; print([name for name in {} if name in sys.modules])"
     assert python(script.format(names)) == "[]\n"
-
-
-@pytest.mark.parametrize("collecting", [True, False])
-def test_imports_are_not_looked_through_for_garbage(collecting):
-    before = gc.isenabled()
-    (gc.enable if collecting else gc.disable)()
-    try:
-        with without_collections():
-            assert not gc.isenabled()
-        assert gc.isenabled() == collecting
-        assert gc.get_freeze_count() > 10_000
-    finally:
-        gc.unfreeze()
-        (gc.enable if before else gc.disable)()
 
 
 @pytest.mark.long

@@ -37,7 +37,7 @@ class RandomPhases:
         return self.law.band
 
     def heights(self, shape, seed, realisations):
-        envelope, largest = np.sqrt(self.power(shape)), self.law.cut_off_index
+        envelope, largest = np.sqrt(self.power(shape)), self.law.shortest_wave_index
         phases = [np.exp(1j * np.angle(waves(seed, each, shape, largest))) for each in realisations]
         return np.stack([grid.signal(envelope * phase, *shape) for phase in phases])
 

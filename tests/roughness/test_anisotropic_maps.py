@@ -85,7 +85,7 @@ def test_one_is_the_isotropic_map_and_problem():
 
 
 def test_ridges_along_y_are_pressed_like_the_profile_across_them():
-    waves = SelfAffineWaves(hurst=0.5, cut_on_index=8, cut_off_index=32, anisotropy=1e3)
+    waves = SelfAffineWaves(hurst=0.5, longest_wave_index=8, shortest_wave_index=32, anisotropy=1e3)
     ridges = pressed(RandomSurface(waves, nx=80, seed=3, dimension=2))
     assert np.ptp(ridges.heights, axis=1).max() < 1e-15
     across = pressed(given_surface(ridges.heights[0, 0])[0])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.roughness import model_surfaces
-from gfmd_numba.roughness.amplitudes import waves
+from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
 from gfmd_numba.roughness.spectra import (
     ExponentialSpectrum,
     KCorrelationSpectrum,
@@ -84,6 +84,19 @@ def test_more_waves_refine_the_same_surface(dimension):
 def test_the_wave_at_the_cut_off_is_kept_in_all_directions(nx):
     power = model_surfaces.psd_power(SelfAffineSpectrum(2, 0.8, 0.04, 0.5, 1.0), nx, 20)
     assert power[0, 20] == power[20, 0] == power[-20, 0] > 0.0
+
+
+def test_waves_of_a_profile_are_those_of_a_map_of_one_row():
+    row, profile = waves(7, 3, (1, 33), 16)[0], waves(7, 3, (33,), 16)
+    np.testing.assert_array_equal(row, profile)
+    np.testing.assert_array_equal(profile[1:], complex_gaussian(7, 3, 16) / np.sqrt(2.0))
+
+
+@pytest.mark.parametrize("rows", [1, 3, 9, 33, 65])
+def test_each_wave_of_a_strip_has_a_number_of_its_own(rows):
+    found = waves(7, 3, (rows, 33), 16)
+    of_pairs = np.count_nonzero(found[:, 0]) // 2  # of which both are kept
+    assert len(np.unique(abs(found[found != 0.0]).round(12))) == np.count_nonzero(found) - of_pairs
 
 
 def test_waves_of_a_map_are_independent_and_belong_to_a_real_surface():

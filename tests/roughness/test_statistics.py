@@ -59,11 +59,15 @@ def test_autocorrelation_is_that_of_brute_force(shape):
         np.testing.assert_allclose(found[(slice(None), *shift)], exact, atol=1e-12)
 
 
-def test_the_radial_mean_of_a_radial_function_is_the_function():
-    n, length = 64, 3.0
+@pytest.mark.parametrize("n", [64, 65, 118])
+@pytest.mark.parametrize("dimension", [1, 2])
+def test_the_radial_mean_of_a_radial_function_is_the_function(dimension, n):
+    length = 3.0
     shift = np.fft.fftfreq(n) * length
-    distance, mean = statistics.radial_mean(np.hypot(shift[:, np.newaxis], shift), (length, length))
+    radial = abs(shift) if dimension == 1 else np.hypot(shift[:, np.newaxis], shift)
+    distance, mean = statistics.radial_mean(radial, (length,) * dimension)
     np.testing.assert_allclose(mean, distance)
+    assert len(distance) == n // 2 + 1
     assert distance[0] == 0.0
     assert distance[-1] == pytest.approx(1.5, abs=0.03)
 

@@ -29,7 +29,7 @@ def field(path, **more):
 def test_text_is_read_whatever_its_name(tmp_path, name, encoding):
     (tmp_path / name).write_text(FILE.replace("um", "µm"), encoding=encoding)
     found = read_content(tmp_path / name)
-    np.testing.assert_array_equal(found.heights, Z)
+    np.testing.assert_array_equal(found.heights, [Z])
     assert found.units == {"z": "um"}
 
 
@@ -84,7 +84,7 @@ def test_a_square_map_in_one_column_is_known_by_one_side(tmp_path):
         "12.07.2024\n",
     ):
         (tmp_path / "m.txt").write_text(f"{header}z [nm]\n{rows}\n")
-        assert read_content(tmp_path / "m.txt").heights.shape == (49,)
+        assert read_content(tmp_path / "m.txt").heights.shape == (1, 49)
 
 
 def test_heights_without_positions_are_called_what_they_are_taken_for(tmp_path):
@@ -150,7 +150,7 @@ def test_a_format_in_letters_of_instruments_is_theirs(tmp_path):
 def test_a_header_of_many_digits_is_read_in_time(tmp_path):
     (tmp_path / "p.txt").write_text("# " + 5000 * "1" + "\n" + FILE)
     begin = time.process_time()
-    assert read_content(tmp_path / "p.txt").heights.shape == Z.shape
+    assert read_content(tmp_path / "p.txt").heights.size == Z.size
     assert time.process_time() - begin < 5.0
 
 
@@ -243,6 +243,24 @@ def test_arrays_of_the_wrong_shape_are_told_what_fits(tmp_path):
         np.save(tmp_path / "p.npy", np.zeros((512, columns)))
         with pytest.raises(ValueError, match=rf"512 x {columns} heights, not at least 4 x 4; columns of .* as text"):
             field(tmp_path / "p.npy", spacing=1e-6, units={"z": "um"})
+
+
+@pytest.mark.parametrize("across", ["x", "y"])
+def test_a_map_of_one_row_or_column_is_a_profile(tmp_path, across):
+    along = {"x": "y", "y": "x"}[across]
+    positions = {along: (along, 0.5 * np.arange(64), {"units": "um"}), across: (across, [3.0], {"units": "um"})}
+    line = xr.DataArray(Z, {along: positions[along]}, (along,), "height", {"units": "nm"})
+    line.expand_dims(across).assign_coords(positions).to_netcdf(tmp_path / "p.nc")
+    found = field(tmp_path / "p.nc")
+    np.testing.assert_array_equal(found.heights, 1e-9 * Z)
+    assert found.lengths == pytest.approx((32e-6,))
+
+
+def test_positions_of_a_map_may_be_variables_along_its_rows_and_columns(tmp_path):
+    positions = {axis: (dim, 0.5 * np.arange(8), {"units": "um"}) for axis, dim in (("y", "row"), ("x", "column"))}
+    heights = (("row", "column"), Z.reshape(8, 8), {"units": "nm"})
+    xr.Dataset({"height": heights, **positions}).to_netcdf(tmp_path / "m.nc")
+    assert field(tmp_path / "m.nc").lengths == pytest.approx((4e-6, 4e-6))
 
 
 @pytest.mark.parametrize("along", ["x", "y"])

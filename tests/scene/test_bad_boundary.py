@@ -51,7 +51,10 @@ LOADS = {
         ("pull.csv", "nothing.csv"),
         f"{BEFORE}nothing.csv (no number); gfmd allows a number for at least one node",
     ),
-    "two columns": (("pull.csv", "table.csv"), f"{BEFORE}table.csv (2 columns, not one column of equidistant values)"),
+    "two columns": (
+        ("pull.csv", "table.csv"),
+        f"{BEFORE}table.csv (an array of shape (16, 2) and type float64, not one row of numbers)",
+    ),
     "grids that differ": (
         ("pull.csv", "long.csv"),
         "bad.yaml:5:30: scene.boundary.tangential_displacement: you gave held.npy (16 values); gfmd allows one value "

@@ -150,7 +150,7 @@ def test_records_are_frozen():
 def test_wave_indices_and_nodes_follow_from_the_eps(eps_c, eps_f, eps_t, indices):
     d = Discretisation(eps_c=eps_c, eps_f=eps_f, eps_t=eps_t)
     assert d.misfit is None
-    assert (d.cut_on_index, d.cut_off_index, d.nx) == indices
+    assert (d.longest_wave_index, d.shortest_wave_index, d.nx) == indices
 
 
 @pytest.mark.parametrize(
@@ -160,7 +160,7 @@ def test_wave_indices_and_nodes_follow_from_the_eps(eps_c, eps_f, eps_t, indices
 def test_nearest_fit_is_the_nearest_of_all(eps_c, eps_f, eps_t, misfit):
     d = Discretisation(eps_c=eps_c, eps_f=eps_f, eps_t=eps_t)
     assert d.misfit == misfit
-    unit = {"eps_t": 1, "eps_f": d.cut_on_index, "eps_c": 2 * d.cut_off_index}[misfit]
+    unit = {"eps_t": 1, "eps_f": d.longest_wave_index, "eps_c": 2 * d.shortest_wave_index}[misfit]
     trials = [unit / n for n in range(unit, 200)]
     fitting = [eps for eps in trials if d.model_copy(update={misfit: eps}).misfit is None]
     best = min(fitting, key=lambda eps: abs(eps - getattr(d, misfit)))

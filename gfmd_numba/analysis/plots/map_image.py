@@ -24,7 +24,6 @@ _ENLARGED = 0.16  # of the shorter side, that is enlarged
 _CORNERS, _INSET = (0.02, 0.6), 0.38  # of the panel: where the enlarged part begins, and how large it is
 _SHARE = 0.98  # of the values above 0 that colours tell apart
 _LEFT, _ABOVE_AND_BELOW = 0.75, 1.4  # inches beside and above a map: labels, and the bar of its colours
-_OF_PROFILES = 9.0, 3.6  # inches
 OF_MAPS: dict[str, Any] = {"least": 1.65, "around": (_LEFT, _ABOVE_AND_BELOW)}  # of a sheet of maps
 
 
@@ -119,43 +118,45 @@ def most(values: Reals) -> float | None:
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction that has any, of a path at its end."""
     title, last = last_step(dataset)
-    panel, around = (panel_of(last, 4.4), OF_MAPS) if "y" in last.dims else (_OF_PROFILES, {})
+    panel, around, draw = (panel_of(last, 4.4), OF_MAPS, _draw_flow) if "y" in last.dims else _OF_PROFILES
     flows = {along: last["local_flow"].sel(direction=along).values for along in ("x", "y")}
     closed = " or ".join(f"${along}$" for along, flow in flows.items() if not flow.any())
     title = ". ".join(filter(None, (title, closed and f"No flow along {closed}")))
     shown = [along for along, flow in flows.items() if flow.any()] or ["x"]
     with sheet(len(shown), 2, panel, width, title=title, **around) as (figure, axes):
         for axis, along in zip(axes, shown, strict=True):
-            flow, label = flows[along], f"Flow along ${along}$ over its mean"
-            if not around:
-                _draw_profile(axis, last, flow, label)
-                continue
-            colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
-            drawn = np.where(flow > 0.0, flow, np.nan)
-            bar = draw_image(axis, last, drawn, f"{label}, none in grey", "both", cmap=colours, norm=decades(flow))
-            if not flow.any():
-                bar.remove()
+            draw(axis, last, flows[along], f"Flow along ${along}$ over its mean")
     return figure
+
+
+def _draw_flow(axis: Axes, dataset: xr.Dataset, flow: Reals, label: str) -> None:
+    colours = mpl.colormaps["Blues"].with_extremes(bad="0.85")
+    drawn = np.where(flow > 0.0, flow, np.nan)
+    bar = draw_image(axis, dataset, drawn, f"{label}, none in grey", "both", cmap=colours, norm=decades(flow))
+    if not flow.any():
+        bar.remove()
 
 
 @checked
 def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width | None = None) -> Figure:
     """Draw the current of `contact_conductance` through each node, of a path that of the last step."""
     title, last = last_step(dataset)
-    label, current = "Current over its mean", last["current_density"].values
-    is_map = "y" in last.dims
-    panel, around = (panel_of(last, 5.6), OF_MAPS) if is_map else (_OF_PROFILES, {})
+    panel, around, draw = (panel_of(last, 5.6), OF_MAPS, _draw_current) if "y" in last.dims else _OF_PROFILES
     with sheet(1, 1, panel, width, title=title, **around) as (figure, (axis,)):
-        if is_map:
-            colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
-            shown = np.where(current > 0.0, current, np.nan)
-            draw_image(axis, last, shown, label, "max", cmap=colours, vmin=0.0, vmax=most(current))
-            enlarge_peak(axis, shown)
-        else:
-            _draw_profile(axis, last, current, label)
+        draw(axis, last, last["current_density"].values, "Current over its mean")
     return figure
+
+
+def _draw_current(axis: Axes, dataset: xr.Dataset, current: Reals, label: str) -> None:
+    colours = mpl.colormaps["inferno_r"].with_extremes(bad="white")
+    shown = np.where(current > 0.0, current, np.nan)
+    draw_image(axis, dataset, shown, label, "max", cmap=colours, vmin=0.0, vmax=most(current))
+    enlarge_peak(axis, shown)
 
 
 def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     fill(axis, x, values, xlabel=x_label, ylabel=label)
+
+
+_OF_PROFILES: tuple[Any, ...] = (9.0, 3.6), {}, _draw_profile  # inches, what a sheet of maps is told, and what draws

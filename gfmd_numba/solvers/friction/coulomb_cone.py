@@ -1,6 +1,9 @@
 """Guess of a frictional contact in Newton's method: which nodes touch, which slip which way, and their tractions.
 
-Tangential tractions beyond what friction holds are scaled back onto the Coulomb cone (`FrictionGuess.revise`).
+The law is implicit. A node that slips bears min(mu p, limit + rise p) against its slip since the anchor, a node that
+sticks bears less, and p is the pressure at the end of the step (`kernels/contact_conditions.py`). The anchor is the
+tangential displacement at which the step begins, as far as the body follows the punch. `FrictionGuess.revise` only
+makes the next guess: it scales tractions beyond what friction holds back onto the Coulomb cone.
 """
 
 from dataclasses import dataclass, replace

@@ -7,10 +7,15 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from functools import lru_cache
 from math import prod
+from typing import TypeVar
 
 from threadpoolctl import ThreadpoolController
 
-_FEWEST = 2**19  # nodes that are shared: fewer take less time than to wake a thread and wait for it
+T = TypeVar("T")
+
+_PIECE = 2**14  # entries of arrays that make one sum
+_PARTS = 4  # of the work for each thread: whoever is ready takes the next
+_FEWEST = 2**18  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
 
 class Team:
@@ -20,20 +25,50 @@ class Team:
         self.size = size
         self._pool = ThreadPoolExecutor(size - 1) if size > 1 else None
 
-    def share(self, work: Callable[[int, int, int], None], pieces: int, nodes: int) -> None:
-        """Call `work` with the number of a thread and the first and last but one of its pieces, for all of these.
+    def share(
+        self, work: Callable[[int, int, int], None], pieces: int, nodes: int, first: Callable[[], None] | None = None
+    ) -> None:
+        """Call `work` with the number of a thread and the first and last but one of some pieces, until all are done.
 
         One thread alone works on few `nodes`. Results are the same for any number of threads if each piece is made by
-        itself. Raises what `work` raises.
+        itself. The one that asks may have something else to do `first`. Raises what `work` raises.
         """
         if self._pool is None or pieces < self.size or nodes < _FEWEST:
+            if first is not None:
+                first()
             work(0, 0, pieces)
             return
-        ends = [pieces * i // self.size for i in range(self.size + 1)]
-        others = [self._pool.submit(work, i, ends[i], ends[i + 1]) for i in range(1, self.size)]
-        work(0, 0, ends[1])
+        number = min(pieces, _PARTS * self.size)
+        ends = [pieces * i // number for i in range(number + 1)]
+        left = iter(range(number))
+
+        def some(thread: int) -> None:
+            for k in left:
+                work(thread, ends[k], ends[k + 1])
+
+        others = [self._pool.submit(some, i) for i in range(1, self.size)]
+        if first is not None:
+            first()
+        some(0)
         for other in others:
-            other.result()
+            if not other.cancel():  # which has begun
+                other.result()
+
+    def in_pieces(self, work: Callable[[slice], T], size: int) -> list[T]:
+        """Return what `work` makes of some of the entries of arrays of a size after others, in their order.
+
+        Sums of these are then the same for any number of threads.
+        """
+        if is_one_piece(size):
+            return [work(slice(0, size))]
+        ends, found = [*range(0, size, _PIECE), size], dict[int, T]()
+
+        def some(_: int, first: int, last: int) -> None:
+            for k in range(first, last):
+                found[k] = work(slice(ends[k], ends[k + 1]))
+
+        self.share(some, len(ends) - 1, size)
+        return [found[k] for k in range(len(ends) - 1)]
 
     def by_rows(self, work: Callable[[slice], None], shape: tuple[int, ...]) -> None:
         """Call `work` with some of the rows of an array of a shape after others, for all of these."""
@@ -43,6 +78,11 @@ class Team:
         """End the threads."""
         if self._pool is not None:
             self._pool.shutdown()
+
+
+def is_one_piece(size: int) -> bool:
+    """Return whether arrays of a size make one sum."""
+    return size <= _PIECE
 
 
 _ALONE = Team(1)

@@ -172,9 +172,8 @@ class Stack:
         tops = [0.0, *accumulate(self.heights)]
         for top, height, material in reversed(list(zip(tops, self.heights, self.materials, strict=False))):
             scale, nu = 2.0 * material.shear, material.poissons_ratio
-            compliance = np.broadcast_to(
-                half_space_compliance(nu), (2, 2, len(q))
-            ).copy()  # of waves that fade above it
+            # of waves that fade above it
+            compliance = np.broadcast_to(half_space_compliance(nu), (2, 2, len(q))).copy()
             felt = q * max(top, height) < _FADED  # what is below at the layer's top, and that at the surface
             compliance[..., felt] = Layer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
             found.append(compliance / scale)

@@ -23,6 +23,9 @@ _LARGE = 2**20  # nodes of a map that is transformed in pieces
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
 
+OnRows = Callable[[int, Reals], None]  # of the first of some rows of a map, and their memory
+
+
 def _compiled_pyfftw() -> Any:
     """Compiled module of pyfftw, without the interfaces for which its package imports dask.array and scipy.fftpack.
 
@@ -160,34 +163,48 @@ class Transform:
         """Replace the first displacement by the traction that restores it, in place; `stiffness` is of a map."""
         self._multiply(stiffness, divide=False, filled=False)
 
-    def soften(self, stiffness: Reals, filled: bool = False) -> None:
+    def soften(
+        self, stiffness: Reals, filled: bool = False, load: OnRows | None = None, read: OnRows | None = None
+    ) -> None:
         """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity.
 
-        Of the rows that may be `filled` alone, if so asked.
+        Of the rows that may be `filled` alone, if so asked. The pressure may be what `load` fills some rows after
+        others with; with `read`, which is given those of the displacement, nothing else is left of it.
         """
-        self._multiply(stiffness, divide=True, filled=filled)
+        self._multiply(stiffness, divide=True, filled=filled, load=load, read=read)
 
-    def _multiply(self, symbol: Reals, divide: bool, filled: bool) -> None:
+    def _multiply(
+        self, symbol: Reals, divide: bool, filled: bool, load: OnRows | None = None, read: OnRows | None = None
+    ) -> None:
         if self._blocks is not None:
-            self._blocks[0].multiply(symbol, self.n, divide, filled)
+            self._blocks[0].multiply(symbol, self.n, divide, filled, load, read)
             kernels.count(self.n_transforms, _FIRST, 2)
             return
+        if load is not None:
+            load(0, self.memory[0])
         self.forward(_FIRST)
         kernels.multiply_map(self.waves[0], symbol, self.n, divide)
         self.inverse(_FIRST)
+        if read is not None:
+            read(0, self.memory[0])
 
-    def coarsen(self, coarse: "Transform", filled: bool = False, stiffness: Reals | None = None) -> float:
+    def coarsen(
+        self, coarse: "Transform", filled: bool = False, stiffness: Reals | None = None, load: OnRows | None = None
+    ) -> float:
         """Fill the first samples of a transform of fewer nodes with the waves of the first map that it holds.
 
-        What is not in the rows that may be `filled` counts as zero, if so asked. With a `stiffness` of maps, return the
-        root-mean-square traction that restores the map, but for its mean.
+        The map may be what `load` fills some rows after others with. What is not in the rows that may be `filled`
+        counts as zero, if so asked. With a `stiffness` of maps, return the root-mean-square traction that restores the
+        map, but for its mean.
         """
         power = 0.0
         ky, kx = wave_indices(coarse.shape)
         if self._blocks is not None:
-            power = self._blocks[0].coarsen(ky[:, 0], coarse.waves[0, :, : kx.size], filled, stiffness)
+            power = self._blocks[0].coarsen(ky[:, 0], coarse.waves[0, :, : kx.size], filled, stiffness, load)
             kernels.count(self.n_transforms, _FIRST, 1)
         else:
+            if load is not None:
+                load(0, self.memory[0])
             self.forward(_FIRST)
             coarse.waves[0, :, : kx.size] = self.waves[0, ky, kx]
             if stiffness is not None:
@@ -210,9 +227,9 @@ class Transform:
 class _Blocks:
     """Transforms in place of one large map, piece by piece, multiplied by a symbol that is even along y in between.
 
-    Rows are transformed along x, some at a time. Then some columns at a time are copied, transformed along y,
-    multiplied and transformed back, all in the cache, which saves ways to the memory. Rows beyond those `filled` are
-    left out where they hold nothing. Pieces do not depend on how many threads share them.
+    Rows are transformed along x, some at a time, which are made or read in the cache. Then some columns at a time are
+    copied, transformed along y, multiplied and transformed back, all in the cache, which saves ways to the memory. Rows
+    beyond those `filled` are left out where they hold nothing. Pieces do not depend on how many threads share them.
     """
 
     def __init__(self, samples: Reals, waves: npt.NDArray[Any], filled: int | None) -> None:
@@ -220,7 +237,9 @@ class _Blocks:
         self._lines = math.gcd(len(waves), self._filled, _ROWS)
         self._workers: list[_Worker] = []
 
-    def coarsen(self, ky: Indices, found: npt.NDArray[Any], filled: bool, stiffness: Reals | None) -> float:
+    def coarsen(
+        self, ky: Indices, found: npt.NDArray[Any], filled: bool, stiffness: Reals | None, load: OnRows | None
+    ) -> float:
         """Fill the transform `[row, column]` with some rows and the first columns of that of the map.
 
         Return the power of what restores the map, of all columns, if there is a stiffness.
@@ -235,10 +254,12 @@ class _Blocks:
             if stiffness is not None:
                 powers[x // _COLUMNS] = kernels.restoring_power(own.block, stiffness, x)
 
-        self._along_both(rows, columns if stiffness is None else self._waves.shape[1], take)
+        self._along_both(rows, columns if stiffness is None else self._waves.shape[1], load, take)
         return float(powers.sum())
 
-    def multiply(self, symbol: Reals, n: int, divide: bool, filled: bool) -> None:
+    def multiply(
+        self, symbol: Reals, n: int, divide: bool, filled: bool, load: OnRows | None, read: OnRows | None
+    ) -> None:
         """Multiply the map by a symbol `[ky, kx]`, or `divide` it, where 0 and infinity stand for 0; and by 1/n."""
         rows = self._filled if filled else len(self._waves)
 
@@ -247,42 +268,61 @@ class _Blocks:
             own.back_along_y.execute()
             kernels.put_columns(own.block, x, self._waves, rows)
 
-        self._along_both(rows, self._waves.shape[1], multiply)
-        self._along_x(rows, True)
+        self._along_both(rows, self._waves.shape[1], load, multiply)
+        self._back_along_x(rows, read)
 
-    def _along_both(self, rows: int, columns: int, work: Callable[["_Worker", int], None]) -> None:
+    def _along_both(self, rows: int, columns: int, load: OnRows | None, work: Callable[["_Worker", int], None]) -> None:
         """Transform so many rows along x, then some columns after others along y, and do some work with these.
 
         The work is given the worker whose block holds the columns, and the first of them.
         """
-        self._along_x(rows, False)
+        while len(self._workers) < team().size:
+            self._workers.append(_Worker.of(self._waves, self._samples.shape[1], self._lines))
 
-        def some(worker: int, first: int, last: int) -> None:
+        def along_x(worker: int, first: int, last: int) -> None:
+            own = self._workers[worker]
+            for y in range(first * self._lines, last * self._lines, self._lines):
+                some = slice(y, y + self._lines)
+                if load is None:
+                    own.samples[:] = self._samples[some]
+                else:
+                    load(y, own.rows)
+                own.along_x.update_arrays(own.samples, self._waves[some])
+                own.along_x.execute()
+
+        def along_y(worker: int, first: int, last: int) -> None:
             own = self._workers[worker]
             for x in range(first * _COLUMNS, min(last * _COLUMNS, columns), _COLUMNS):
                 kernels.take_columns(self._waves, rows, x, own.block)
                 own.along_y.execute()
                 work(own, x)
 
-        team().share(some, -(-columns // _COLUMNS), rows * columns)
+        team().share(along_x, rows // self._lines, rows * self._samples.shape[1])
+        team().share(along_y, -(-columns // _COLUMNS), rows * columns)
 
-    def _along_x(self, rows: int, back: bool) -> None:
-        while len(self._workers) < team().size:
-            self._workers.append(_Worker.of(self._samples, self._waves, self._lines))
-
+    def _back_along_x(self, rows: int, read: OnRows | None) -> None:
         def some(worker: int, first: int, last: int) -> None:
-            plan = self._workers[worker].back_along_x if back else self._workers[worker].along_x
+            own = self._workers[worker]
             for y in range(first * self._lines, last * self._lines, self._lines):
-                samples, waves = self._samples[y : y + self._lines], self._waves[y : y + self._lines]
-                plan.update_arrays(*((waves, samples) if back else (samples, waves)))
-                plan.execute()
+                some = slice(y, y + self._lines)
+                own.back_along_x.update_arrays(self._waves[some], own.samples)
+                own.back_along_x.execute()
+                if read is None:
+                    self._samples[some] = own.samples
+                else:
+                    read(y, own.rows)
 
         team().share(some, rows // self._lines, rows * self._samples.shape[1])
 
 
 class _Worker(NamedTuple):
-    """What a thread has of its own: plans for some rows, and some columns `[x, y]` and plans for these."""
+    """What a thread has of its own: memory of some rows, which holds samples, and some columns `[x, y]` of waves.
 
+    And plans to transform these; rows from here to the map, and back.
+    """
+
+    rows: Reals
+    samples: Reals
     along_x: Any
     back_along_x: Any
     block: npt.NDArray[Any]
@@ -290,17 +330,21 @@ class _Worker(NamedTuple):
     back_along_y: Any
 
     @classmethod
-    def of(cls, samples: Reals, waves: npt.NDArray[Any], lines: int) -> Self:
+    def of(cls, waves: npt.NDArray[Any], nx: int, lines: int) -> Self:
         """Make plans of the same kind for each thread; here, as planning is not meant for several at once."""
-        rows, here = len(waves), {"flags": ("FFTW_ESTIMATE",)}
+        columns, here = len(waves), {"flags": ("FFTW_ESTIMATE",)}
         back = {"direction": "FFTW_BACKWARD", "flags": ("FFTW_ESTIMATE", "FFTW_DESTROY_INPUT")}
         line = _LINE // 16
         # an odd number of cache lines apart, as in `padded`
-        block = pyfftw.zeros_aligned((_COLUMNS, (rows // line + 1 | 1) * line), dtype=waves.dtype, n=_LINE)[:, :rows]
-        some = samples[:lines], waves[:lines]
+        block = pyfftw.zeros_aligned((_COLUMNS, (columns // line + 1 | 1) * line), dtype=waves.dtype, n=_LINE)
+        block = block[:, :columns]
+        rows = pyfftw.zeros_aligned((lines, 2 * padded(nx // 2 + 1)), dtype=np.float64, n=_LINE)
+        samples, some = rows[:, :nx], waves[:lines]
         return cls(
-            pyfftw.FFTW(*some, axes=(1,), **here),
-            pyfftw.FFTW(*some[::-1], axes=(1,), **back),
+            rows,
+            samples,
+            pyfftw.FFTW(samples, some, axes=(1,), **here),
+            pyfftw.FFTW(some, samples, axes=(1,), **back),
             block,
             pyfftw.FFTW(block, block, axes=(1,), **here),
             pyfftw.FFTW(block, block, axes=(1,), **back),

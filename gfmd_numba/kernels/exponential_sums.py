@@ -16,7 +16,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.pressure_solvers import begin_behind_widest_gap, newton_error, without_mean
+from gfmd_numba.kernels.pressure_solvers import begin_behind_widest_gap, change_few, sum_of, take_off
 
 
 @jit
@@ -534,7 +534,7 @@ def _factor(touching: int, free: int, task: Task, level: Level) -> None:
     far_powers(level.fine.powers, level.fine.near, distances, touching, free, contact_rows)
     exponential_sum_factor(coarse, factors, contact, touching, task.n, r[:0])
     if task.free_mean:
-        without_mean(r, touching)
+        take_off(r[:touching], sum_of(r[:touching]) / touching)
         t[:touching] = 1.0
         exponential_sum_solve(t, touching, coarse.weights, factors, uniform)
     exponential_sum_solve(r, touching, coarse.weights, factors, z)
@@ -555,7 +555,8 @@ def _close_gap(
         if not fresh:
             exponential_sum_solve(r, touching, level.coarse.weights, level.factors, z)
         fresh = False
-        energy, error = newton_error(r, z, uniform, new, inside, touching, task.rounding, task.free_mean)
+        lists = r[:touching], z[:touching], uniform[:touching], new, inside[:touching]
+        energy, error = change_few(*lists, task.rounding, task.free_mean)
         if final < 0.0:
             final = max(task.target, task.share * error) if error < np.inf else task.target
             tolerance = max(tolerance, final)
@@ -578,7 +579,7 @@ def _close_gap(
             new[inside[k]] += length * t[k]
             r[k] -= length * st[k]
         if task.free_mean:
-            without_mean(r, touching)
+            take_off(r[:touching], sum_of(r[:touching]) / touching)
     return tolerance, final, False
 
 

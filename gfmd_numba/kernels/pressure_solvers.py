@@ -52,93 +52,175 @@ def begin_behind_widest_gap(ascending: Indices, count: int, n: int, nodes: Indic
 
 
 @jit
-def closing_displacement(gap: Reals, nodes: Indices, count: int, r: Reals, free_mean: bool) -> None:
-    """Displacement r that closes the gap on the nodes in contact.
-
-    `free_mean`: the load is prescribed, so the gap is known up to a constant; r has no mean then.
-    """
-    for k in range(count):
+def closing_displacement(gap: Reals, nodes: Indices, r: Reals) -> float:
+    """Displacement r that closes the gap on some nodes in contact; its sum."""
+    total = 0.0
+    for k in range(nodes.size):
         r[k] = -gap[nodes[k]]
-    if free_mean:
-        without_mean(r, count)
+        total += r[k]
+    return total
 
 
 @jit
-def without_mean(r: Reals, count: int) -> None:
-    """Take the mean off the first `count` values."""
-    mean = 0.0
-    for k in range(count):
-        mean += r[k]
-    mean /= count
-    for k in range(count):
+def take_off(r: Reals, mean: float) -> None:
+    """Take a mean off all values."""
+    for k in range(r.size):
         r[k] -= mean
 
 
 @jit
-def newton_error(
-    r: Reals, z: Reals, uniform: Reals, p: Reals, nodes: Indices, count: int, rounding: float, free_mean: bool
-) -> tuple[float, float]:
-    """Energy r z of a change z of the pressure, and its size: the largest over the largest, or sum over sum.
+def sum_of(values: Reals) -> float:
+    """Sum of all values."""
+    total = 0.0
+    for k in range(values.size):
+        total += values[k]
+    return total
 
-    Under a prescribed load z first loses what changes the load, by means of the pressure that a `uniform`
-    displacement takes. The error is zero where r is within `rounding` of zero.
+
+@jit
+def sums_of(z: Reals, uniform: Reals) -> tuple[float, float]:
+    """Sums of all values, of a change and of the pressures that a uniform displacement takes."""
+    total = takes = 0.0
+    for k in range(z.size):
+        total += z[k]
+        takes += uniform[k]
+    return total, takes
+
+
+@jit
+def newton_change(
+    r: Reals, z: Reals, uniform: Reals, share: float, p: Reals, nodes: Indices
+) -> tuple[float, float, float, float, float, float]:
+    """Take a share of a `uniform` displacement's pressure off the change z of the pressure on some nodes; its sizes.
+
+    They are its energy r z, the largest of its sizes, of those of the pressure and of r, and the sums of the first two.
     """
-    share = 0.0
-    if free_mean:
-        total = 0.0
-        for k in range(count):
-            share += z[k]
-            total += uniform[k]
-        share /= total
     energy = 0.0
     largest = 0.0
     peak = 0.0
+    open_by = 0.0
     moved = 0.0
     carried = 0.0
-    open_by = 0.0
-    for k in range(count):
-        if free_mean:
+    for k in range(nodes.size):
+        if share != 0.0:
             z[k] -= share * uniform[k]
         energy += r[k] * z[k]
         largest = max(largest, abs(z[k]))
         peak = max(peak, abs(p[nodes[k]]))
+        open_by = max(open_by, abs(r[k]))
         moved += abs(z[k])
         carried += abs(p[nodes[k]])
-        open_by = max(open_by, abs(r[k]))
-    return energy, (max(largest / peak, moved / carried) if open_by > rounding and energy > 0.0 else 0.0)
+    return energy, largest, peak, open_by, moved, carried
 
 
 @jit
-def newton_direction(z: Reals, step: float, last: float, nodes: Indices, count: int, iterate: Iterate) -> None:
-    """Make the direction z, conjugate to the last one; the energy `last` is zero if there was none.
+def newton_error(sizes: tuple[float, float, float, float, float, float], rounding: float) -> float:
+    """Size of a change of the pressure: the largest over the largest, or sum over sum.
 
-    Polak and Ribiere's formula, as a preconditioner may not be exactly the same from one iteration to the next.
+    It is zero where what it is to close is within `rounding` of zero.
     """
-    t, st = iterate.t, iterate.st
-    beta = 0.0
-    if last > 0.0:
-        for k in range(count):
-            beta -= z[k] * st[nodes[k]]
-        beta *= step / last
-    else:
-        t[:] = 0.0
-    for k in range(count):
+    energy, largest, peak, open_by, moved, carried = sizes
+    return max(largest / peak, moved / carried) if open_by > rounding and energy > 0.0 else 0.0
+
+
+@jit
+def quotient(dividend: float, divisor: float) -> float:
+    """Quotient of two numbers, infinite or not a number where the divisor is 0, which Python refuses."""
+    return dividend / divisor
+
+
+@jit
+def sum_from(gap: Reals, first: float, nodes: Indices) -> float:
+    """Sum of the gaps on some nodes beyond the first one."""
+    total = 0.0
+    for k in range(nodes.size):
+        total += gap[nodes[k]] - first
+    return total
+
+
+@jit
+def work_done(z: Reals, st: Reals, nodes: Indices) -> float:
+    """Sum of the products of some pressures with the displacement of the last direction on their nodes."""
+    total = 0.0
+    for k in range(nodes.size):
+        total += z[k] * st[nodes[k]]
+    return total
+
+
+@jit
+def curvature(t: Reals, st: Reals, nodes: Indices) -> float:
+    """Sum of the products of the direction with its displacement on some nodes."""
+    total = 0.0
+    for k in range(nodes.size):
+        total += t[nodes[k]] * st[nodes[k]]
+    return total
+
+
+@jit
+def newton_direction(z: Reals, beta: float, nodes: Indices, t: Reals) -> None:
+    """Add z to beta times the last direction on some nodes."""
+    for k in range(nodes.size):
         t[nodes[k]] = z[k] + beta * t[nodes[k]]
 
 
 @jit
-def newton_update(iterate: Iterate, energy: float, nodes: Indices, count: int, r: Reals, free_mean: bool) -> float:
-    """Line search along the direction, of all but the gap; the step."""
+def newton_update(iterate: Iterate, step: float, nodes: Indices, r: Reals) -> float:
+    """Go a step along the direction on some nodes, in all but the gap; the sum of r there."""
     p, t, st = iterate.p, iterate.t, iterate.st
-    curvature = 0.0
-    for k in range(count):
-        curvature += t[nodes[k]] * st[nodes[k]]
-    step = energy / curvature
-    for k in range(count):
+    total = 0.0
+    for k in range(nodes.size):
         p[nodes[k]] += step * t[nodes[k]]
         r[k] -= step * st[nodes[k]]
+        total += r[k]
+    return total
+
+
+@jit
+def close_few(gap: Reals, nodes: Indices, r: Reals, free_mean: bool) -> None:
+    """Displacement r that closes the gap on the nodes in contact.
+
+    `free_mean`: the load is prescribed, so the gap is known up to a constant; r has no mean then.
+    """
+    total = closing_displacement(gap, nodes, r)
     if free_mean:
-        without_mean(r, count)
+        take_off(r, total / nodes.size)
+
+
+@jit
+def change_few(
+    r: Reals, z: Reals, uniform: Reals, p: Reals, nodes: Indices, rounding: float, free_mean: bool
+) -> tuple[float, float]:
+    """Energy r z of a change z of the pressure, and its size as in `newton_error`.
+
+    Under a prescribed load z first loses what changes the load, by means of the pressure that a `uniform`
+    displacement takes.
+    """
+    share = 0.0
+    if free_mean:
+        total, takes = sums_of(z, uniform)
+        share = total / takes
+    sizes = newton_change(r, z, uniform, share, p, nodes)
+    return sizes[0], newton_error(sizes, rounding)
+
+
+@jit
+def direct_few(z: Reals, step: float, last: float, nodes: Indices, iterate: Iterate) -> None:
+    """Make the direction z, conjugate to the last one; the energy `last` is zero if there was none."""
+    beta = 0.0
+    if last > 0.0:
+        beta = -step / last * work_done(z, iterate.st, nodes)
+    else:
+        iterate.t[:] = 0.0
+    newton_direction(z, beta, nodes, iterate.t)
+
+
+@jit
+def update_few(iterate: Iterate, energy: float, nodes: Indices, r: Reals, free_mean: bool) -> float:
+    """Line search along the direction, of all but the gap; the step."""
+    step: float = energy / curvature(iterate.t, iterate.st, nodes)
+    total = newton_update(iterate, step, nodes, r)
+    if free_mean:
+        take_off(r, total / nodes.size)
     return step
 
 
@@ -150,33 +232,15 @@ def add_displacement(gap: Reals, st: Reals, step: float) -> None:
 
 
 @jit
-def revise_contact(
-    iterate: Iterate,
-    contact: Flags,
-    nodes: Indices,
-    count: int,
-    n: int,
-    total_load: float,
-    rounding: float,
-    free_mean: bool,
-) -> int:
-    """Nodes under tension leave the contact and lose it, nodes that overlap join; how many did.
+def revise_contact(p: Reals, gap: Reals, contact: Flags, approach: float, rounding: float) -> tuple[int, float]:
+    """Take the approach off the gap; nodes under tension leave the contact and lose it, nodes that overlap join.
 
-    Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
-    gap, and the others carry what was lost.
+    Return how many did, and the sum of the pressures.
     """
-    p, gap = iterate.p, iterate.gap
-    if free_mean:
-        approach = 0.0
-        first = gap[nodes[0]]
-        for k in range(count):  # as differences: a sum of gaps almost alike would lose digits
-            approach += gap[nodes[k]] - first
-        approach = first + approach / count
-        for j in range(n):
-            gap[j] -= approach
     changed = 0
     total = 0.0
-    for j in range(n):
+    for j in range(p.size):
+        gap[j] -= approach
         if contact[j]:
             if p[j] > 0.0:
                 total += p[j]
@@ -187,11 +251,7 @@ def revise_contact(
         elif gap[j] < -rounding:
             contact[j] = True
             changed += 1
-    if free_mean and changed > 0:
-        scale = total_load / total
-        for j in range(n):
-            p[j] *= scale
-    return changed
+    return changed, total
 
 
 _ROUNDED = 1e-12  # of all that is added up

@@ -84,14 +84,20 @@ def take_columns(waves: Complexes, rows: int, first: int, block: Complexes) -> N
 def multiply_columns(block: Complexes, symbol: Reals, first: int, n: int, divide: bool) -> None:
     """Multiply the transforms `[x, y]` of columns from `first` on as `multiply_map` does, by a symbol even along y."""
     rows = block.shape[1]
+    half = rows // 2 + 1
     columns = min(block.shape[0], symbol.shape[1] - first)
-    for y in range(rows // 2 + 1):
-        other = rows - y if 0 < 2 * y < rows else y
+    shares = np.empty((columns, half))
+    for y in range(half):  # which are far apart in the memory: no work in between
         for x in range(columns):
-            share = factor(symbol[y, first + x], n, divide)
-            block[x, y] *= share
-            if other != y:
-                block[x, other] *= share
+            shares[x, y] = symbol[y, first + x]
+    for x in range(columns):
+        share, column = shares[x], block[x]
+        for y in range(half):
+            share[y] = factor(share[y], n, divide)
+        for y in range(half):
+            column[y] *= share[y]
+        for y in range(half, rows):
+            column[y] *= share[rows - y]
 
 
 @jit

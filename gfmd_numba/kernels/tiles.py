@@ -230,6 +230,13 @@ def surrounded(values: Reals, tile: int, around: Indices, halo: Reals) -> None:
 
 
 @jit
+def put_nodes(values: Reals, nodes: Indices, image: Reals) -> None:
+    """Put values on the listed nodes."""
+    for k in range(nodes.size):
+        image[nodes[k]] = values[k]
+
+
+@jit
 def soften_nodes(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
     """Take the displacement that the block of a tile shares off the pressures, times what `isolated` nodes resist."""
     for k in range(nodes.size):
@@ -291,6 +298,29 @@ def take_tiles(rows: Reals, tiles: Indices, nx: int, values: Reals) -> None:
         for y in range(TILE):
             for x in range(TILE):
                 values[k, y, x] = rows[top + y, left + x]
+
+
+@jit
+def tiles_of_rows(tiles: Indices, nx: int, top: int, rows: int) -> tuple[int, int, int]:
+    """Number of the first tile of some rows of a map, from `top` on; places of the first and last but one in a list."""
+    first = top // TILE * (nx // TILE)
+    after = first + rows // TILE * (nx // TILE)
+    return first, int(np.searchsorted(tiles, first)), int(np.searchsorted(tiles, after))
+
+
+@jit
+def put_on_rows(values: Reals, tiles: Indices, nx: int, top: int, rows: Reals) -> None:
+    """Fill some rows of a map, from `top` on, with the values on the listed tiles, and zeros elsewhere."""
+    first, a, b = tiles_of_rows(tiles, nx, top, rows.shape[0])
+    rows[:] = 0.0
+    put_tiles(values[a:b], tiles[a:b] - first, rows, nx)
+
+
+@jit
+def take_from_rows(values: Reals, tiles: Indices, nx: int, top: int, rows: Reals) -> None:
+    """Fill the values on those of the listed tiles that lie in some rows of a map, from `top` on."""
+    first, a, b = tiles_of_rows(tiles, nx, top, rows.shape[0])
+    take_tiles(rows, tiles[a:b] - first, nx, values[a:b])
 
 
 @jit

@@ -67,9 +67,9 @@ class ActiveSetNewton(PressureIterate):
                 self._open_gap(row)
             count = kernels.contact_nodes(self._contact[i], n, self._nodes)
             spent = self._inverse.transforms
-            self._close_gap(row, count)
+            closing = self._close_gap(row, count)
             self.elsewhere[i] += self._inverse.transforms - spent
-            changed = self._revise(row, count) or self._opened(row, count)
+            changed = self._revise(row, closing) or self._opened(row, count)
             tighter = _TIGHTEN * self._tolerance[i]
             if changed:
                 tighter = min(self._tuning.tighten * self._tolerance[i], self._tuning.ahead * changed / max(count, 1))
@@ -92,14 +92,12 @@ class ActiveSetNewton(PressureIterate):
             self._last.remember(i, p, gap)
         self._contact[i] = (p > 0.0) & (p < self.hardness)
 
-    def _revise(self, row: Indices, count: int) -> int:
+    def _revise(self, row: Indices, closing: Closing) -> int:
         """Revise the contact of a row; returns how many nodes changed sides."""
         i, n, iterate, contact = row[0], self.field.n, self.rows[row[0]], self._contact[row[0]]
+        count = closing.nodes.size
         if self._last is None:
-            changed = kernels.revise_contact(
-                iterate, contact, self._nodes, count, n, self.load[i] * n, self.rounding[i], self.free_mean
-            )
-            return int(changed)
+            return closing.revise(contact[:n], self.load[i] * n)
         if self._careful[i]:
             self._careful[i] = False
             stopped = kernels.stop_at_first_bound(iterate.p, self._last.pressure[i], contact, self.hardness, n)
@@ -125,19 +123,20 @@ class ActiveSetNewton(PressureIterate):
         self._contact[i] = (self.pressure[i] > 0.0) & (self.pressure[i] < self.hardness)
         return int(n - np.count_nonzero(self._contact[i]))
 
-    def _close_gap(self, row: Indices, count: int) -> None:
-        """Find the pressure that closes the gap of a row on the nodes in contact."""
+    def _close_gap(self, row: Indices, count: int) -> Closing:
+        """Find the pressure that closes the gap of a row on the nodes in contact; the problem that this was."""
         i, n, nodes, inverse, room = row[0], self.field.n, self._nodes[:count], self._inverse, self._room
+        iterate = kernels.Iterate(*(each[:n] for each in self.rows[i]))
+        soften = partial(self.field.apply, self.compliance, row, source=1)
+        closing = Closing(iterate, nodes, inverse, soften, self._uniform, self.rounding[i], self.free_mean, room)
         if count == 0:
-            return
+            return closing
         inverse.factor(nodes, count)
         if self.free_mean:
             room[0, :count] = 1.0
             inverse.solve(room[0], self._uniform)
-        iterate = kernels.Iterate(*(each[:n] for each in self.rows[i]))
-        soften = partial(self.field.apply, self.compliance, row, source=1)
-        closing = Closing(iterate, nodes, inverse, soften, self._uniform, self.rounding[i], self.free_mean, room)
         closing.solve(self._tolerance[i], inverse.iterations)
+        return closing
 
     def _guess(self, batch: Batch, options: Options) -> None:
         """Begin with the pressure of the waves that a coarser grid holds."""

@@ -1,14 +1,14 @@
 """What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.arrays.threads import team
+from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays.threads import is_one_piece, team
 from gfmd_numba.fourier.grid import relative_cost
 from gfmd_numba.fourier.transform import Transform, aligned_rows
 from gfmd_numba.solvers.iteration import Batch
@@ -125,6 +125,11 @@ class Closing(NamedTuple):
         return self.room[1, : self.nodes.size]
 
     @property
+    def remainder(self) -> Reals:
+        """Displacement `[node]` that is left to be closed."""
+        return self.room[0, : self.nodes.size]
+
+    @property
     def changed(self) -> Reals:
         """Pressure `[node]` after that change, in the part of the room that no error is kept in."""
         changed = self.room[0, : self.nodes.size]
@@ -139,17 +144,16 @@ class Closing(NamedTuple):
 
     def solve(self, tolerance: float, most: int) -> int:
         """Go on by preconditioned conjugate gradients until the error is that small; how many, at most `most`."""
-        iterate, nodes, count, (r, z) = self.iterate, self.nodes, self.nodes.size, self.room
         self._begin()
         last = step = 0.0
         for iteration in range(most):
             energy, error = self._change()
             if not error > tolerance:
                 return iteration
-            kernels.newton_direction(z, step, last, nodes, count, iterate)
+            self._direct(step, last)
             last = energy
             self.soften()
-            step = kernels.newton_update(iterate, energy, nodes, count, r, self.free_mean)
+            step = self._update(energy)
             self.open(step)
         return most
 
@@ -158,17 +162,93 @@ class Closing(NamedTuple):
         gap, opened = self.iterate.gap, self.iterate.st
         team().share(lambda _, a, b: kernels.add_displacement(gap[a:b], opened[a:b], step), gap.size, gap.size)
 
+    def revise(self, contact: Flags, load: float) -> int:
+        """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
+
+        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
+        gap, and the others carry what was lost.
+        """
+        (p, gap, _, _), nodes, rounding, approach = self.iterate, self.nodes, self.rounding, 0.0
+        if self.free_mean and nodes.size:
+            first = float(gap[nodes[0]])  # as differences: a sum of gaps almost alike would lose digits
+            approach = first + self._sum(lambda some: kernels.sum_from(gap, first, nodes[some])) / nodes.size
+        found = team().in_pieces(
+            lambda some: kernels.revise_contact(p[some], gap[some], contact[some], approach, rounding), p.size
+        )
+        changed = sum(each for each, _ in found)
+        if self.free_mean and changed:
+            scale = kernels.quotient(load, _added(total for _, total in found))
+            team().in_pieces(lambda some: np.multiply(p[some], scale, out=p[some]), p.size)
+        return int(changed)
+
+    def _sum(self, work: Callable[[slice], float]) -> float:
+        """Sum of what some work makes of some nodes after others."""
+        return _added(team().in_pieces(work, self.nodes.size))
+
     def _begin(self) -> None:
-        kernels.closing_displacement(self.iterate.gap, self.nodes, self.nodes.size, self.room[0], self.free_mean)
+        """Fill what is to be closed."""
+        gap, r, nodes = self.iterate.gap, self.remainder, self.nodes
+        if is_one_piece(nodes.size):
+            kernels.close_few(gap, nodes, r, self.free_mean)
+            return
+        self._take_off(self._sum(lambda some: kernels.closing_displacement(gap, nodes[some], r[some])))
 
     def _change(self) -> tuple[float, float]:
         """Fill the next change of the pressure; its energy and the relative error that it tells."""
-        r, z = self.room
+        r, z, uniform, p, nodes, share = self.remainder, self.change, self.uniform, self.iterate.p, self.nodes, 0.0
         self.inverse.solve(r, z)
-        energy, error = kernels.newton_error(
-            r, z, self.uniform, self.iterate.p, self.nodes, self.nodes.size, self.rounding, self.free_mean
+        if is_one_piece(nodes.size):
+            energy, error = kernels.change_few(r, z, uniform[: nodes.size], p, nodes, self.rounding, self.free_mean)
+            return float(energy), float(error)
+        if self.free_mean:
+            totals = team().in_pieces(lambda some: kernels.sums_of(z[some], uniform[some]), nodes.size)
+            share = kernels.quotient(*(_added(each) for each in zip(*totals, strict=True)))
+        found = team().in_pieces(
+            lambda some: kernels.newton_change(r[some], z[some], uniform[some], share, p, nodes[some]), nodes.size
         )
-        return float(energy), float(error)
+        energies, *largest, moved, carried = zip(*found, strict=True)
+        sizes = _added(energies), *(max(each) for each in largest), _added(moved), _added(carried)
+        return sizes[0], float(kernels.newton_error(sizes, self.rounding))
+
+    def _direct(self, step: float, last: float) -> None:
+        """Make the direction the next change, conjugate to the last one; the energy `last` is zero if there was none.
+
+        Polak and Ribiere's formula, as a preconditioner may not be exactly the same from one iteration to the next.
+        """
+        z, nodes, t, st = self.change, self.nodes, self.iterate.t, self.iterate.st
+        if is_one_piece(nodes.size):
+            kernels.direct_few(z, step, last, nodes, self.iterate)
+            return
+        beta = 0.0
+        if last > 0.0:
+            beta = -step / last * self._sum(lambda some: kernels.work_done(z[some], st, nodes[some]))
+        else:
+            team().share(lambda _, a, b: t[a:b].fill(0.0), t.size, t.size)
+        team().in_pieces(lambda some: kernels.newton_direction(z[some], beta, nodes[some], t), nodes.size)
+
+    def _update(self, energy: float) -> float:
+        """Line search along the direction, of all but the gap; the step."""
+        iterate, r, nodes = self.iterate, self.remainder, self.nodes
+        if is_one_piece(nodes.size):
+            return float(kernels.update_few(iterate, energy, nodes, r, self.free_mean))
+        curvature = self._sum(lambda some: kernels.curvature(iterate.t, iterate.st, nodes[some]))
+        step = float(kernels.quotient(energy, curvature))
+        self._take_off(self._sum(lambda some: kernels.newton_update(iterate, step, nodes[some], r[some])))
+        return step
+
+    def _take_off(self, total: float) -> None:
+        """Take the mean off what is to be closed, which adds up to a total, if the gap is known up to a constant."""
+        if self.free_mean:
+            r, mean = self.remainder, total / self.nodes.size
+            team().in_pieces(lambda some: kernels.take_off(r[some], mean), r.size)
+
+
+def _added(values: Iterable[float]) -> float:
+    """Sum in this order, and to the same last bit: `sum` keeps more digits from Python 3.12 on."""
+    total = 0.0
+    for value in values:
+        total += value
+    return total
 
 
 def between(coarse: tuple[int, ...], fine: tuple[int, ...]) -> list[tuple[Indices, Reals]]:

@@ -8,6 +8,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
+from gfmd_numba.arrays import threads
 from gfmd_numba.contact import free_window
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import solve
@@ -528,15 +529,28 @@ def test_rows_around_the_window_of_a_map_are_transformed_for_an_exact_certificat
         monkeypatch.setattr(newton.MapContact, "bound", lambda contact: np.inf)
     n, filled, plain = 64, [], transform._Blocks.multiply
 
-    def told(self, symbol, size, divide, some):
+    def told(self, symbol, size, divide, some, *ways):
         if size == 4 * n * n:
             filled.append(some)
-        plain(self, symbol, size, divide, some)
+        plain(self, symbol, size, divide, some, *ways)
 
     monkeypatch.setattr(transform._Blocks, "multiply", told)
     assert pressed(rough(n, 2), 0.05).equilibrium.status == Status.ok
     assert filled.count(True) >= 2
     assert filled.count(False) == exactly
+
+
+def test_threads_change_no_bit_of_a_window(monkeypatch):
+    monkeypatch.setattr(threads, "cores", lambda: 3)
+    monkeypatch.setattr(threads, "_FEWEST", 0)
+    monkeypatch.setattr(threads, "_PIECE", 32)
+    found = []
+    for number in (1, 2, 3):
+        with threads.shared_by(number):
+            found.append(pressed(rough(64, 2), 0.05).equilibrium)
+    for each in found[1:]:
+        np.testing.assert_array_equal(each.pressure, found[0].pressure)
+        np.testing.assert_array_equal(each.displacement, found[0].displacement)
 
 
 @pytest.mark.parametrize("load", [0.2, None])

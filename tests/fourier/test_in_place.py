@@ -89,10 +89,36 @@ def test_a_map_transformed_in_pieces_is_the_whole_one_for_any_number_of_threads(
     np.testing.assert_array_equal(pieces.samples, alone.samples)
 
 
-@pytest.mark.parametrize(("nodes", "busy"), [(2**18, 1), (2**20, 2)])
+@pytest.mark.parametrize(("nodes", "busy"), [(2**17, 1), (2**20, 2)])
 def test_small_work_is_not_shared(monkeypatch, nodes, busy):
     monkeypatch.setattr(threading, "cores", lambda: 2)
-    used = set()
+    used, done = [], []
     with threading.shared_by(2):
-        threading.team().share(lambda thread, first, last: used.add((thread, first, last)), 8, nodes)
-    assert used == ({(0, 0, 8)} if busy == 1 else {(0, 0, 4), (1, 4, 8)})
+        threading.team().share(lambda *part: used.append(part), 64, nodes, lambda: done.append("before"))
+    assert done == ["before"]
+    assert [each for _, *part in sorted(used, key=lambda part: part[1]) for each in range(*part)] == [*range(64)]
+    assert used == [(0, 0, 64)] if busy == 1 else len(used) == 8
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_sums_of_pieces_come_in_their_order_for_any_number_of_threads(monkeypatch, threads):
+    monkeypatch.setattr(threading, "cores", lambda: 3)
+    monkeypatch.setattr(threading, "_FEWEST", 0)
+    monkeypatch.setattr(threading, "_PIECE", 7)
+    numbers = np.random.default_rng(0).permutation(100)
+    with threading.shared_by(threads):
+        found = threading.team().in_pieces(lambda some: numbers[some].tolist(), 100)
+    assert [len(each) for each in found] == 14 * [7] + [2]
+    assert np.concatenate(found).tolist() == numbers.tolist()
+
+
+def test_what_shared_work_raises_is_raised_and_a_team_within_a_team_waits_for_no_one(monkeypatch):
+    monkeypatch.setattr(threading, "cores", lambda: 2)
+    monkeypatch.setattr(threading, "_FEWEST", 0)
+    made = []
+    with threading.shared_by(2):
+        team = threading.team()
+        team.share(lambda *_: made.append(1), 8, 8, lambda: team.share(lambda *_: made.append(2), 8, 8))
+        with pytest.raises(ValueError, match="no such piece"):
+            team.in_pieces(lambda some: int("no such piece"), 2**15)
+    assert sorted(made) == 8 * [1] + 8 * [2]

@@ -158,6 +158,30 @@ def test_a_tile_is_surrounded_by_the_nodes_next_to_it(kernel, rng):
         np.testing.assert_array_equal(halo, image[y : y + SIDE + 2, x : x + SIDE + 2])
 
 
+@pytest.mark.parametrize("kernel", both(kernels.put_nodes))
+def test_values_are_put_on_nodes(kernel, rng):
+    nodes, image = rng.permutation(9)[:4], np.full(9, 7.0)
+    kernel(np.arange(4.0), nodes, image)
+    assert image[nodes].tolist() == [0, 1, 2, 3]
+    assert image.sum() == 41.0
+
+
+@pytest.mark.parametrize("put", both(kernels.put_on_rows))
+@pytest.mark.parametrize("take", both(kernels.take_from_rows))
+@pytest.mark.parametrize("first", range(DOWN))
+def test_tiles_on_some_rows_are_put_there_and_taken_back(first, take, put, rng):
+    values, top, end = random_values(rng), first * SIDE, NY - (DOWN - 1 - first) // 2 * SIDE
+    rows, found = np.full((end - top, PADDED), 7.0), np.full(values.shape, 7.0)
+    put(values, TILES, NX, top, rows)
+    np.testing.assert_array_equal(rows[:, :NX], joined(values)[top:end])
+    assert not rows[:, NX:].any()
+    take(found, TILES, NX, top, rows)
+    there = np.isin(TILES // ACROSS, np.arange(first, end // SIDE))
+    np.testing.assert_array_equal(found[:-1][there], values[:-1][there])
+    assert (found[:-1][~there] == 7.0).all()
+    assert (found[-1] == 7.0).all()
+
+
 @pytest.mark.parametrize("kernel", both(kernels.soften_nodes))
 def test_what_a_block_shares_is_taken_off(kernel, rng):
     nodes = np.sort(rng.permutation(5 * SIDE**2)[:20])

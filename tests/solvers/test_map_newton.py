@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from gfmd_numba import kernels
+from gfmd_numba.arrays import threads
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
+from gfmd_numba.fourier import transform
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
@@ -119,6 +121,44 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
         np.testing.assert_array_equal(alone.pressure[0], together.pressure[i])
         np.testing.assert_array_equal(alone.displacement[0], together.displacement[i])
         assert alone.n_transforms[0] == together.n_transforms[i]
+
+
+@pytest.mark.parametrize("pieces", [32, 2**14])
+@pytest.mark.parametrize("large", [0, 2**20])
+@pytest.mark.parametrize(
+    ("nx", "load", "depth"),
+    [
+        (64, 0.05, None),
+        (128, 1e-4, None),
+        (128, 0.003, None),
+        (128, 0.1, None),
+        (128, 5.0, None),
+        (128, None, 0.2),
+        (128, None, -1.0),
+    ],
+)
+def test_threads_change_no_bit_and_pieces_no_node(monkeypatch, nx, load, depth, large, pieces):
+    """Of few tiles and of all, of full contact and of none, with transforms and sums in pieces or as a whole."""
+    punch, stiff = rough(nx), body((nx, nx), None if depth is None else (0.3, 1.0))
+    if depth is not None:
+        punch -= depth * punch.mean()
+    plain = equilibrate(punch, SpectralResponse.of_normal(stiff), load, NEWTON)
+    assert plain.status[0] == Status.ok
+    monkeypatch.setattr(threads, "cores", lambda: 3)
+    monkeypatch.setattr(threads, "_FEWEST", 0)
+    monkeypatch.setattr(threads, "_PIECE", pieces)
+    monkeypatch.setattr(transform, "_LARGE", large)
+    found = []
+    for number in (1, 2, 3):
+        with threads.shared_by(number):
+            found.append(equilibrate(punch, SpectralResponse.of_normal(stiff), load, NEWTON))
+    np.testing.assert_array_equal(found[0].touching, plain.touching)
+    np.testing.assert_allclose(found[0].pressure, plain.pressure, atol=1e-7 * plain.pressure.max())
+    for each in found[1:]:
+        np.testing.assert_array_equal(each.pressure, found[0].pressure)
+        np.testing.assert_array_equal(each.displacement, found[0].displacement)
+        assert each.n_transforms[0] == found[0].n_transforms[0]
+        assert each.residual[0] == found[0].residual[0]
 
 
 @pytest.mark.parametrize("load", [0.001, 0.003])

@@ -115,17 +115,22 @@ class SplitCompliance:
         )
         kernels.list_loaded(pressure, *loaded)
         coarse = self._field.memory[0]
-        kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
-        self._field.stiffen(self._far)
 
-        def some(_: int, first: int, last: int) -> None:
+        def far() -> None:
+            kernels.spread(pressure, self._tiles, across, per_tile, weights, coarse, *self._coarse_shape)
+            self._field.stiffen(self._far)
+
+        def near(_: int, first: int, last: int) -> None:
+            each = self._tiles[first:last], self._places, self._tiles_each_way, self._ends
+            kernels.convolve_loaded(loaded, *each, self._kernel, self._reach, displacement[first:last])
+
+        def back(_: int, first: int, last: int) -> None:
             tiles, found = self._tiles[first:last], displacement[first:last]
-            each = tiles, self._places, self._tiles_each_way, self._ends
-            kernels.convolve_loaded(loaded, *each, self._kernel, self._reach, found)
             kernels.gather_back(coarse, tiles, across, per_tile, weights, *self._coarse_shape, found)
 
         reached = self._kernel.size // TILE**2  # tiles, by each loaded node
-        team().share(some, self._tiles.size, max(displacement.size, int(loaded[0][-1]) * reached))
+        team().share(near, self._tiles.size, max(displacement.size, int(loaded[0][-1]) * reached), far)
+        team().share(back, self._tiles.size, displacement.size)
 
 
 def _spline(order: int) -> Callable[[Reals], Reals]:
@@ -258,7 +263,8 @@ class TileField:
     def _near(self, displacement: Reals, pressure: Reals) -> Reals:
         """Fill the pressure by near neighbours, and return the sums of it over blocks."""
         sums = np.zeros(self._blocks.shape)
-        self._image.reshape(-1)[self._nodes] = displacement
+        image, nodes = self._image.reshape(-1), self._nodes
+        team().in_pieces(lambda some: kernels.put_nodes(displacement[some], nodes[some], image), nodes.size)
 
         def some(_: int, first: int, last: int) -> None:
             tiles = self._ends[first], self._ends[last]

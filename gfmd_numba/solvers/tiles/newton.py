@@ -1,6 +1,7 @@
 """Active-set Newton method for a hard wall that meets maps: exact displacements now and then, near ones in between."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from typing import NamedTuple, TypeVar
@@ -12,7 +13,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
-from gfmd_numba.fourier.transform import Transform
+from gfmd_numba.fourier.transform import OnRows, Transform
 from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.pressures import Closing, between
@@ -115,6 +116,7 @@ class MapContact:
         self._rounding = float(np.finfo(np.float64).eps * np.ptp(wall))
         self._marks: Flags = np.zeros(math.prod(level.tiles_each_way), dtype=np.bool_)
         self.tiles, self._places = listed(self._marks)
+        self._around = np.empty((0, 9), dtype=np.int64)
         self.pressure, self._gap, self._direction, self._moved = self._zeros()
         self.contact: Flags = self.pressure > 0.0
         self.count, self.coarse_transforms = 0, 0.0  # the latter in proportion to the cost of one of the map
@@ -141,7 +143,12 @@ class MapContact:
         self._retile()
         samples = coarse.transform.samples[0, : coarse.wall.shape[0]]
         coarse.put()
-        kernels.refine_tiles(samples, above, down, left, right, self.tiles, across, self.pressure)
+        pressure, tiles = self.pressure, self.tiles
+
+        def onto(_: int, a: int, b: int) -> None:
+            kernels.refine_tiles(samples, above, down, left, right, tiles[a:b], across, pressure[a:b])
+
+        team().share(onto, tiles.size, pressure.size)
         total = float(self.pressure.sum())
         if self._load is not None and total > 0.0:
             self.pressure *= self._load * self.transform.n / total
@@ -168,16 +175,24 @@ class MapContact:
 
     def put(self) -> None:
         """Put the pressure on the map into the transform."""
-        put_tiles(self.pressure, self.tiles, self.rows, self.wall.shape[1])
+        put, rows = self._on_rows(kernels.put_on_rows, self.pressure), self.rows
 
-    def displace(self) -> None:
-        """Replace what `put` has put there by the displacement that it causes."""
-        self.transform.soften(self._level.stiffness, self._level.ends[0])  # some rows are then never loaded
+        def some(_: int, first: int, last: int) -> None:
+            put(first * TILE, rows[first * TILE : last * TILE])
+
+        team().share(some, self._level.tiles_each_way[0], rows.size)
+
+    def displace(self, load: OnRows | None = None) -> None:
+        """Replace what is in the transform, or what `load` puts there, by the displacement that it causes."""
+        self.transform.soften(self._level.stiffness, self._level.ends[0], load)  # some rows are then never loaded
+
+    def _on_rows(self, kernel: Callable[[Reals, Indices, int, int, Reals], None], values: Reals) -> OnRows:
+        """What puts values on the tiles on some rows of the map, or takes them from there."""
+        return partial(kernel, values, self.tiles, self.wall.shape[1])
 
     def look(self, gap: Reals) -> None:
         """Fill the exact gap `[y, x]`, up to the approach, and find the tiles that the contact may reach."""
-        self.put()
-        self.displace()
+        self.displace(self._on_rows(kernels.put_on_rows, self.pressure))
         self._open(self.rows, gap)
         self._take(gap, self._gap)
         before, error = self._level.transforms(), self.error
@@ -268,15 +283,13 @@ class MapContact:
         iterate, nodes = closing.iterate, closing.nodes
         iterations = closing.solve(tolerance, _ITERATIONS) if nodes.size else 0
         ahead = loosely and 0 < iterations < _ITERATIONS
-        iterate.t[:] = iterate.p
+        before, p = iterate.t, iterate.p
+        team().in_pieces(lambda some: np.copyto(before[some], p[some]), p.size)
         if ahead:
-            iterate.p[nodes] = closing.changed
-        total = 0.0 if self._load is None else self._load * self.transform.n
-        changed = kernels.revise_contact(
-            iterate, contact, nodes, nodes.size, contact.size, total, self._rounding, self.free_mean
-        )
+            p[nodes] = closing.changed
+        changed = closing.revise(contact, 0.0 if self._load is None else self._load * self.transform.n)
         if changed:
-            np.subtract(iterate.p, iterate.t, out=iterate.t)
+            team().in_pieces(lambda some: np.subtract(p[some], before[some], out=before[some]), p.size)
             closing.soften()
             closing.open(1.0)
         elif ahead:
@@ -300,9 +313,8 @@ class MapContact:
             self._compliance.place(self.tiles, self._places)  # which other maps use too
             self._compliance.apply(pressure, displacement)
             return
-        put_tiles(pressure, self.tiles, self.rows, self.wall.shape[1])
-        self.displace()
-        self._take(self.rows, displacement)
+        ways = (kernels.put_on_rows, pressure), (kernels.take_from_rows, displacement)
+        self.transform.soften(self._level.stiffness, False, *(self._on_rows(*way) for way in ways))
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
@@ -349,12 +361,6 @@ def listed(marks: Flags) -> tuple[Indices, Indices]:
     return tiles, places
 
 
-def put_tiles(values: Reals, tiles: Indices, rows: Reals, nx: int) -> None:
-    """Fill rows of a map, nx nodes wide, with the values on the listed tiles, and zeros elsewhere."""
-    team().by_rows(lambda some: rows[some].fill(0.0), rows.shape)
-    team().share(lambda _, a, b: kernels.put_tiles(values[a:b], tiles[a:b], rows, nx), tiles.size, values.size)
-
-
 def _flat(values: npt.NDArray[T]) -> npt.NDArray[T]:
     """Values on the listed tiles, without the empty one."""
     return values[:-1].reshape(-1)
@@ -397,13 +403,12 @@ def guess(
     coarse = grids[1]
     own = coarse.transform()
 
-    def begin(some: slice) -> None:
-        transform.samples[0, some, nx:] = 0.0
-        np.subtract(wall[some], around, out=transform.samples[0, some, :nx])
+    def begin(top: int, rows: Reals) -> None:
+        rows[:, nx:] = 0.0
+        np.subtract(wall[top : top + len(rows)], around, out=rows[:, :nx])
 
-    team().by_rows(begin, wall.shape)
     stiffness = grids[0].stiffness if finest and not any(grids[0].ends) else None
-    contact.full_contact = transform.coarsen(own, grids[0].ends[0], stiffness)
+    contact.full_contact = transform.coarsen(own, grids[0].ends[0], stiffness, begin)
     smooth = own.samples[0, : coarse.held[0], : coarse.held[1]] + around
     before = guess(grids[1:], smooth, around, own, load, start, np.empty(coarse.held), False)
     before.settle(_SETTLED)

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 
 UNIT = (1.0,)
@@ -103,12 +104,16 @@ def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
     nx, found = heights.shape[-1], np.empty_like(heights, dtype=np.float64)  # laid out alike, as a map on its side
     given, filled = np.atleast_2d(heights), np.atleast_2d(found)
-    for first in range(0, given.shape[-2], _ROWS):
-        some = ..., slice(first, first + _ROWS), slice(None)
-        waves = grid.coefficients(given[some])
-        if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
-            waves[..., -1] = 0.0
-        filled[some] = grid.signal(grid.derivative(waves), nx) / length
+
+    def differentiate(rows: slice) -> None:
+        for first in range(rows.start, rows.stop, _ROWS):
+            some = ..., slice(first, min(first + _ROWS, rows.stop)), slice(None)
+            waves = grid.coefficients(given[some])
+            if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
+                waves[..., -1] = 0.0
+            filled[some] = grid.signal(grid.derivative(waves), nx) / length
+
+    team().by_rows(differentiate, given.shape[-2:])
     return found
 
 

@@ -13,7 +13,7 @@ from threadpoolctl import ThreadpoolController
 
 T = TypeVar("T")
 
-_PIECE = 2**14  # entries of arrays that make one sum
+_PIECE = 2**14  # entries of an array that one thread takes at a time
 _PARTS = 4  # of the work for each thread: whoever is ready takes the next
 _FEWEST = 2**18  # nodes that are shared: fewer take less time than to wake a thread and wait for it
 
@@ -28,10 +28,10 @@ class Team:
     def share(
         self, work: Callable[[int, int, int], None], pieces: int, nodes: int, first: Callable[[], None] | None = None
     ) -> None:
-        """Call `work` with the number of a thread and the first and last but one of some pieces, until all are done.
+        """Call `work` with the number of a thread, the first of some pieces and their end, until all are done.
 
         One thread alone works on few `nodes`. Results are the same for any number of threads if each piece is made by
-        itself. The one that asks may have something else to do `first`. Raises what `work` raises.
+        itself. The thread that asks may do something else `first`. Raises what `work` raises.
         """
         if self._pool is None or pieces < self.size or nodes < _FEWEST:
             if first is not None:
@@ -55,9 +55,9 @@ class Team:
                 other.result()
 
     def in_pieces(self, work: Callable[[slice], T], size: int) -> list[T]:
-        """Return what `work` makes of some of the entries of arrays of a size after others, in their order.
+        """Return what `work` makes of each piece of arrays of a size, in order.
 
-        Sums of these are then the same for any number of threads.
+        A sum over these is the same for any number of threads.
         """
         if is_one_piece(size):
             return [work(slice(0, size))]
@@ -81,7 +81,7 @@ class Team:
 
 
 def is_one_piece(size: int) -> bool:
-    """Return whether arrays of a size make one sum."""
+    """Return whether arrays of a size are one piece."""
     return size <= _PIECE
 
 

@@ -24,8 +24,8 @@ COUNT = f"a whole number from 1 to {MOST}, or a mapping of such with the key ref
 COUNTS = f"a whole number from 1 to {MOST}, or a list of such, one for each level of the limit (0: left out)"
 FEWEST = 20  # realisations of the finest level: fewer do not tell how it goes with the others
 _MOST = 400  # of a coarse one
-# eps_f, eps_c and eps_t, by the dimension, and the finest eps_t that a run begins with on thin layers
-_FIRST = {1: (1 / 1024, 1 / 2, 1 / 4, 1 / 64), 2: (1 / 32, 1 / 2, 1 / 2, inf)}
+_FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
+_FINEST_OF_LAYERS = 1 / 64  # eps_t of profiles that a run begins with on thin layers
 STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
@@ -141,10 +141,10 @@ def first_levels(dimension: int, anisotropy: float = 1.0, thinnest_layer: float 
     The longest waves along y of maps with an anisotropy above 1 fit the period at each of them. On profiles no layer
     is lower than the longest wave of the power law, as far as eps_t is not below 1/64.
     """
-    (finest, c, t, finest_of_layers), step = _FIRST[dimension], STEP[dimension]
+    (finest, c, t), step = _FIRST[dimension], STEP[dimension]
     while 2.0 * t * anisotropy > 1.0:
         t /= 2.0
-    while t > max(thinnest_layer, finest_of_layers):
+    while dimension == 1 and t > max(thinnest_layer, _FINEST_OF_LAYERS):
         t /= 2.0
     coarse, coarser = step * finest, step**2 * finest
     return [

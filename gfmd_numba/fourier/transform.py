@@ -168,8 +168,8 @@ class Transform:
     ) -> None:
         """Replace the first pressure by the displacement that it causes, in place; 0 at stiffness 0 or infinity.
 
-        Of the rows that may be `filled` alone, if so asked. The pressure may be what `load` fills some rows after
-        others with; with `read`, which is given those of the displacement, nothing else is left of it.
+        Of the rows that may be `filled` alone, if so asked. A `load` fills the pressure into some rows at a time. A
+        `read` is given the rows of the displacement, which is then kept nowhere else.
         """
         self._multiply(stiffness, divide=True, filled=filled, load=load, read=read)
 
@@ -193,8 +193,8 @@ class Transform:
     ) -> float:
         """Fill the first samples of a transform of fewer nodes with the waves of the first map that it holds.
 
-        The map may be what `load` fills some rows after others with. What is not in the rows that may be `filled`
-        counts as zero, if so asked. With a `stiffness` of maps, return the root-mean-square traction that restores the
+        A `load` fills the map into some rows at a time. What is not in the rows that may be `filled` counts as zero, if
+        so asked. With a `stiffness` of maps, return the root-mean-square traction that restores the
         map, but for its mean.
         """
         power = 0.0
@@ -318,7 +318,7 @@ class _Blocks:
 class _Worker(NamedTuple):
     """What a thread has of its own: memory of some rows, which holds samples, and some columns `[x, y]` of waves.
 
-    And plans to transform these; rows from here to the map, and back.
+    Its plans transform the columns in place, and rows between this memory and the map.
     """
 
     rows: Reals

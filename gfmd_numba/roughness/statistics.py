@@ -60,7 +60,7 @@ def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
 def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Reals:
     """Root-mean-square gradient `[...]`, sqrt(sum of |q|^2 |h(q)|^2) over all waves, on maps that of the whole vector.
 
-    Heights may end along some axes (y,) x. Source: thesis (4.2), without its factor.
+    Heights may end along some axes (y,) x. Source: thesis (4.2), in which square and root are missing.
     """
     if any(ends):
         squares = sum(each**2 for each in gradients(heights, lengths, ends))

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 
+from gfmd_numba.arrays.threads import Team, shared_by
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
@@ -132,6 +133,22 @@ def test_scaled_heights_have_the_rms_asked_for():
     np.testing.assert_allclose(statistics.rms_gradient(by_gradient, LENGTHS), 0.3)
     with pytest.raises(ValueError, match="flat"):
         statistics.scaled(np.ones((1, 8)), (1.0,), rms_height=1.0)
+
+
+@pytest.mark.parametrize("shape", [(1, 512, 512), (600, 513)], ids=["map", "profiles"])
+def test_threads_share_a_gradient_and_change_no_bit_of_it(shape, monkeypatch):
+    heights, shared = np.random.default_rng(1).normal(size=shape), []
+    by_rows = Team.by_rows
+    monkeypatch.setattr(Team, "by_rows", lambda team, *given: shared.append(team.size) or by_rows(team, *given))
+    waves = np.fft.rfft(heights)
+    waves[..., 256:] *= shape[-1] % 2  # no derivative of the Nyquist wave
+    expected = np.fft.irfft(2j * np.pi * np.arange(waves.shape[-1]) * waves, shape[-1])
+    alone = statistics.gradient(heights)
+    with shared_by(2):
+        np.testing.assert_array_equal(statistics.gradient(heights), alone)
+    np.testing.assert_allclose(alone, expected, atol=1e-9)
+    assert shared[0] == 1
+    assert len(shared) == 2
 
 
 @pytest.mark.parametrize("n", [4, 5, 40])

@@ -187,7 +187,7 @@ class MapContact:
         self.transform.soften(self._level.stiffness, self._level.ends[0], load)  # some rows are then never loaded
 
     def _on_rows(self, kernel: Callable[[Reals, Indices, int, int, Reals], None], values: Reals) -> OnRows:
-        """What puts values on the tiles on some rows of the map, or takes them from there."""
+        """Function that puts values of the tiles on some rows of the map, or takes them from there."""
         return partial(kernel, values, self.tiles, self.wall.shape[1])
 
     def look(self, gap: Reals) -> None:

@@ -13,6 +13,7 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.equilibrium import begin, equilibrate
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Start
+from gfmd_numba.solvers.pressures import Closing
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
@@ -159,6 +160,44 @@ def test_threads_change_no_bit_and_pieces_no_node(monkeypatch, nx, load, depth, 
         np.testing.assert_array_equal(each.displacement, found[0].displacement)
         assert each.n_transforms[0] == found[0].n_transforms[0]
         assert each.residual[0] == found[0].residual[0]
+
+
+class Diagonal:
+    """An inverse that knows the diagonal of a compliance alone."""
+
+    def __init__(self, diagonal):
+        self.diagonal = diagonal
+
+    def solve(self, r, z):
+        z[: self.diagonal.size] = r[: self.diagonal.size] / self.diagonal
+
+
+@pytest.mark.parametrize("free_mean", [False, True])
+def test_sums_in_pieces_close_gaps_in_as_many_steps(monkeypatch, free_mean):
+    """The pressure is that of Gaussian elimination; a wrong direction in pieces would take more steps."""
+    random = np.random.default_rng(5)
+    n, nodes = 60, np.sort(random.permutation(60)[:45])
+    factors = random.normal(size=(n, n))
+    compliance = factors @ factors.T + np.diag(np.linspace(1.0, 500.0, n))
+    gap, pressure = random.normal(size=n), random.uniform(1.0, 2.0, n)
+    inverse, found = Diagonal(np.diag(compliance)[nodes]), []
+    for piece in (2**14, 8):
+        monkeypatch.setattr(threads, "_PIECE", piece)
+        iterate = kernels.Iterate(pressure.copy(), gap.copy(), np.zeros(n), np.zeros(n))
+
+        def soften(iterate=iterate):
+            iterate.st[:] = compliance @ iterate.t
+
+        uniform, room = np.zeros(n), np.zeros((2, n))
+        inverse.solve(np.ones(n), uniform)
+        closing = Closing(iterate, nodes, inverse, soften, uniform, 0.0, free_mean, room)
+        found.append((closing.solve(1e-10, 200), iterate.p[nodes]))
+    (steps, whole), (steps_of_pieces, in_pieces) = found
+    assert steps_of_pieces == steps < 200
+    np.testing.assert_allclose(in_pieces, whole, rtol=1e-7)
+    if not free_mean:
+        own = compliance[np.ix_(nodes, nodes)]
+        np.testing.assert_allclose(whole, pressure[nodes] - np.linalg.solve(own, gap[nodes]), rtol=1e-7)
 
 
 @pytest.mark.parametrize("load", [0.001, 0.003])

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from gfmd_numba.arrays.regions import closed
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
@@ -299,7 +300,7 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> Iterator[Told]:
     scene, nodes = given.file.scene, _nodes(given)
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
-    touching = found["gap"] <= 0.0
+    touching = closed(found["gap"])
     steep = _slopes(found, scene.ends, touching)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)

@@ -55,7 +55,7 @@ class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
     `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible. A surface that
-    `is_design` has no roughness; one that `has_cutoff` has no waves shorter than a cutoff. Along axes it may have `ends`.
+    `is_design` has no roughness; one that `has_cutoff`, no waves shorter than a cutoff. Along axes it may have `ends`.
     """
 
     heights: Reals

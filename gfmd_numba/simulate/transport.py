@@ -14,6 +14,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from gfmd_numba.analysis import channels
 from gfmd_numba.analysis.forms import SOLVED, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays.regions import closed
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
@@ -55,7 +56,7 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     material = None if conductivity is None else _material(contact, conductivity)
     contact = SOLVED.checked(contact, "contact")
     nodes = check_fields(contact, ("gap",), whole=True)
-    touching, ends = contact["gap"] <= 0.0, tuple(not around for around in goes_around(contact))
+    touching, ends = closed(contact["gap"]), tuple(not around for around in goes_around(contact))
     reduced, density = xr.apply_ufunc(
         _reduced,
         touching,

@@ -338,8 +338,9 @@ def _outside_branches(given: ContactInput, found: Found) -> Iterator[str]:
         )
     if not speeds or "nayak" not in found or scene.form is not None:
         return
-    peaks, gradient = _distance_of_peaks(given, found), _largest(found["rms_gradient"]) / scene.dimension**0.5
-    waves = 2.0 * np.pi * _largest(found["height"].std(_nodes(given))) / gradient
+    heights, gradient = found["height"].std(_nodes(given)), _largest(found["rms_gradient"]) / scene.dimension**0.5
+    peaks = _largest(statistics.distance_of_peaks(heights**2, gradient**2, found["nayak"]))
+    waves = 2.0 * np.pi * _largest(heights) / gradient
     unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
     for wave, speed, end, how, where in (
         (waves, min(speeds), 1.0 / longest, "relaxed", "below"),
@@ -437,17 +438,6 @@ def _slopes(found: Found, ends: tuple[bool, ...], where: NDArray[np.bool_]) -> N
         after[axis] = after[axis] % n
         steepness[nodes] = np.hypot(steepness[nodes], (height[tuple(after)] - height[tuple(before)]) / apart)
     return steepness
-
-
-def _distance_of_peaks(given: ContactInput, found: Found) -> float:
-    """Mean distance of the peaks of a random profile, 2 pi (m2 / m4)^(1/2).
-
-    Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
-    """
-    nodes = _nodes(given)
-    profile_gradient = _largest(found["rms_gradient"]) / sqrt(len(nodes))
-    wide = _largest(found["height"].std(nodes) / found["nayak"] ** 0.5)
-    return float(2.0 * pi * wide / profile_gradient)
 
 
 def past_asperities(found: Found) -> Iterator[Told]:

@@ -138,7 +138,7 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     low, high = factor * body.values, factor * punch.values
     others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
     every = [dataset[name] for name in ("pressure", *others)]
-    per_unit, unit_of_tractions = style.prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
+    per_unit, unit_of_tractions = style.prefix(every, "E^*")
     pressure, *tractions = (per_unit * each.values for each in every)
     rubs = r"Tractions $p$, $\tau$" if others == ["tangential_traction"] else "Tractions"
     named = rubs if others else "Pressure $p$"
@@ -252,7 +252,7 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     The longest arrow stands for the largest mean.
     """
     both = dataset["tangential_traction"], dataset["tangential_traction_y"]
-    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
+    factor, unit = style.prefix(both, "E^*")
     traction = np.where(shown, [factor * component.values for component in both], 0.0)
     size = np.hypot(*traction)
     colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")
@@ -274,7 +274,7 @@ def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw size and direction of the tangential traction, and the tangential displacement along x and along y."""
     draw_traction(axes[0], dataset, np.ones(dataset["gap"].shape, dtype=np.bool_))
     both = dataset["tangential_displacement"], dataset["tangential_displacement_y"]
-    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "L_x")
+    factor, unit = style.prefix(both, "L_x")
     for axis, way, component in zip(axes[1:], "xy", both, strict=True):
         label = f"Tangential displacement along ${way}$ ({unit})"
         draw_image(axis, dataset, factor * component.values, label, cmap="cividis")

@@ -25,11 +25,7 @@ Where = Literal["accuracy", "limits", "thermodynamic limit", "processes"]
 
 
 def check_combination(
-    document: Document,
-    scene: Scene,
-    numerics: Numerics,
-    path: Sequence[Step] = (),
-    grid: Grid | None = None,
+    document: Document, scene: Scene, numerics: Numerics, path: Sequence[Step] = (), grid: Grid | None = None
 ) -> None:
     """Raise InputError, one line for each fault, if a scene and its numerics do not go together.
 

@@ -90,11 +90,7 @@ class SlipRateFriction:
         held = kernels.friction_bound(pressure, coefficient, limit, rise)
         limited = coefficient * pressure > held
         by_rate = np.where(limited, limit_by_rate, by_rate * pressure)
-        return Hold(
-            held,
-            np.where(limited, limit_by_pressure, coefficient),
-            by_rate / self.duration,
-        )
+        return Hold(held, np.where(limited, limit_by_pressure, coefficient), by_rate / self.duration)
 
     def _coefficient(self, rate: Reals) -> tuple[Reals, Reals]:
         """Coefficient at a slip rate, and its slope."""

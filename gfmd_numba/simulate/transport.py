@@ -58,12 +58,7 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     nodes = check_fields(contact, ("gap",), whole=True)
     touching, ends = closed(contact["gap"]), tuple(not around for around in goes_around(contact))
     reduced, density = xr.apply_ufunc(
-        _reduced,
-        touching,
-        kwargs={"ends": ends},
-        input_core_dims=[nodes],
-        output_core_dims=[[], nodes],
-        vectorize=True,
+        _reduced, touching, kwargs={"ends": ends}, input_core_dims=[nodes], output_core_dims=[[], nodes], vectorize=True
     )
     spacing = float(contact["x"][1] - contact["x"][0])
     unit = str(contact["x"].attrs.get("units", "1"))

@@ -260,9 +260,7 @@ def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]
 
 
 def prefix(
-    variable: xr.DataArray | Sequence[xr.DataArray],
-    natural: str,
-    size: Callable[[list[float]], float] | None = None,
+    variable: xr.DataArray | Sequence[xr.DataArray], natural: str, size: Callable[[list[float]], float] | None = None
 ) -> tuple[float, str]:
     """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1.
 

@@ -111,12 +111,10 @@ def _mirrored_load(given: ContactInput) -> str:
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
     if scene.length is None or unit is None or scene.fields_in_period == 1 or scene.form is not None:
         return ""
-    side, there = (
-        with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
-    )
-    period, nominal = (
-        (f"{side} x {side}", "1 MPa for 1 N on 1 mm^2") if unit == "N" else (side, "1 kPa for 1 N/m on 1 mm")
-    )
+    side, there = with_prefix(scene.length, "m", 3), with_prefix(scene.length**-scene.dimension, "Pa", 3)
+    period, nominal = side, "1 kPa for 1 N/m on 1 mm"
+    if unit == "N":
+        period, nominal = f"{side} x {side}", "1 MPa for 1 N on 1 mm^2"
     return (
         f"a {scene.loading.control} acts on the mirrored period of {period}: 1 {unit} makes {there} there; if yours "
         f"acts on a field of another size, give a pressure, {nominal}"

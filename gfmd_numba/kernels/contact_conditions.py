@@ -46,11 +46,8 @@ class Conditions(NamedTuple):
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
         """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
         limited = (self.friction - self.rise) * pressure > self.limit
-        return (
-            np.where(limited, self.limit, 0.0) if limited.any() else None,
-            np.where(limited, self.rise, self.friction),
-            None,
-        )
+        constant = np.where(limited, self.limit, 0.0) if limited.any() else None
+        return constant, np.where(limited, self.rise, self.friction), None
 
 
 _compiled_bound = jit(friction_bound)

@@ -68,12 +68,8 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density
     result["current_density"].attrs = cf_attributes("current through a node over the mean of all nodes")
-    warnings = (
-        [*filter(None, [contact.attrs.get("validity")])]
-        + [_OF_RIDGES] * (len(nodes) == 1)
-        + [_OF_NOTHING] * (not touching.any())
-    )
-    result.attrs["validity"] = "\n".join(warnings)
+    ridges, nothing = _OF_RIDGES * (len(nodes) == 1), _OF_NOTHING * (not touching.any())
+    result.attrs["validity"] = "\n".join(filter(None, (contact.attrs.get("validity"), ridges, nothing)))
     if material is None:
         return result
     fields = fields_in_period(contact.attrs.get("scene", "{}"))

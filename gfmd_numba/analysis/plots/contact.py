@@ -23,10 +23,10 @@ from gfmd_numba.arrays.regions import closed
 
 _BEYOND = 2e-3
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")
-# how contacts were counted, over what, and how that is labelled
+# how contacts were counted: over what, and how that is labelled
 _CONTACTS = {
-    "segments": ("segments", "length", r"Segment length over $L_x$"),
-    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
+    "segments": ("length", r"Segment length over $L_x$"),
+    "clusters": ("area", r"Cluster area over $L_x^2$"),
 }
 _SUM = "sum of the heights"  # how a height is named that stands for rough bodies which no dataset tells apart
 _CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
@@ -38,7 +38,7 @@ _ARROWS = 20  # along a side of the map, at most
 @checked
 def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width | None = None) -> Figure:
     """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
-    if not any({counted, size} <= statistics.variables.keys() for counted, size, _ in _CONTACTS.values()):
+    if not any({counted, size} <= statistics.variables.keys() for counted, (size, _) in _CONTACTS.items()):
         raise UnusableDataError("you gave no sizes of contacts; gfmd allows what `gfmd statistics` leaves")
     with style.sheet(_panels(statistics), 3, (4.0, 3.6), width) as (figure, panels):
         handles = draw_statistics(panels, statistics)
@@ -59,7 +59,8 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
     mean = statistics.reset_coords([name for name in drawn if name in statistics.coords])[drawn]
     mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
-    counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
+    counted = "clusters" if "clusters" in statistics else "segments"
+    size, label_of_size = _CONTACTS[counted]
     colours = style.ordered_colours(len(steps))
     persson = "pressure_density_persson" in mean and bool((mean["pressure_density_persson"] > 0.0).any())
     loads = [

@@ -48,10 +48,8 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
     along y, which the attribute `validity` says after the warnings about the contact.
 
-    The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the
-    `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their nominal area. Raises InputError for
-    other conductivities, a contact whose length they need, a dataset that no contact was solved for, or a run that is
-    not ok.
+    With a `conductivity` there is the `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their
+    nominal area. Raises InputError for other conductivities, a contact whose length they need, or a run that is not ok.
     """
     material = None if conductivity is None else _material(contact, conductivity)
     contact = SOLVED.checked(contact, "contact")

@@ -240,9 +240,7 @@ class Choice:
     @cached_property
     def fits(self) -> list[Linear]:
         """Fits of each group at all nodes, made with their first use: a plan asks for the weights alone."""
-        return [
-            linear(each, self.laws, self.nodes, known) for each, known in zip(self.means, self.before, strict=True)
-        ]
+        return [linear(each, self.laws, self.nodes, known) for each, known in zip(self.means, self.before, strict=True)]
 
 
 def weighed(means: Sequence[Means], laws: Laws) -> Choice:

@@ -270,13 +270,11 @@ def rms_gradient(contact: Contact) -> Reals:
 @once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
-    square = np.zeros(contact.heights.shape)
-    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
-        square += np.square(gradient, out=gradient)
     axes = tuple(range(1, contact.heights.ndim))
     bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
     share = filled(contact) - bias * _open_sides(contact, elastic_nodes(contact)).sum(axis=0)
-    return np.asarray(np.sqrt(np.multiply(square, share, out=square).sum(axis=axes) / share.sum(axis=axes)))
+    squares = statistics.weighed_square_gradient(contact.roughness, share, _periods(contact), contact.ends)
+    return np.asarray(np.sqrt(squares / share.sum(axis=axes)))
 
 
 @once

@@ -23,9 +23,9 @@ LAW = {"work_of_adhesion": -1e-6, "range": 1e-3}
 FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
 
 
-@pytest.mark.parametrize("steps", [4, 6])
-def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps):
+def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips():
     """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
+    steps = 4
     rise = np.linspace(0.02, 0.1, steps + 1)
     loads = np.concatenate([rise[1:], rise[-2::-1], rise[1:], rise[-2::-1]])
     path = gfmd_numba.solve(FILE | {"path": [{"reduced_pressure": float(load)} for load in loads]})
@@ -35,7 +35,7 @@ def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps):
     assert taken > 0.0
 
 
-@pytest.mark.parametrize(("there", "back"), [(1, 4), (16, 4)])
+@pytest.mark.parametrize(("there", "back"), [(1, 3), (6, 3)])
 @pytest.mark.parametrize("law", [{}, {"exponential": LAW}], ids=["wall", "law"])
 def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law):
     """Also where the way back has other steps: what only repels takes no energy, however long the steps are."""

@@ -19,7 +19,7 @@ def hunt(kind, seeds):
 
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_random_maps_are_solved(kind):
-    assert hunt(kind, range(20, 22)) == ([], [])
+    assert hunt(kind, range(20, 21)) == ([], [])
 
 
 def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
@@ -46,7 +46,7 @@ def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_more_random_maps_are_solved(kind):
-    assert hunt(kind, range(100, 106)) == ([], [])
+    assert hunt(kind, range(100, 103)) == ([], [])
 
 
 def test_the_check_sees_a_wrong_displacement_along_y():

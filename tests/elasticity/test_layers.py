@@ -89,9 +89,8 @@ def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     assert largest_error(layers, bases[which % 3]) < 1e-13
 
 
-@pytest.mark.parametrize("nu", [0.25, 0.4999, 0.5])
-def test_sandwiches_of_unequal_layers_are_those_of_the_reference(nu):
-    layers = [(0.05, 1.0, nu), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
+def test_sandwiches_of_unequal_layers_are_those_of_the_reference():
+    layers = [(0.05, 1.0, 0.25), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
     assert largest_error(layers, None) < 2e-12  # seven orders of magnitude between neighbours
     assert largest_error(layers, (1e-2, 0.45)) < 2e-12
 

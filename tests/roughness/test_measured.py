@@ -25,11 +25,12 @@ def read(path, length=LENGTH, **more):
     return measured_surface(Measured(method="measured", file=str(path), **more), length)
 
 
-@pytest.mark.parametrize("x", [X, X + 1, X.astype(np.float32), X[::-1], np.linspace(0, LENGTH, N, endpoint=False)])
+@pytest.mark.parametrize("x", [X + 1, X.astype(np.float32), X[::-1]])
 def test_positions_that_agree_with_the_length_are_read(tmp_path, x):
     turned = x[0] > x[-1]
+    file = netcdf(tmp_path, x)
     for length in (LENGTH, None):
-        found = read(netcdf(tmp_path, x), length)
+        found = read(file, length)
         np.testing.assert_array_equal(found.heights, HEIGHTS[::-1] if turned else HEIGHTS)
         assert found.lengths == pytest.approx((LENGTH,))
         assert found.done == (("turned round along x, as its positions descend",) if turned else ())

@@ -164,7 +164,9 @@ def test_layers_that_relax_alike_creep_as_the_one_body_that_they_are():
 
 
 def test_under_a_load_that_grows_evenly_the_profile_is_that_of_the_equivalent_load():
-    creeping = solved(scene(series=THREE, duration=0.5), [{"duration": 1.5, "reduced_pressure": 0.2}], time_tolerance=1e-2)
+    creeping = solved(
+        scene(series=THREE, duration=0.5), [{"duration": 1.5, "reduced_pressure": 0.2}], time_tolerance=1e-2
+    )
     for i, time in enumerate((0.5, 2.0)):
         elastic = solved(scene(load=equivalent_load(THREE, 0.0, 0.1, time)))
         assert float(creeping["contact_area_fraction"][i]) == pytest.approx(

@@ -134,7 +134,13 @@ def rubbing(path, rate=2.0, coefficient=0.3, periodic=True, body=None, **numeric
     whole = scene(periodic=periodic, rate=rate, **body or {"aspect_ratio": 0.4})
     if coefficient is not None:
         whole["interface"]["friction"] = {"coefficient": coefficient}
-    return {"scene": whole, "path": path, "seed": 2, "discretisation": EPS[1], "numerics": {"residual": 1e-9} | numerics}
+    return {
+        "scene": whole,
+        "path": path,
+        "seed": 2,
+        "discretisation": EPS[1],
+        "numerics": {"residual": 1e-9} | numerics,
+    }
 
 
 def followed(file, divisions):

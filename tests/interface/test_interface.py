@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import slab_stiffness
 from scipy import integrate
 
 import gfmd_numba

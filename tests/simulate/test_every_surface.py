@@ -26,8 +26,9 @@ MAPS = {
     "two lengths": {"method": "psd", "model": "length_anisotropy", "hurst": 0.8} | TWO_LENGTHS,
     "two exponents": {"method": "psd", "model": "scaling_anisotropy", "hurst_x": 0.5, "hurst_y": 0.8} | TWO_LENGTHS,
 }
-CASES = [(1, name) for name in SURFACES] + [(2, name) for name in (*SURFACES, *MAPS) if name != "mounds"]
-CASES += [pytest.param(2, "mounds", marks=pytest.mark.long)]  # the spectrum of mounds on a map takes seconds
+CASES = [(1, name) for name in SURFACES] + [
+    (2, name) for name in (*SURFACES, *MAPS) if name != "mounds"
+]  # on a map they take seconds
 SEED = 7
 
 

@@ -91,7 +91,7 @@ def test_work_is_stored_dissipated_or_rubbed_away():
 
     The work is that of smooth forces through those at the ends of the steps.
     """
-    steps, depth, way = 8, 5e-3, 2e-3
+    steps, depth, way = 6, 5e-3, 2e-3
     share = np.linspace(0.0, 1.0, steps + 1)[1:]
     legs = [  # displacement and sliding at the ends of steps
         (depth * (0.4 + 0.6 * share), 0.0 * share),

@@ -6,7 +6,7 @@ import slab_stiffness
 
 import gfmd_numba
 from gfmd_numba.fourier import grid
-from support.laws import nearly_flat
+from support.laws import area_of_loop, nearly_flat
 
 WORK, LENGTH = 0.2, 0.05
 LAW = {"work_of_adhesion": WORK, "range": LENGTH}
@@ -71,14 +71,6 @@ def loop(step):
     return np.concatenate([down, np.arange(0.02 - step, -0.09, -step)])
 
 
-def area_of(path, found):
-    """Area of the loop of pressure and displacement, where the pressure jumps at the places found."""
-    pressure, at = found["mean_pressure"].values, found["jump_displacement"].values
-    jumped = np.flatnonzero(~np.isnan(at))
-    twice, sides = np.repeat(jumped, 2), np.stack([pressure[jumped - 1], pressure[jumped]], axis=1)
-    return np.trapezoid(np.insert(pressure, twice, sides.ravel()), np.insert(path, twice, at[twice]))
-
-
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:an rms gradient of 0.444")  # of a wave for Johnson's closed form
 def test_the_area_of_a_loop_is_the_energy_lost_and_knows_no_step():
@@ -87,7 +79,7 @@ def test_the_area_of_a_loop_is_the_energy_lost_and_knows_no_step():
     found = [wave(path) for path in paths]
     assert all((each["status"] == 0).all() for each in found)
     for each in found:
-        assert float(each["energy_lost"].sum()) == pytest.approx(area_of(paths[1], found[1]), rel=0.01)
+        assert float(each["energy_lost"].sum()) == pytest.approx(area_of_loop(paths[1], found[1]), rel=0.01)
     located = [each["jump_displacement"].dropna("step").values for each in found]
     np.testing.assert_allclose(*located, atol=2e-5)
 

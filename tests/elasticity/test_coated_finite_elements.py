@@ -60,9 +60,8 @@ def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", STACKS)
-def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver(name):
-    nx, delta, body, errors = 1024, 2e-3, STACKS[name], []
+def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver():
+    nx, delta, body, errors = 1024, 2e-3, STACKS["soft on hard"], []
     wall = 0.005 * (1 - np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5))) - delta
     k = body.condensed_stiffness(grid.wavenumbers(nx))
     found = equilibrate(

@@ -139,7 +139,7 @@ def test_a_cohesive_law_along_inclined_surfaces_is_that_of_finite_elements():
 @pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
 def test_a_nearly_rigid_counter_body_is_a_rigid_punch(interface):
     facing = wave(X) - wave(X).mean()
-    path = [{"sliding": 2e-4}, {"sliding": 1e-3}, {"displacement": 3e-3}, {"sliding": 0.0}]
+    path = [{"sliding": 1e-3}, {"displacement": 3e-3}]
     stiff = {"youngs_modulus": 1e7, "poissons_ratio": 0.2, "aspect_ratio": 1.0}
     above = heights(facing), {"counter_body": stiff | heights(facing)}
     rigid, elastic = (solved(2, interface=interface, path=path, body=SLAB | heights(CREST), **parts) for parts in above)
@@ -169,8 +169,7 @@ def test_two_bodies_that_change_places_find_the_same(interface):
     ("pair", "along", "interface", "nx"),
     [
         pytest.param("punch", "x", FRICTION, 16, id="friction"),
-        pytest.param("counter body", "y", FRICTION, 16, id="friction of two", marks=pytest.mark.long),
-        pytest.param("counter body", "y", COHESION, 24, id="cohesion", marks=pytest.mark.long),
+        pytest.param("counter body", "y", COHESION, 28, id="cohesion", marks=pytest.mark.long),
     ],
 )
 def test_ridges_are_profiles(pair, along, interface, nx):

@@ -248,9 +248,7 @@ def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("hurst", "hardness"), [(0.3, 1e-3), (0.8, 1e-3), (0.3, 1e-2), (0.8, 0.1), (0.3, 0.3), (0.8, 1.0)]
-)
+@pytest.mark.parametrize(("hurst", "hardness"), [(0.8, 1e-3), (0.3, 0.3)])
 @pytest.mark.parametrize("shape", [(2**17,), (512, 512)])
 def test_large_grids_converge_up_to_0_95_of_the_hardness(hurst, hardness, shape):
     punch = rough(shape, hurst, realisations=range(1))

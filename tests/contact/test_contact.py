@@ -79,7 +79,7 @@ def test_all_solvers_find_the_same_contact():
     for hurst in (0.3, 0.8):
         heights = self_affine.SelfAffineWaves(hurst, 2, 128).heights((512,), 2, range(1))
         for body in (stiffness.half_space(q), slab_stiffness.slab(q, 0.49, 0.05)):
-            for load in (0.007, 0.05, 0.3, 1.0):
+            for load in (0.007, 0.3, 1.0):
                 verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
                 for other in others:
                     np.testing.assert_array_equal(other > 0, verlet > 0)

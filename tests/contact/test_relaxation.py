@@ -94,8 +94,8 @@ def test_its_statistics_are_those_of_the_elastic_one_too(periodic):
 
 def test_a_rough_map_is_too():
     series = STANDARD
-    creeping = solved(scene(2, series=series), dwells((0.5, 4.0)), time_tolerance=1e-3)
-    for i, time in enumerate((0.0, 0.5, 4.0)):
+    creeping = solved(scene(2, series=series), dwells((2.0,)), time_tolerance=1e-3)
+    for i, time in enumerate((0.0, 2.0)):
         elastic = solved(scene(2, load=0.05 * compliance(series, time)))
         assert float(creeping["contact_area_fraction"][i]) == pytest.approx(
             float(elastic["contact_area_fraction"]), rel=1e-6

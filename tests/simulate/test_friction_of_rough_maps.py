@@ -118,7 +118,7 @@ def test_friction_at_a_higher_order_is_drawn_and_records_no_energy_of_flat_bodie
 
 @pytest.mark.parametrize("body", [{}, {"aspect_ratio": float("inf")}])
 def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_surface(body):
-    contact = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}] if "aspect_ratio" not in body else [], 3, **body)
+    contact = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}] if "aspect_ratio" not in body else [], 2, **body)
     y = contact.y[7].item()
     fields = gfmd_numba.body_fields(contact, [0.0, -0.1], y=y)
     line = contact.sel(y=y)

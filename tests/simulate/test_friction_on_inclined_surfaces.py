@@ -179,7 +179,7 @@ def test_ridges_are_profiles(pair, along, interface, nx):
 
     def parts(made, suffix):
         above = heights(made(facing))
-        path = [{f"sliding{suffix}": 3e-4}, {"displacement": 4e-3}, {f"sliding{suffix}": -1e-3}]
+        path = [{f"sliding{suffix}": 3e-4}, {f"sliding{suffix}": -1e-3, "displacement": 4e-3}]
         return {"body": SLAB | heights(made(own)), "path": path} | (
             above if pair == "punch" else {"counter_body": OTHER | above}
         )
@@ -204,7 +204,7 @@ def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())
     parts = above if facing == "punch" else {"counter_body": OTHER | above}
-    path = [{"sliding": 2e-4}, {"reduced_pressure": 0.1}, {"sliding": -2e-3}]
+    path = [{"sliding": 2e-4}, {"sliding": -2e-3, "reduced_pressure": 0.1}]
     loading = {"reduced_pressure": 0.05}
     found = solved(1, path=path, loading=loading, body=SLAB | heights(CREST), **parts)
     load = found["reduced_pressure"].values / 0.05 * float(found["mean_pressure"][0])

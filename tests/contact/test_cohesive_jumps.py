@@ -27,7 +27,11 @@ def jumps(found, name):
     return at[jumped], found["energy_lost"].values[jumped]
 
 
-@pytest.mark.parametrize(("step", "wall"), [(0.02, {"hard_wall": {}}), (0.08, {})], ids=["wall", "law alone"])
+@pytest.mark.parametrize(
+    ("step", "wall"),
+    [(0.02, {"hard_wall": {}}), pytest.param(0.08, {}, marks=pytest.mark.long)],
+    ids=["wall", "law alone"],
+)
 def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):
     def pull(gap):
         return WORK / NORMAL**2 * gap * np.exp(-gap / NORMAL)

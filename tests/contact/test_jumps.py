@@ -93,6 +93,7 @@ def test_paths_without_attraction_are_not_divided(tmp_path):
     assert "energy_lost" not in nearly_flat(tmp_path, [0.02], 0.01, exponential=repulsion)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:waves longer than two fifths")
 def test_a_wall_that_nothing_reaches_changes_no_jump():
     """Under a law that leaves a gap a hard wall is never touched, so the work of adhesion gained is the law's own."""

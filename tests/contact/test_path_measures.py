@@ -123,6 +123,7 @@ def test_a_closed_cycle_in_few_steps_under_attraction_never_loses_less_than_noth
     assert float(found["hysteresis"]) == pytest.approx(float(found["energy_lost"].sum()), abs=1e-18)
 
 
+@pytest.mark.long
 def test_a_ball_that_is_drawn_off_loses_little_down_the_tail_of_its_attraction():
     """In steps of 10 nm it loses 15 uJ/m^2 in all; forces linear over 300 nm of the tail would lose 245 more."""
     attraction = {"work_of_adhesion": "20 mJ/m^2", "range": "100 nm"}

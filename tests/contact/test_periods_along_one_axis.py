@@ -284,6 +284,7 @@ def test_what_is_not_built_is_refused(change, named):
         gfmd_numba.solve(scene_of({"radius": 4.0}, 1e-3, 16) | change)
 
 
+@pytest.mark.long
 def test_fields_inside_a_cylinder_are_those_of_the_profile():
     loading, z = {"displacement": 0.01}, -np.array([0.0, 0.1, 0.4])
     interface, body = RUBS, {"poissons_ratio": 0.3}

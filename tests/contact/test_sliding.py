@@ -119,6 +119,7 @@ def test_a_cylinder_rolls_as_hunter_says(lag):
     assert float(found["hysteretic_friction"]) == pytest.approx(friction, rel=1e-2)
 
 
+@pytest.mark.long
 def test_a_cylinder_that_sets_off_in_a_window_comes_to_roll_as_hunter_says():
     """Marched over nodes that rest, far from where it touched down; nothing of this is periodic."""
     radius, modulus, lag, load = 1.0, 3.0, 0.02, np.pi / 8.0**2 / 4.0

@@ -85,9 +85,8 @@ def test_a_sine_wears_to_its_flat():
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
-@pytest.mark.parametrize("periodic", [True, False])
-def test_a_body_that_creeps_wears_the_same_volume(periodic):
-    whole = scene(periodic=periodic, relaxation=[{"modulus": 3.0, "time": 1.0}])
+def test_a_body_that_creeps_wears_the_same_volume():
+    whole = scene(periodic=False, relaxation=[{"modulus": 3.0, "time": 1.0}])
     path = [{"sliding": 0.3, "duration": 1.0}, {"sliding": 0.3, "duration": 5.0}, {"sliding": 0.5}]
     found = solved(whole, path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
     expected = 2.0 * 0.02 * 0.05 * np.array([0.3, 0.3, 0.5])

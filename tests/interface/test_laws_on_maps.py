@@ -138,6 +138,7 @@ def path_of(heights):
     return gfmd_numba.solve({"scene": scene, "path": path, "numerics": {"residual": TIGHT}})
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:an rms gradient of 0.444", "ignore:the grid does not resolve the")
 def test_a_path_of_a_ridge_jumps_and_loses_energy_like_the_profile():
     profile = 0.1 * np.cos(2.0 * np.pi * np.arange(48) / 48)

@@ -76,6 +76,7 @@ def test_lengths_and_moduli_scale_what_is_inside():
     assert at_end["x"].item() == pytest.approx(1e-3 * 31 / 32)
 
 
+@pytest.mark.long
 def test_the_command_draws_them(tmp_path):
     scene, _ = pressed(0.2, 1, 32)
     (tmp_path / "ball.yaml").write_text(yaml.safe_dump(scene))

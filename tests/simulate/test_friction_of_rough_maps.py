@@ -50,8 +50,8 @@ def close(found, expected, scale, name):
 @pytest.mark.parametrize(
     ("order", "along"),
     [
-        (2, "x"),
-        *(pytest.param(*each, marks=pytest.mark.long) for each in ((1, "y"), (3, "x"), (3, "y"))),
+        (1, "y"),
+        *(pytest.param(*each, marks=pytest.mark.long) for each in ((2, "x"), (3, "y"))),
     ],
 )
 def test_a_rough_ridge_rubs_as_its_profile_does(order, along):
@@ -146,6 +146,7 @@ def test_sections_planes_and_the_largest_stress_of_a_map_of_higher_order_are_of_
     assert faults(plot_body(planes)) == []
 
 
+@pytest.mark.long
 def test_fields_at_higher_orders_say_how_much_memory_they_take(bumps, monkeypatch):
     monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=8 * NX * NX * 100))
     with pytest.raises(

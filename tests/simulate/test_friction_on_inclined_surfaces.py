@@ -168,7 +168,7 @@ def test_two_bodies_that_change_places_find_the_same(interface):
 @pytest.mark.parametrize(
     ("pair", "along", "interface", "nx"),
     [
-        pytest.param("punch", "x", FRICTION, 16, id="friction"),
+        pytest.param("punch", "x", FRICTION, 16, id="friction", marks=pytest.mark.long),
         pytest.param("counter body", "y", COHESION, 28, id="cohesion", marks=pytest.mark.long),
     ],
 )

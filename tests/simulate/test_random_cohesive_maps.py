@@ -22,6 +22,7 @@ def test_random_maps_are_solved(kind):
     assert hunt(kind, range(20, 21)) == ([], [])
 
 
+@pytest.mark.long
 def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
     lengths = {"normal_length": 5.8607660583227756e-05, "tangential_length": 3.245465033758722e-05}
     scene = {

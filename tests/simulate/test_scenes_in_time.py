@@ -187,6 +187,7 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
     np.testing.assert_array_equal(results["step_time"][0], alone["time"])
 
 
+@pytest.mark.long
 def test_the_limit_of_a_contact_that_has_crept_is_the_elastic_one_of_the_creep_compliance(tmp_path):
     """Lee and Radok, of each of its discretisations and so of what these tend to."""
     fixed = {"eps_c": 2.0, "eps_f": 0.7}

@@ -145,6 +145,7 @@ def test_a_cohesive_law_acts_on_the_true_surface_as_on_finite_elements():
     np.testing.assert_allclose(found[2]["pressure"].values[::OVER], -out, atol=1e-3 * abs(out).max())
 
 
+@pytest.mark.long
 def test_damped_dynamics_finds_the_same_cohesive_contact():
     coarse = HEIGHTS[::8]
     parts = {"heights": coarse, "interface": WALL | {"cohesive": LAW}, "path": [{"sliding": SLIDING}]}

@@ -171,6 +171,7 @@ def test_the_first_step_counts_from_the_punch_as_it_was_made_and_the_same_depth_
     np.testing.assert_array_equal(again.equilibrium.plastic, first.equilibrium.plastic)
 
 
+@pytest.mark.long
 def test_flattened_asperities_stick_better():
     """Pull-off after a deep contact: the dents conform, so the surfaces hold each other more strongly."""
     depths = [-0.1, *np.linspace(0.0, 0.2, 5), *np.linspace(0.18, -0.1, 15)]
@@ -195,7 +196,7 @@ EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
 COARSE = EPS | {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1}
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_scenes_with_a_law_keep_their_dents(dimension):
     scene = FILE["scene"] | {"dimension": dimension}
     one = FILE | {"scene": scene, "discretisation": EPS | {"eps_c": 1 / 4} if dimension == 1 else COARSE}

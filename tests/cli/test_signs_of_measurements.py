@@ -10,6 +10,8 @@ from click.testing import CliRunner
 
 from gfmd_numba.cli import main
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SCENE = {
     "body": {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3},
     "interface": {"hard_wall": {}},

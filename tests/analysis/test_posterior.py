@@ -118,7 +118,7 @@ def quantile(share, weight, kappa, variance, freedom):
     return np.interp(share, below, ends)
 
 
-@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
+@pytest.mark.parametrize(("seed", "spread"), [pytest.param(0, 0.2, marks=pytest.mark.long), (1, 0.05)])
 def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
     dataset, group, means = group_and_means(seed, spread, "kappa_r", waning=1.0)

@@ -82,6 +82,7 @@ def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     assert 0.6 < shared[0] < 0.9
 
 
+@pytest.mark.long
 def test_a_group_with_two_levels_borrows_the_shared_exponent():
     dataset = campaign((0.3, 0.8), cross=CROSS)
     dataset = dataset.isel(case=~((dataset["hurst"] == 0.3) & (dataset["eps_c"] == 1 / 8)).values)

@@ -43,9 +43,9 @@ def wave(tmp_path):
     ("scene", "more"),
     [
         (SCENE, {}),
-        (SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}),
+        pytest.param(SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}, marks=pytest.mark.long),
         (SCENE | HELD, {"path": [{"sliding": 1e-3}]}),
-        (SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}),
+        pytest.param(SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}, marks=pytest.mark.long),
     ],
     ids=["punch", "dragged punch", "cohesive punch", "rough body"],
 )

@@ -53,6 +53,7 @@ def test_every_case_is_the_contact_that_solve_finds(folder):
     assert "mean" in found.attrs["processing"]
 
 
+@pytest.mark.long
 def test_a_run_is_looked_at_and_resumed_from_elsewhere(folder, monkeypatch, tmp_path_factory):
     gfmd_numba.run(folder / "steel.yaml", folder / "out")
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))

@@ -79,6 +79,7 @@ def test_an_output_that_is_no_path_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path), 5)
 
 
+@pytest.mark.long
 def test_a_dask_client_may_do_the_work(finished, tmp_path):
     with (
         LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster,

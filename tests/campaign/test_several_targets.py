@@ -100,6 +100,7 @@ def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
         assert digests[0] == digests[1]
 
 
+@pytest.mark.long
 def test_each_target_is_told_and_drawn(tmp_path):
     path, options = campaign(tmp_path, **ONE), ("--until=kappa=5%", "--until=kappa_r=0.01%", "--budget=1000 h")
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", *options)
@@ -115,6 +116,7 @@ def test_each_target_is_told_and_drawn(tmp_path):
     assert {r"$\kappa$: target 5 %", r"$\kappa_r$: target 0.01 %"} <= labels
 
 
+@pytest.mark.long
 def test_a_plan_tells_each_target(tmp_path):
     options = ("--target=kappa=3%", "--target=kappa_r=50%")
     said = unfolded(gfmd("plan", campaign(tmp_path, **ONE), "--workers=0", *options).stdout)

@@ -159,6 +159,7 @@ def test_a_limit_of_zero_is_never_reached(tmp_path):
     assert "not reached: it is 0 in all realisations of a case" in outcome.rounds.ended
 
 
+@pytest.mark.long
 def test_a_mean_gap_reaches_its_target(tmp_path):
     """At a fixed rms height, where contacts of a finite ratio of the wavelengths have a gap."""
     known = {"fit": {"exponents": "free", "fixed": {"eps_c": [1.5, 4], "eps_f": [0.4, 2]}}}

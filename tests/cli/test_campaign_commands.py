@@ -54,7 +54,7 @@ def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, m
         assert ("tiny holds another version of this campaign" in unfolded(done.output)) == is_told
 
 
-@pytest.mark.parametrize("realisations", [1, 6])
+@pytest.mark.parametrize("realisations", [pytest.param(1, marks=pytest.mark.long), 6])
 def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations, undrawn):
     text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("limits"))
     path = campaign(tmp_path, text, **{"realisations: 6": f"realisations: {realisations}"})
@@ -79,6 +79,7 @@ def test_runs_that_do_not_converge_exit_with_3(tmp_path, undrawn):
     assert "60 of 60 simulations are not ok" in done.stderr
 
 
+@pytest.mark.long
 def test_a_campaign_says_how_many_runs_are_unstable(tmp_path, monkeypatch, undrawn):
     path = campaign(tmp_path, **{"grid:": "numerics: {solver: verlet}\ngrid:"})
     limit = dynamics.stability_limit

@@ -177,6 +177,7 @@ def test_a_curve_is_drawn_again_from_its_file(scene, tmp_path):
     assert (tmp_path / "c.png").is_file()
 
 
+@pytest.mark.long
 def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
     monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
@@ -184,6 +185,7 @@ def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
         assert f"busy     solving loads, {share}% done ({number} of 4)\n" in done.stderr
 
 
+@pytest.mark.long
 def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
     (tmp_path / "creep.yaml").write_text(soft)

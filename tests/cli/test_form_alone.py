@@ -56,6 +56,7 @@ def test_a_prescribed_displacement_tells_the_force(tmp_path, length, unit):
     assert line.endswith(unit)
 
 
+@pytest.mark.long
 def test_the_pull_off_of_a_ball_is_a_force(tmp_path):
     """Also the tension where a step was divided, which is larger than at the steps."""
     law = {"exponential": {"work_of_adhesion": "50 mJ/m^2", "range": "1 um"}}

@@ -131,6 +131,7 @@ def test_a_target_that_the_pilot_reaches_needs_no_other_round(tmp_path):
     assert "round 1" not in said.stdout
 
 
+@pytest.mark.long
 def test_a_target_out_of_reach_is_told_with_the_reason(tmp_path):
     said = planned(written(tmp_path, COARSE | {"levels": "only"}), "--target=5%")
     assert said.exit_code == 3
@@ -138,6 +139,7 @@ def test_a_target_out_of_reach_is_told_with_the_reason(tmp_path):
     assert "round 1" not in said.stdout
 
 
+@pytest.mark.long
 def test_levels_that_do_not_fit_the_memory_are_told(tmp_path, monkeypatch):
     room = [None]
 

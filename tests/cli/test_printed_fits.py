@@ -56,6 +56,7 @@ def test_exponents_of_many_groups_are_a_range(capsys):
     assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, np.nan, 0.8], capsys) == "0.6 to 0.9"
 
 
+@pytest.mark.long
 def test_a_problem_that_cases_share_is_paid_for_once(capsys):
     dataset = noisy(campaign(), np.random.default_rng(1))
     half = dataset.sizes["case"] // 2

@@ -85,7 +85,14 @@ def no_pictures(monkeypatch):
     monkeypatch.setattr("gfmd_numba.cli.report._drawn", lambda dataset, fitted: [])
 
 
-@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "small",
+        "contact.nc",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+    ],
+)
 def test_a_page_needs_no_other_file(page_of, name):
     read = Page(page_of(name))
     assert read.sources
@@ -174,7 +181,14 @@ def test_a_scene_of_python_is_shown_as_yaml_with_numbers_as_people_write_them(tm
     assert read_document(tmp_path / "again.yaml").data["scene"]["body"] == body
 
 
-@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "small",
+        "contact.nc",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+    ],
+)
 def test_every_word_of_a_table_and_every_symbol_is_explained(page_of, name):
     content = unescape(page_of(name).read_text())
     told, meant = re.search("<h2>What came out(.*?)<h2>.*<h2>What the words mean(.*?)<h2>", content, re.DOTALL).groups()
@@ -250,6 +264,7 @@ def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, 
     assert "and its limit" in Page(page).text
 
 
+@pytest.mark.long
 def test_a_table_too_wide_for_a_phone_names_each_number_and_a_short_one_stays_a_table(page_of):
     (table,) = re.findall("<table.*?</table>", page_of("curve.nc").read_text(), re.DOTALL)
     assert table.startswith('<table class="stacked">')

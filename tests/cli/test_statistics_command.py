@@ -43,6 +43,7 @@ def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(fold
     assert printed == ["contact area fraction", "Persson's estimate of it", "mean gap over rms height", "perimeter"]
 
 
+@pytest.mark.long
 def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
     done = gfmd("statistics", folder / "map.nc", "-o", tmp_path / "statistics.nc", "--percolation")
     assert done.exit_code == 0, done.output

@@ -92,6 +92,7 @@ def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
     assert unit in stiffness.get_ylabel()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:.*the grid has too few nodes")
 def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields():
     scene = scene_file(1e-4, 70e9)

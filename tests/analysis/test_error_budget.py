@@ -220,6 +220,7 @@ def test_a_node_on_the_brink_counts(leaves):
     assert measure(replace(contact, equilibrium=pulled, pull=pull))["kappa_residual_error"] < 1e-2 * changed
 
 
+@pytest.mark.long
 def test_a_residual_under_attraction_says_little_and_enough(tmp_path):
     scene = {
         "body": {"poissons_ratio": 0.3},

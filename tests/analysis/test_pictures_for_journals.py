@@ -270,6 +270,7 @@ def test_no_contact_is_hidden_by_what_is_enlarged():
     assert not plot_conductance(gfmd_numba.contact_conductance(made(touching))).axes[0].child_axes
 
 
+@pytest.mark.long
 def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):
     scene = {
         "body": {"poissons_ratio": 0.3},

@@ -103,6 +103,7 @@ def test_a_gap_a_hundredth_of_another_is_told_from_it(rough):
     assert abs(one - other).max() > 0.05
 
 
+@pytest.mark.long
 def test_pressure_has_an_outline_where_contacts_are_large_enough():
     large = pressed(paraboloid(96), 4.0 / 3.0 * (20 / 96) ** 3 / 100.0)
     small = pressed(paraboloid(96), 4.0 / 3.0 * (1 / 96) ** 3 / 100.0)

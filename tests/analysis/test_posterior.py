@@ -202,6 +202,7 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.03)
 
 
+@pytest.mark.long
 def test_groups_that_share_exponents_weigh_them_together():
     """chi^2 of the groups add up, and so an exponent is known better than in each of them."""
     dataset = noisy(campaign((0.3, 0.8), realisations=30, **WANING), np.random.default_rng(3), spread=0.02)

@@ -43,10 +43,8 @@ def below(dragged):
 
 @pytest.fixture(
     scope="module",
-    params=[
-        pytest.param({"y": 50e-6}, id="section"),
-        pytest.param({"planes": [-1e-6, -5e-6]}, id="planes", marks=pytest.mark.long),
-    ],
+    params=[{"y": 50e-6}, {"planes": [-1e-6, -5e-6]}],
+    ids=["section", "planes"],
 )
 def below_map(dragged_map, request):
     return gfmd_numba.body_fields(dragged_map, **request.param)
@@ -93,6 +91,7 @@ def test_a_section_without_contact_says_so_and_its_deep_maximum_leaves_the_title
     assert faults(figure) == []
 
 
+@pytest.mark.long
 def test_fields_along_a_path_name_the_step_that_they_show(dragged_map, below_map):
     figure = plot_body(below_map)
     assert figure.get_suptitle() == plot_contact(dragged_map).get_suptitle() != ""
@@ -111,6 +110,7 @@ def test_fields_inside_the_counter_body_are_called_so():
     assert faults(figure) == []
 
 
+@pytest.mark.long
 def test_powers_of_ten_are_multiplied_in_titles(below_map):
     fields = below_map.copy()
     fields["von_mises"] = (1e-11 * fields["von_mises"]).assign_attrs(units="1")
@@ -157,6 +157,7 @@ def test_a_traction_left_by_a_residual_is_drawn_in_one_colour():
     assert image.norm.vmax == pytest.approx(1.0)  # MPa, the largest component
 
 
+@pytest.mark.long
 def test_wave_numbers_are_in_the_unit_of_lengths_and_their_labels_keep_apart():
     surface = {"method": "psd", "hurst": 0.8, "rms_height": 3e-7, "points": 96, "cut_on": "3 um", "roll_off": "50 um"}
     figure = plot_surface(gfmd_numba.make_surface({"surface": surface, "length": 96e-6, "dimension": 2}))
@@ -252,7 +253,8 @@ def test_a_path_in_a_column_has_no_equation_broken_in_its_title(below):
     assert not [line for line in lines if line.startswith("=") or line.endswith("=")]
 
 
-@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("dimension", [1, 2])
 def test_what_has_flowed_has_four_panels_and_of_a_map_names_its_row(dimension):
     body = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "plasticity": {"yield_stress": 5e6, "sublayers": 8}}
     scene = SCENE | {"interface": {"hard_wall": {}}, "body": body, "dimension": dimension}

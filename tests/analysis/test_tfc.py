@@ -72,6 +72,7 @@ def test_a_correction_in_eps_t_that_wanes_with_eps_f_is_what_is_expected_without
     assert fit_tfc(waning, fixed=ALPHA)["kappa_tfc"].item() == pytest.approx(TFC[0.8], abs=1e-7)
 
 
+@pytest.mark.long
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     planted = {0.3: ALPHA, 0.8: ALPHA | {"eps_f": 0.9}}
     dataset = campaign((0.3, 0.8), alpha=planted).rename(kappa="kappa_r")  # which has no law but powers

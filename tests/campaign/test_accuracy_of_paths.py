@@ -47,9 +47,8 @@ def under(load):
     return alone | {"scene": SCENE | {"loading": {"reduced_pressure": load}}}
 
 
-@pytest.mark.parametrize(
-    "study", [*(pytest.param(each, marks=pytest.mark.long) for each in ("eps_c", "eps_f", "surfaces")), "eps_t"]
-)
+@pytest.mark.long
+@pytest.mark.parametrize("study", ["eps_c", "eps_f", "eps_t", "surfaces"])
 def test_the_error_of_a_path_is_that_of_the_load_where_it_is_largest(study):
     """A contact without friction and adhesion does not remember how it was loaded."""
     whole, *each = (

@@ -88,6 +88,7 @@ def test_measured_surfaces_of_bodies_are_those_of_solve(tmp_path):
     assert len({problem.identity for problem in plan(tmp_path / "alone.yaml").problems}) == 2
 
 
+@pytest.mark.long
 def test_smooth_half_spaces_under_a_rough_one_contract_to_the_rigid_punch_at_order_0(tmp_path):
     """Without friction, order 0 has the pressure of the same roughness on a punch, so that both have one limit."""
     limits = {"limits": {"eps_c": [1 / 2, 1 / 8], "eps_f": [1 / 4, 1 / 8]}, "realisations": 3}

@@ -105,7 +105,7 @@ def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
         assert after[name] == before[name]
 
 
-@pytest.mark.parametrize("name", ["campaign", "fit"])
+@pytest.mark.parametrize("name", ["campaign", pytest.param("fit", marks=pytest.mark.long)])
 def test_verify_notices_results_that_say_something_else_of_the_campaign(out, name):
     assert gfmd("collect", out).exit_code == 0
     assert gfmd("verify", out).exit_code == 0

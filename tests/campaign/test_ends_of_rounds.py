@@ -104,6 +104,7 @@ def test_exponents_that_nobody_knows_end_a_run(tmp_path):
     assert opened(outcome).attrs["ended"] == outcome.rounds.ended
 
 
+@pytest.mark.long
 def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeypatch):
     def refusing(*given, **options):
         found = fit_tfc(*given, **options)

@@ -91,6 +91,7 @@ def test_punches_of_a_grid_may_be_maps_that_rub(folder):
         assert_as_solved(found, case, 0, at_home(folder, scene, file=file), {}, None)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:.*waves as long as the cutoff")
 def test_how_a_punch_is_treated_is_varied_too(folder):
     scene = WALL | {"body": SLAB | {"roughness": RANDOM}, "roughness": MEASURED | {"file": "short.npy"}}

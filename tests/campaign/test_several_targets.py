@@ -35,6 +35,7 @@ def reached(tmp_path_factory, laws_that_hold):
     return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
 
 
+@pytest.mark.long
 def test_a_run_ends_with_every_error_that_was_asked_for(reached):
     results, last = gfmd_numba.open_campaign(reached.results), reached.rounds.now
     assert reached.reached
@@ -49,12 +50,14 @@ def test_a_run_ends_with_every_error_that_was_asked_for(reached):
         assert error == pytest.approx(last.errors[variable].error)
 
 
+@pytest.mark.long
 def test_what_is_known_of_exponents_is_about_the_variable_that_is_fitted(reached):
     others = json.loads(gfmd_numba.open_campaign(reached.results).attrs["fits_of_targets"])
     assert others["kappa_r"]["fixed"]["eps_c"] == list(exponent_ranges("kappa_r", 1)["eps_c"])
     assert set(others) == {"kappa_r"}
 
 
+@pytest.mark.long
 def test_the_furthest_target_decides(reached):
     for before, now in zip(reached.rounds.rounds, reached.rounds.rounds[1:], strict=False):
         share = {name: found.error * found.factor / GOAL.targets[name] for name, found in before.errors.items()}
@@ -62,6 +65,7 @@ def test_the_furthest_target_decides(reached):
         assert share[now.variable] > 0.8 * max(share.values())  # the factor is that of the surfaces alone
 
 
+@pytest.mark.long
 def test_the_errors_of_each_target_stand_in_the_file(reached):
     results, found = gfmd_numba.open_campaign(reached.results), reached.rounds.rounds
     assert results["target"].values.tolist() == ["kappa", "kappa_r"]

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"}
 ONE = FIT | {"grid: {hurst: [0.3, 0.8]}": ""}
-GOAL = Goal(targets={"kappa": 0.02})
+GOAL = Goal(targets={"kappa": 0.03})
 HERE = Workers(0)
 
 
@@ -81,7 +81,7 @@ def test_the_decisions_stand_in_the_file(reached):
         np.testing.assert_array_equal(variable, np.array(told, dtype=float))
         assert {"long_name", "units"} <= variable.attrs.keys()
     said = {name: results.attrs[name] for name in ("until", "ended", "reached", "target")}
-    assert said == {"until": "kappa=0.02", "ended": "reached", "reached": "kappa", "target": '{"kappa": 0.02}'}
+    assert said == {"until": "kappa=0.03", "ended": "reached", "reached": "kappa", "target": '{"kappa": 0.03}'}
     assert json.loads((reached.results.parent / "rounds.json").read_text())["ended"] == "reached"
     assert (np.diff(results["round_price"]) > 0).all()
 
@@ -204,7 +204,7 @@ def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
 
 @pytest.mark.long
 def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
-    path, looser = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.03})
+    path, looser = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.05})
     run_until(path, looser, tmp_path / "out", HERE)
     solved.clear()
     further = run_until(path, GOAL, tmp_path / "out", HERE)

@@ -143,6 +143,7 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
     assert "Processor time that the rounds may take, like 20min" in said
 
 
+@pytest.mark.long
 def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path, monkeypatch):
     """In the first round after the pilot, when half of it is done."""
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"

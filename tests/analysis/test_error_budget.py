@@ -107,7 +107,6 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
         pytest.param("kappa", ALPHA, id="exact"),
         pytest.param("kappa_r", ALPHA, id="another variable", marks=pytest.mark.long),
         pytest.param("kappa", RANGES, id="ranges", marks=pytest.mark.long),
-        pytest.param("kappa", {"eps_t": 1.0}, id="free", marks=pytest.mark.long),
     ],
 )
 def test_the_part_of_the_residual_is_the_most_that_the_means_can_add_up_to(variable, fixed):

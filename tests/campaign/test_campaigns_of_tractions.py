@@ -75,6 +75,7 @@ def test_tractions_are_part_of_the_identity_and_of_what_is_found(wave, tmp_path)
     assert (abs(pressed[0]["kappa"] - pressed[1]["kappa"]) > 1e-3).all()
 
 
+@pytest.mark.long
 def test_a_number_acts_on_every_grid(tmp_path):
     """A uniform tangential traction carries the whole slab along x, which no wall without friction notices."""
     limits = {"limits": {"eps_c": [1 / 2, 1 / 8]}}

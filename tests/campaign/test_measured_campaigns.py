@@ -107,6 +107,7 @@ def test_results_name_the_file_as_the_campaign_does(folder):
     assert str(folder) not in str(told)
 
 
+@pytest.mark.long
 def test_a_copy_of_the_campaign_in_its_directory_reads_the_same_file_from_anywhere(folder, monkeypatch):
     monkeypatch.chdir(folder)
     first = gfmd_numba.run(yaml.safe_load(Path("steel.yaml").read_text()))

@@ -151,6 +151,7 @@ def test_levels_that_are_chosen_take_the_ranges_of_the_variable():
     assert exponent_ranges("kappa", 1, 0.8)["eps_c"] == (2.0, 3.0)
 
 
+@pytest.mark.long
 def test_a_limit_of_zero_is_never_reached(tmp_path):
     """The hardness is far above all pressures: nothing yields."""
     scene = SCENE | {"interface": {"hard_wall": {"hardness": 1e12}}}

@@ -48,6 +48,7 @@ def test_a_sliding_map_loses_the_tractions_times_the_slip(dragged, fields):
     assert float(dragged["energy_lost"][0, 1, -1]) == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.long
 def test_the_picture_tells_the_axes_apart(dragged):
     labels = [(panel.get_xlabel(), panel.get_ylabel()) for panel in plot_path(dragged).axes]
     sliding = [" ".join(label) for label in labels if "Sliding" in label[0]]

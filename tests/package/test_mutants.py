@@ -12,7 +12,7 @@ import yaml
 from gfmd_numba.scene import InputError
 from support import mutants
 
-MANY, FEW = 12, 20  # of each kind
+MANY, FEW = 12, 30  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 

@@ -131,17 +131,17 @@ _ALIKE = 2.0  # ratio of the factors of both directions, that of maps of many ch
 def leakage(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """Leakage through the gap of contacts as `gfmd solve` leaves them, `[..., direction]`, by direction x and y.
 
-    A fluid of viscosity eta fills the gap u: div(u^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch.
+    A fluid of viscosity eta fills the gap h: div(h^3 grad p) = 0 (Reynolds 1886), without flow into nodes that touch.
     Its pressure is a mean gradient and a periodic part, so that where the period is cut does not matter. In a window it
-    is constant on the sides where it falls, and walls close the others. `hydraulic_gap` d is the gap of parallel walls
-    that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x through the map along x.
-    `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol. 100:12, 1978). Both are 0
-    without a channel. `local_flow` `[..., direction, y, x]` is the flow through a node over the mean flow of all nodes.
-    `flow_residual` is the relative difference of the flow through cuts and by dissipation; beyond 1e-3, where channels
-    are narrower than 1e-5 of the largest gap, the hydraulic gap is not-a-number. The gap of a profile goes on without
-    end along y. The attribute `validity` names the doubts of the contact, that of profiles, factors above 1, and those
-    that differ much by direction. Raises UnusableDataError for a dataset without these fields, a run that is not ok, or
-    more nodes than memory takes.
+    is uniform on the sides of inlet and outlet, and the other two are impermeable. `hydraulic_gap` d is the gap of
+    parallel walls that leak as much: a pressure difference P drives d^3 P / (12 eta) times L_y / L_x through the map
+    along x. `flow_factor` is d^3 over the cube of the mean gap (Patir & Cheng, J. Lubr. Technol. 100:12, 1978). Both
+    are 0 without a channel. `local_flow` `[..., direction, y, x]` is the flow through a node over the mean flow of all
+    nodes. `flow_residual` is the relative difference of the flow through cuts and by dissipation; beyond 1e-3, where
+    channels are narrower than 1e-5 of the largest gap, the hydraulic gap is not-a-number. The gap of a profile goes on
+    without end along y. The attribute `validity` names the doubts of the contact, that of profiles, factors above 1,
+    and those that differ much by direction. Raises UnusableDataError for a dataset without these fields, a run that is
+    not ok, or more nodes than memory takes.
     """
     nodes = check_fields(dataset, ("pressure", "gap"))
     around = (False, *goes_around(dataset))[-2:]

@@ -131,10 +131,11 @@ def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
 
 
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:
-    """Length of the edges over L_x, from the crossings of lines in four directions, diagonals 1/sqrt(2) as dense.
+    """Length of the edges over L_x, from their crossings with lines through the nodes in four directions.
 
-    An edge with the normal (c, s) is crossed c + s + 2^(1/2) max(c, s) times a spacing; the gradient of the smoothed
-    contact tells the normal. Where nothing goes `around` the map, nothing touches beyond its ends.
+    Diagonal lines are sqrt(2) times as dense, and count 1 / sqrt(2): an edge with the normal (c, s), c, s >= 0, has c +
+    s + sqrt(2) max(c, s) crossings a spacing. The gradient of the smoothed contact tells the normal. Where nothing goes
+    `around` the map, nothing touches beyond its ends.
     """
     nx = touching.shape[1]
     touching = np.pad(touching, [(0, 0) if joined else (1, 1) for joined in around])

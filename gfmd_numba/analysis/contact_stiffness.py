@@ -18,9 +18,10 @@ _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows
 
 @checked
 def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
-    """Return the stiffness K = -dp/d(mean gap) `[interval]` between neighbouring loads of the same surfaces.
+    """Return the secant stiffness K = -(difference of p) / (that of the mean gap) `[interval]` of neighbouring loads.
 
     The gap is that of the surfaces as they were made: a hardness flattens them, which brings them nearer, too.
+    The surfaces are the same at both loads; the `contact_stiffness` of a load curve is the tangent.
     Takes a campaign of several `reduced_pressure`, whose cases are equal except for the load, or the `step` of load
     paths, perhaps of several realisations. Without a period the approach of the punch takes the place of the gap. K, in
     Pa/m (E*/L_x without units), leaves out the uniform compression of the bodies. It is the difference of the mean

@@ -11,6 +11,7 @@ they are likely.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -222,6 +223,7 @@ _FINE = {1: 25, 2: 21, 3: 15}  # and in the end, by the number of parameters: sp
 _FINE_OF_MORE = 9
 _UNLIKELY = 25.0  # chi^2 above the least one, beyond which parameters do not count: 5 standard deviations
 _ROUNDS = 60
+_NEGLIGIBLE = 1e-9  # of the weight of all nodes: the lightest that weigh less together are left out
 
 
 @dataclass(frozen=True)
@@ -232,7 +234,13 @@ class Choice:
     parameters: tuple[Parameter, ...]
     nodes: Reals  # values of the parameters (node, parameter)
     log_weight: Reals
-    fits: list[Linear]
+    means: Sequence[Means]
+    before: Sequence[Reals]  # what is known of each group before, as `linear` takes it
+
+    @cached_property
+    def fits(self) -> list[Linear]:
+        """Fits of each group at all nodes, made with their first use: a plan asks for the weights alone."""
+        return [linear(each, self.laws, self.nodes, known) for each, known in zip(self.means, self.before, strict=True)]
 
 
 def weighed(means: Sequence[Means], laws: Laws) -> Choice:
@@ -256,8 +264,11 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
             break
         points = fine if settled.all() else points
         low, high = new_low, new_high
-    fits = [linear(each, laws, nodes, known) for each, known in zip(means, before, strict=True)]
-    return Choice(laws, parameters, nodes, log_volume - chi2 / 2.0, fits)
+    log_weight = log_volume - chi2 / 2.0
+    order = np.argsort(log_weight)
+    weight = np.exp(log_weight[order] - log_weight[order[-1]]).cumsum()
+    counts = np.sort(order[weight >= _NEGLIGIBLE * weight[-1]])
+    return Choice(laws, parameters, nodes[counts], log_weight[counts], means, before)
 
 
 def shares(choices: Sequence[Choice]) -> list[Reals]:

@@ -26,7 +26,7 @@ class Team:
         self._pool = ThreadPoolExecutor(size - 1) if size > 1 else None
 
     def share(
-        self, work: Callable[[int, int, int], None], pieces: int, nodes: int, first: Callable[[], None] | None = None
+        self, work: Callable[[int, int, int], object], pieces: int, nodes: int, first: Callable[[], None] | None = None
     ) -> None:
         """Call `work` with the number of a thread, the first of some pieces and their end, until all are done.
 
@@ -70,7 +70,7 @@ class Team:
         self.share(some, len(ends) - 1, size)
         return [found[k] for k in range(len(ends) - 1)]
 
-    def by_rows(self, work: Callable[[slice], None], shape: tuple[int, ...]) -> None:
+    def by_rows(self, work: Callable[[slice], object], shape: tuple[int, ...]) -> None:
         """Call `work` with some of the rows of an array of a shape after others, for all of these."""
         self.share(lambda _, first, last: work(slice(first, last)), shape[0], prod(shape))
 

@@ -40,6 +40,7 @@ OF_A_RUN = {
     # the web servers of scheduler and workers cannot be switched off, but they need not say anything
     "distributed.scheduler.http.routes": [],
     "distributed.worker.http.routes": [],
+    "distributed.worker.profile.enabled": False,  # of which nobody sees anything, a hundred times a second
 }
 
 

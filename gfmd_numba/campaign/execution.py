@@ -327,6 +327,7 @@ class Submission:
 
         at_work: dict[str, Task] = {}
         wanted, counted = 1, -inf
+        of_all = self.run, versions(), self.timeout
 
         def submitted() -> list[Any]:
             """Return futures of the next tasks, as many as the workers have room for."""
@@ -337,7 +338,6 @@ class Submission:
                 except OSError:
                     raise ConnectionError(_NO_SCHEDULER) from None
             some = list(islice(tasks, max(0, wanted - len(at_work))))
-            of_all = self.run, versions(), self.timeout
             new = [self.client.submit(compute, task, *of_all, pure=False) for task in some]  # keys are nobody else's
             at_work.update((future.key, task) for future, task in zip(new, some, strict=True))
             return new

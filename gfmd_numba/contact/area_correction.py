@@ -18,10 +18,11 @@ along y have r sides of nodes that face x for each that faces y, and the mean ov
 (1 / r (1 + r)) int_0^(pi/2) e / rho^3 dphi over the direction phi of n, rho^2 = (cos phi / r)^2 + sin^2 phi.
 (Yastrebov, Anciaux & Molinari, Tribol. Int. 114:161, 2017, have (pi - 1 + ln 2) / 24 a side from geometry.)
 
-`evaluation.contact_area_fraction` takes the mean excess off the counted nodes. A smooth contact of many nodes is known
-better than that. On profiles the pressures at its two last nodes say where it ends. On maps, p^2 rises in proportion to
-the distance from the edge. From the second node on it is that of the continuum, but for waves of one node spacing,
-which an average with smooth weights over the distance hardly feels. `contact_area` extrapolates it to zero.
+The contact area counts the nodes on which the wall presses (p > 0), less the mean excess of each of their sides beyond
+which it does not: `evaluation.contact_area_fraction`. A smooth contact of many nodes is known better than that. On
+profiles the pressures at its two last nodes say where it ends. On maps, p^2 rises in proportion to the distance from
+the edge. From the second node on it is that of the continuum, but for waves of one node spacing, which an average with
+smooth weights over the distance hardly feels. `contact_area` extrapolates it to zero.
 """
 
 from collections.abc import Callable

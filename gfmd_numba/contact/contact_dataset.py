@@ -9,6 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.contact import jumps, law_resolution, plastic_measures
 from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
@@ -179,7 +180,12 @@ def refuse_nonfinite(dataset: xr.Dataset) -> None:
 
 def scaled(values: npt.NDArray[Any], factor: float) -> npt.NDArray[Any]:
     """Values in file units; counts and flags keep their integer type."""
-    return values if factor == 1.0 else values * factor
+    if factor == 1.0:
+        return values
+    rows = np.atleast_1d(values)
+    found = np.empty(rows.shape, np.result_type(values, factor))
+    team().by_rows(lambda some: np.multiply(rows[some], factor, out=found[some]), rows.shape)
+    return found.reshape(values.shape)
 
 
 def campaign_dataset(

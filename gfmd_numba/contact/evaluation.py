@@ -270,13 +270,11 @@ def rms_gradient(contact: Contact) -> Reals:
 @once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
-    square = np.zeros(contact.heights.shape)
-    for gradient in statistics.gradients(contact.roughness, _periods(contact), contact.ends):
-        square += np.square(gradient, out=gradient)
     axes = tuple(range(1, contact.heights.ndim))
     bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
     share = filled(contact) - bias * _open_sides(contact, elastic_nodes(contact)).sum(axis=0)
-    return np.asarray(np.sqrt(np.multiply(square, share, out=square).sum(axis=axes) / share.sum(axis=axes)))
+    squares = statistics.weighed_square_gradient(contact.roughness, share, _periods(contact), contact.ends)
+    return np.asarray(np.sqrt(squares / share.sum(axis=axes)))
 
 
 @once
@@ -386,12 +384,14 @@ def _traction_along(contact: Contact, surface: Reals) -> Reals:
     if contact.ends and contact.ends[-1]:
         return mean_of_nodes(pressure * np.gradient(surface, 1.0 / surface.shape[-1], axis=-1))
     waves = [grid.coefficients(field, dimension) for field in (pressure, surface)]
-    work = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
-    return np.asarray(work.sum(axis=tuple(range(1, work.ndim))))
+    products = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
+    return np.asarray(products.sum(axis=tuple(range(1, products.ndim))))
 
 
 def full_contact_pressure(contact: Contact) -> Reals:
-    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`, that of a patch as if it went on.
+    """Rms fluctuation of the pressure in full contact in g E* `[realisation]`.
+
+    That of a window is g E*/2, as if its roughness went on beyond the ends.
 
     That of a body that creeps is what the relaxed one bears, or under a steadily sliding punch that one itself.
     """

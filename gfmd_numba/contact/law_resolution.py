@@ -27,7 +27,7 @@ _MOST_NODES = 2**50  # so that a number of nodes is exact
 def resolution(problem: Problem) -> float:
     """Ratio x of the largest softening of the law to the stiffness of the shortest wave; 0 without attraction.
 
-    It is (w / range^2) / (pi n E* / 2 L_x) for an exponential law on a half-space of n nodes; of a map the
+    It is (w / range^2) / (pi n E* / (2 L_x)) for an exponential law on a half-space of n nodes; of a map the
     shortest wave along an axis counts. A law of gap and slip has two, and the larger counts. Where the law softens
     faster than that stiffens, single nodes snap, and the edge of a contact is held by the grid.
     """

@@ -3,8 +3,10 @@
 What has flowed moves the surface (`elasticity/eigenstrain.py`), and the pressure makes what flows: where the stress
 exceeds the yield stress, `kernels/return_mapping.py` takes it back to the yield surface. The map from plastic strains
 to those to which the yield surface returns the stress under them, with the contact in equilibrium, is a step of
-forward-backward splitting (Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy: it moves no two
-states apart. Anderson's method makes it fast. Strains are in g, stresses in g E*, thicknesses in L_x.
+forward-backward splitting (Lions and Mercier, SIAM J. Numer. Anal. 16:964, 1979) of a convex energy, which is
+nonexpansive. Anderson's method makes it fast. It ends where 2 G max |change of strain| is at most `RESIDUAL_RATIO`
+times the residual times the yield stress. The yield stress rises as Y_0 + h e + (Y_s - Y_0) (1 - exp(-e / e_s)) with
+the equivalent plastic strain e. Strains are in g, stresses in g E*, thicknesses in L_x.
 """
 
 import time
@@ -80,11 +82,11 @@ def _increment(problem: Problem, state: State, strain: Reals) -> Contact:
     body, mixing, is_last = start.body, Mixing(start), False
     transforms, iterations = np.zeros((2, 1), dtype=np.int64)
     for _ in range(_LOOPS):
-        out = body.moved(strain).reshape(start.out.shape)
+        out = body.surface_displacement(strain).reshape(start.out.shape)
         found = solution.solve(problem, state.remembering(NAME, replace(start, out=out)))
         state, iterations = state.begun_at(found), iterations + 1
         transforms = transforms + found.equilibrium.n_transforms + 2 * strain.shape[0] * strain.shape[1]
-        returned = body.strains(found.equilibrium.pressure[0].reshape(body.shape))
+        returned = body.strains(found.equilibrium.pressure[0].reshape(body.shape))  # yet the whole strains
         points = (each.reshape(len(strain), -1) for each in (returned, start.strain))
         kernels.return_to_yield(*points, start.equivalent.ravel(), hardening, body.shear)
         residual = 2.0 * body.shear * float(abs(returned - strain).max()) / hardening.stress

@@ -64,7 +64,10 @@ def flow_of(contact: Contact) -> Flow:
 
 
 def equivalent(tensor: Reals) -> Reals:
-    """Equivalent stress `[sublayer, y, x]` of a deviatoric one `[component, sublayer, y, x]`; of strains times 1.5."""
+    """Equivalent stress `[sublayer, y, x]` of a deviatoric one `[component, sublayer, y, x]`.
+
+    Of a strain it is 1.5 times the equivalent strain.
+    """
     xx, zz, *shear = tensor
     return von_mises(xx, -xx - zz, zz, *shear)
 
@@ -73,7 +76,7 @@ def equivalent(tensor: Reals) -> Reals:
 def stresses(contact: Contact) -> Reals:
     """Equivalent stress and that along x in the body under a contact, means of sublayers `[2, sublayer, y, x]`."""
     flow = flow_of(contact)
-    flow.body.moved(flow.strain)
+    flow.body.surface_displacement(flow.strain)
     *strains, normal = flow.body.strains(contact.equilibrium.pressure[0].reshape(flow.body.shape), with_normal=True)
     deviator = 2.0 * flow.body.shear * (np.stack(strains) - flow.strain)
     return np.stack((equivalent(deviator), normal + deviator[0] - deviator[1]))

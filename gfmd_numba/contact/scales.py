@@ -41,7 +41,8 @@ def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> Plasticity 
 def whole_body_yields(body: Body) -> float:
     """Mean pressure in Pa (E* without moduli) under which a periodic body yields far below its surface; else infinite.
 
-    There the period holds it sideways, so that it bears nu / (1 - nu) of the pressure along the surface.
+    There the period holds it sideways, so that it bears nu / (1 - nu) of the pressure along the surface, and yields at
+    Y (1 - nu) / (1 - 2 nu).
     """
     if body.plasticity is None or body.surface_poissons_ratio >= _INCOMPRESSIBLE:
         return math.inf

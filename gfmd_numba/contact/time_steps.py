@@ -1,8 +1,8 @@
 """Steps of a path that take time or wear the punch, divided until halving all divisions changes next to nothing.
 
 The load and the sliding are linear in time over a step of the path. Divisions grow with the time since its beginning,
-as what a body remembers decays: they are equal in the logarithm of that time and the shortest relaxation time. Where
-the punch passes over the body or wears, all are alike.
+as what a body remembers decays: they are equal in ln(1 + t / tau), tau the shortest relaxation time. Where the punch
+passes over the body or wears, all are alike.
 """
 
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ from gfmd_numba.solvers.equilibrium import Equilibrium
 from gfmd_numba.solvers.status import Status
 
 HALVINGS = 10  # at most
-_SLOWEST, _SURE = 1.15, 2.5  # how many times smaller the next change is expected to be, at least and at most
+_SLOWEST, _FASTEST = 1.15, 2.5  # how many times smaller the next change is expected to be, at least and at most
 _EVENLY = 1e-9  # growth of divisions over a step that are as good as equal
 
 
@@ -63,13 +63,14 @@ def is_divided(problem: Problem, before: LoadStep | None, step: LoadStep) -> boo
 def remaining_error(changes: Sequence[float]) -> float:
     """Error that is left by divisions, halving all of which has made these changes.
 
-    Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall with the square of the divisions
-    once these are short, r = 4, but less surely where nodes touch down or leave, and hardly where relaxation times are
-    not resolved. The smaller one of the last two r counts, and a change below a quarter of the last one is chance.
+    Changes that go on to shrink r times leave 1 / (r - 1) of the last one. Errors fall as one over the square of the
+    number of divisions once these are short, r = 4, but less surely where nodes touch down or leave, and hardly where
+    relaxation times are not resolved. The smaller one of the last two r counts, and a change below a quarter of the
+    last one is chance.
     """
     last = max(changes[-1], 0.25 * max(changes[-2:-1], default=0.0))
-    shrink = [before / after if after > 0.0 else _SURE for before, after in pairwise(changes[-3:])]
-    return last / (min(max(min(shrink, default=0.0), _SLOWEST), _SURE) - 1.0)
+    shrink = [before / after if after > 0.0 else _FASTEST for before, after in pairwise(changes[-3:])]
+    return last / (min(max(min(shrink, default=0.0), _SLOWEST), _FASTEST) - 1.0)
 
 
 def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, list[Equilibrium]]:
@@ -95,10 +96,11 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
 
 
 def difference(coarse: Contact, fine: Contact) -> float:
-    """Mean difference of the tractions of two contacts over their largest mean so far, or that of the displacements.
+    """Largest relative difference of two contacts: of tractions, displacements, and what has worn.
 
-    Or of what has worn; the largest counts. The error of a traction remains when the traction falls again, so that it
-    is relative to the largest one so far, which bodies that creep remember.
+    It is a mean over the nodes, over the largest mean so far, or of what has worn over that itself. The error of a
+    traction remains when the traction falls again, so that it is relative to the largest one so far, which bodies that
+    creep remember.
     """
     springs = fine.after.memory.get("springs")
     most = *((0.0, 0.0) if springs is None else springs.largest), 0.0

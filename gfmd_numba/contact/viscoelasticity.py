@@ -59,6 +59,8 @@ class Relaxation:
     def change(self, state: State, step: LoadStep) -> Change:
         """The bodies are stiffer, and their surface has moved to where nothing would press on it.
 
+        The pressure is p = -f K (u' - u_0) with f = 1 + sum_i m_i joined_i, and what has moved is
+        u_0 = sum_i m_i (joined_i u - kept_i w_i) / f: what is solved for is u' - u_0. Symbols are those of `prony.py`.
         Under a punch that slides steadily each wave has a stiffness of its own, and nothing else is remembered.
         """
         series, stretch = self.problem.relaxation, state.memory[self.name].stretch
@@ -105,7 +107,7 @@ class Relaxation:
         return Springs(stretch, traction, before.dissipated + lost, (traction_so_far, stretch_so_far))
 
     def _rubbed(self, state: State, solved: Contact) -> Reals:
-        """Energy per nominal area that friction takes in a step `[realisation]`, 0 in the first: its way is unknown."""
+        """Energy per nominal area that friction takes `[realisation]`; 0 in the first step, whose path is unknown."""
         lost = np.zeros(len(solved.heights))
         friction = self.problem.interface.friction
         if friction is not None and isfinite(friction) and state.last is not None:

@@ -22,7 +22,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.elasticity.stiffness import Compliance, half_space
 from gfmd_numba.fourier import grid
 
-_SURE = 1e-12  # difference from a half-space; what is below is told by its leading term, as rounding hides it
+_SURE = 1e-12  # difference from a half-space below which its leading term is taken, as rounding hides the rest
 
 
 @dataclass(frozen=True)
@@ -60,7 +60,7 @@ class ElasticBody:
 
     @property
     def base(self) -> float:
-        """Place of the rigid base, z = -a; minus infinity for a half-space."""
+        """Place z of the rigid base, minus the height over L_x; minus infinity for a half-space."""
         return -inf if self.aspect_ratio is None else -self.aspect_ratio
 
     @property
@@ -82,7 +82,7 @@ class ElasticBody:
         return Stack((), (), own) if self.aspect_ratio is None else Stack((self.aspect_ratio,), (own,), None)
 
     def uniform_stiffness(self) -> tuple[float, float]:
-        """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66); on a half-space there is none."""
+        """Stiffness of uniform tangential and normal displacement, in E*/L_x (6.66): 0 on a half-space."""
         if self.aspect_ratio is None:
             return 0.0, 0.0
         tangential, normal = self.layers.uniform_compliance()

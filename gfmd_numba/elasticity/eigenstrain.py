@@ -31,7 +31,7 @@ class Sublayers:
         self._spectrum = self._found = np.zeros((self.components, thickness.size, q.size), dtype=np.complex128)
         self._surface = np.zeros((3, q.size), dtype=np.complex128)
 
-    def moved(self, eigenstrain: Reals) -> Reals:
+    def surface_displacement(self, eigenstrain: Reals) -> Reals:
         """How far the free surface moves out of the body `[y, x]` by an eigenstrain `[component, sublayer, y, x]`.
 
         It is 0 in the mean, and `strains` then knows the eigenstrain.
@@ -47,9 +47,9 @@ class Sublayers:
         return grid.signal(out.reshape(waves), *self.shape)
 
     def strains(self, pressure: Reals, with_normal: bool = False) -> Reals:
-        """Deviatoric strains `[component, sublayer, y, x]` under a pressure `[y, x]` by the eigenstrain of `moved`.
+        """Deviatoric strains `[component, sublayer, y, x]` under a pressure `[y, x]` by the last eigenstrain.
 
-        Ask for the normal stress zz as a last component. A second call needs another one of `moved` before it.
+        Ask for the normal stress zz as a last component. Ask for the `surface_displacement` again before a second call.
         """
         spectrum = grid.coefficients(pressure, 2)
         if with_normal:

@@ -5,6 +5,11 @@ A wave of wave vector q = |q| (c, s) splits in two, as in `spectral_response.py`
 one row, whose waves all go along x. Waves that have died out at a depth are left out there. The Nyquist wave
 k_y = ny/2 is kept as both ny/2 and -ny/2, half of it each. Of the volume one plane at a time is in memory.
 
+Under a pressure p cos(q x) on a half-space, the stresses at a depth d are
+
+    zz = -p (1 + q d) exp(-q d) cos(q x),    xx = -p (1 - q d) exp(-q d) cos(q x),    yy = nu (xx + zz),
+    xz = p q d exp(-q d) sin(q x).
+
 Lengths in L_x, stresses in E*; z counts from the undeformed surface and is negative inside. Stresses are tensions. At
 an interface of layers the fields are those just above it.
 """
@@ -23,7 +28,8 @@ from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.fourier import grid
 
 DISPLACEMENTS = ("u1", "u2", "u3")
-STRAINS = ("strain1", "strain2", "strain3", "strain4", "strain5", "strain6")  # those of shear twice, as engineers do
+# xx, yy, zz, yz, xz, xy, as Voigt numbers them; strains of shear are twice the tensor's
+STRAINS = ("strain1", "strain2", "strain3", "strain4", "strain5", "strain6")
 STRESSES = ("stress1", "stress2", "stress3", "stress4", "stress5", "stress6")
 
 Axis = Literal["x", "y"]

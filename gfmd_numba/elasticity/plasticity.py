@@ -21,9 +21,9 @@ class Plasticity:
     increments: int
 
     def thicknesses(self, depth: float, nx: int) -> Reals:
-        """Thicknesses `[sublayer]` down to a depth below nx nodes: the first not above the distance of the nodes.
+        """Thicknesses `[sublayer]` down to a depth below nx nodes: the first at most one node spacing.
 
-        Where that needs it, each is thicker than the one above it by the same factor.
+        If needed, each is thicker than the one above it by the same factor.
         """
         first, powers = 1.0 / nx, np.arange(self.sublayers)
         if depth <= self.sublayers * first:

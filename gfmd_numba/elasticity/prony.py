@@ -8,9 +8,9 @@ x = dt / tau_i, the stretch w_i of the spring of a branch becomes, exactly,
 
     w_i' = kept_i w_i + joined_i (u' - u),    kept_i = exp(-x),    joined_i = (1 - exp(-x)) / x.
 
-The compliances of two bodies that bear the same tractions add up, and are again that of a Maxwell body: with the
-Laplace transforms E(s) = 1 + sum_i m_i s tau_i / (1 + s tau_i) and 1/E(s) = J(s) = 1 - sum_k j_k s theta_k / (1 + s
-theta_k), the retardation times theta are the eigenvalues of diag(tau) + v v^T, v_i = (m_i tau_i)^(1/2).
+The compliances of two bodies that bear the same tractions add up, and are again that of a Maxwell body: with s times
+the Laplace transforms, E(s) = 1 + sum_i m_i s tau_i / (1 + s tau_i) and 1/E(s) = J(s) = 1 - sum_k j_k s theta_k / (1 +
+s theta_k), the retardation times theta are the eigenvalues of diag(tau) + v v^T, v_i = (m_i tau_i)^(1/2).
 """
 
 from collections.abc import Sequence

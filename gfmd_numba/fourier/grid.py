@@ -26,6 +26,7 @@ import numpy as np
 import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
+from gfmd_numba.arrays.threads import team
 
 
 def wave_indices(shape: tuple[int, ...]) -> tuple[Indices, ...]:
@@ -94,12 +95,40 @@ def shifts(n: int, length: float) -> Reals:
 
 def coefficients(samples: Reals, dimension: int = 1) -> Complexes:
     """Fourier coefficients `[..., (ny,) nx // 2 + 1]` of real samples `[..., (y,) x]`."""
-    return np.fft.rfftn(samples, axes=tuple(range(-dimension, 0)), norm="forward")
+    if dimension == 1:
+        return np.fft.rfft(samples, norm="forward")
+    found = np.empty((*samples.shape[:-1], samples.shape[-1] // 2 + 1), dtype=np.complex128)
+
+    def along_x(rows: slice) -> None:
+        np.fft.rfft(samples[..., rows, :], norm="forward", out=found[..., rows, :])
+
+    def along_y(columns: slice) -> None:
+        np.fft.fft(found[..., columns], axis=-2, norm="forward", out=found[..., columns])
+
+    team().by_rows(along_x, samples.shape[-2:])
+    team().by_rows(along_y, found.shape[:-3:-1])
+    return found
 
 
 def signal(spectrum: Complexes | Reals, *shape: int) -> Reals:
-    """Real samples `[..., (y,) x]` of the given shape, nx or ny, nx, from their coefficients."""
-    return np.fft.irfftn(spectrum, shape, axes=tuple(range(-len(shape), 0)), norm="forward")
+    """Real samples `[..., (y,) x]` of the given shape, nx or ny, nx, from their coefficients.
+
+    Columns that are not given are zero.
+    """
+    if len(shape) == 1:
+        return np.fft.irfft(spectrum, *shape, norm="forward")
+    waves = np.empty((*spectrum.shape[:-2], shape[0], spectrum.shape[-1]), dtype=np.complex128)
+    found = np.empty((*spectrum.shape[:-2], *shape))
+
+    def along_y(columns: slice) -> None:
+        np.fft.ifft(spectrum[..., columns], shape[0], axis=-2, norm="forward", out=waves[..., columns])
+
+    def along_x(rows: slice) -> None:
+        np.fft.irfft(waves[..., rows, :], shape[1], norm="forward", out=found[..., rows, :])
+
+    team().by_rows(along_y, waves.shape[:-3:-1])
+    team().by_rows(along_x, shape)
+    return found
 
 
 def of_half_a_period(samples: Reals, axis: int = -1, odd: bool = False) -> Reals:

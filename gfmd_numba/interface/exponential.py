@@ -12,7 +12,7 @@ from gfmd_numba.scene.interface_records import Exponential
 
 @dataclass(frozen=True)
 class ExponentialLaw:
-    """Law with the energy -work exp(-gap / length) per area (6.109): work > 0 attracts, < 0 repels.
+    """Law with the energy -work exp(-gap / length) per area (thesis 6.109): work > 0 attracts, < 0 repels.
 
     Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
     """
@@ -45,7 +45,7 @@ class ExponentialLaw:
         return np.asarray(-self.work * np.exp(-gap / self.length))
 
     def traction(self, gap: Reals) -> Reals:
-        """Traction that pulls the body towards the punch (6.110)."""
+        """Traction that pulls the body towards the punch (thesis 6.110)."""
         pull = np.asarray(gap / -self.length)  # in place, for large maps
         np.exp(pull, out=pull)
         pull *= self.strength

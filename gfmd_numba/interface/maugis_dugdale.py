@@ -15,7 +15,8 @@ class MaugisDugdaleLaw(NormalLaw):
     """Traction work / length up to a gap of that length (Maugis, J. Colloid Interface Sci. 150:243, 1992), then none.
 
     The traction falls in a line, over a `taper` times the length about there, so that the work stays the same. It
-    cannot jump: on a grid each node would then be in or out on its own, with as many equilibria.
+    cannot jump: on a grid each node would then be in or out on its own, with as many equilibria. Lengths in g L_x, work
+    in g^2 E* L_x.
     """
 
     work: float

@@ -16,6 +16,7 @@ class SumOfPowers(NormalLaw):
     """Energy per area of the sum of work (length / z)^power, at a distance z that is the gap and an `offset`.
 
     Below a distance of `shortest` times the length the traction goes on in a line, as no grid could hold its pole.
+    Lengths in g L_x, work in g^2 E* L_x.
     """
 
     works: tuple[float, ...]

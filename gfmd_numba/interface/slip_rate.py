@@ -1,7 +1,7 @@
 """Friction that depends on how fast a node slips, or holds what a function of the user says.
 
 The coefficient at rest rises as that of velocity strengthening, a ln(1 + v / v0) (Bar-Sinai et al., Lubricants 7:91,
-2019): for v far above v0 the logarithm of rate and state laws, for v far below none, so that nodes may stick. Or it is
+2019): far above v0 it is the logarithm of rate and state laws, far below v0 constant, so that nodes may stick. Or it is
 linear between the values of a table. The slip rate is the slip of a step over its duration.
 """
 
@@ -50,6 +50,7 @@ class SlipRateFriction:
 
     `rates` and `coefficients` are a table that begins at rest; without one the coefficient rises by `strengthening`
     times ln(1 + v / reference). `limit` rises by `rise` times the pressure, or is a function. A step takes `duration`.
+    Stresses in g E*, rates in g L_x per unit of time, which is the longest relaxation time, or 1 s without one.
     """
 
     coefficient: float

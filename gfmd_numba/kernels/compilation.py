@@ -11,6 +11,7 @@ from typing import Any
 
 import numba
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys  # type: ignore[attr-defined]
 from numba.core.serialize import dumps
 
 from gfmd_numba.storage import kernel_cache
@@ -39,7 +40,8 @@ class _OnDisk:
         self.cache_path = str(kernel_cache.folder())
 
     def load_overload(self, signature: Any, target: Any) -> Any:
-        target.refresh()
+        # what `refresh` does first: the rest prepares to compile, and takes longer than a contact
+        rtsys.initialize(target)
         code = kernel_cache.load(self._name(signature, target.codegen()))
         return None if code is None else CompileResult._rebuild(target, *pickle.loads(code))
 

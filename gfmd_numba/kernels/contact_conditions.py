@@ -23,9 +23,9 @@ class Conditions(NamedTuple):
     bounds: Reals = np.empty((0, 0))
 
     def friction_bound(self, pressure: Reals, slip: Reals | None = None) -> Reals:
-        """Largest tangential traction under a pressure; where that is not positive 0, also of an infinite friction.
+        """Largest tangential traction under a pressure; 0 where that is not positive, even if friction is infinite.
 
-        The slip is of no account here.
+        The `slip` is for friction that depends on it, like `interface/slip_rate.py`.
         """
         return np.minimum(self.coulomb_bound(pressure), self.limit + self.rise * np.maximum(pressure, 0.0))
 
@@ -108,8 +108,8 @@ def wall_violation(
 def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -> tuple[float, float]:
     """Largest tangential traction of a row that friction does not balance, and the sum of all.
 
-    Free nodes bear none, sticking nodes less than friction holds, sliding ones exactly that against the way they have
-    slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
+    Free nodes bear none, sticking nodes at most what friction holds, sliding ones exactly that against the way they
+    have slid. Under an infinite friction a node that slid has left its anchor, and bears nothing.
     """
     u, ku, wall, load, anchor = state
     normal = u.shape[1] - 1

@@ -58,8 +58,9 @@ def _turned(tau: Complexes, j: int, w: int, c: float, s: float) -> _Five:
 def _sources(turned: _Five, nu: float, mu: float, way: float) -> _Three:
     """What a stress of eigenstrain adds to the waves that fade downwards (1), or upwards (-1), per s."""
     t11, t33, t13, t12, t23 = turned
-    softness, kolosov, weight = (1.0 - 2.0 * nu) / (1.0 - nu) ** 2, 3.0 - 4.0 * nu, 0.25 / (1.0 - nu) ** 2
-    first = 0.5 * (way * t13 / mu - softness * t33) - kolosov * weight * (t11 - t33)
+    # 1 / C_11, in 1 / E*
+    uniaxial, kolosov, weight = (1.0 - 2.0 * nu) / (1.0 - nu) ** 2, 3.0 - 4.0 * nu, 0.25 / (1.0 - nu) ** 2
+    first = 0.5 * (way * t13 / mu - uniaxial * t33) - kolosov * weight * (t11 - t33)
     return first, weight * (t11 - t33 - 2.0 * way * t13), 0.5 * (way * t23 - t12) / mu
 
 
@@ -121,7 +122,8 @@ def strains(tau: Complexes, pressure: Complexes, waves: Waves, found: Complexes,
     `tau` becomes the stress zz.
     """
     nu, mu, n = waves.poissons_ratio, waves.shear, tau.shape[0]
-    softness, kolosov, half = (1.0 - 2.0 * nu) / (1.0 - nu) ** 2, 3.0 - 4.0 * nu, 1.0 - 2.0 * nu
+    # 1 / C_11, in 1 / E*
+    uniaxial, kolosov, half = (1.0 - 2.0 * nu) / (1.0 - nu) ** 2, 3.0 - 4.0 * nu, 1.0 - 2.0 * nu
     for w in range(tau.shape[2]):
         if waves.q[w] > 0.0:
             pressed = -0.5 * pressure[w] / mu
@@ -146,9 +148,9 @@ def strains(tau: Complexes, pressure: Complexes, waves: Waves, found: Complexes,
             stress = 2.0 * mu * (a1 + b1) + mu * (1.0 + kolosov) * (a2 + b2)
             if waves.q[w] == 0.0:
                 stress -= pressure[w]
-            e11, e33 = -a1 - b1, a1 + b1 + 2.0 * half * (a2 + b2) + softness * turned[1]
+            e11, e33 = -a1 - b1, a1 + b1 + 2.0 * half * (a2 + b2) + uniaxial * turned[1]
             if waves.q[w] == 0.0:
-                e33 += softness * stress
+                e33 += uniaxial * stress
             e13, e12 = b1 - a1 + half * (b2 - a2) + 0.5 * turned[2] / mu, -0.5 * (a3 + b3)
             e23 = 0.5 * (b3 - a3) + 0.5 * turned[4] / mu
             e22 = -(e11 + e33) / 3.0

@@ -10,7 +10,10 @@ from gfmd_numba.kernels.compilation import jit
 
 
 class Hardening(NamedTuple):
-    """Yield stress at an equivalent plastic strain e: stress + slope e + rise (1 - exp(-e / strain)), after Voce."""
+    """Isotropic hardening: yield stress = stress + slope e + rise (1 - exp(-e / strain)), after Voce.
+
+    Stresses are in g E*, strains like the equivalent plastic one e in g.
+    """
 
     stress: float
     slope: float = 0.0
@@ -25,7 +28,10 @@ class Hardening(NamedTuple):
 
 @jit
 def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) -> float:
-    """Equivalent plastic strain that a step adds, whose elastic stress is a trial; Newton's method from below."""
+    """Equivalent plastic strain that a step adds, so that trial - 3 G added = yield stress; Newton's method from below.
+
+    The `trial` is the equivalent stress without any.
+    """
     added = 0.0
     for _ in range(100):
         fade = np.exp(-(equivalent + added) / hardening.strain)
@@ -42,7 +48,8 @@ def return_to_yield(strain: Reals, before: Reals, equivalent: Reals, hardening: 
     """Turn deviatoric strains `[component, point]` at the end of a step into the plastic ones there.
 
     `before` are the plastic strains and `equivalent` `[point]` the equivalent one that the step began with. Components
-    are xx and zz, and then shear.
+    are xx, zz, xz and on maps xy, yz of a tensor, shear once, with yy = -xx - zz. The trial stress is
+    2 G (3 (xx^2 + zz^2 + xx zz + sum of shear^2))^(1/2) of the elastic strain, and plastic strain is added along that.
     """
     n, least = strain.shape[0], hardening.stress / (2.0 * shear)
     for i in range(strain.shape[1]):

@@ -3,6 +3,7 @@
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.arrays.threads import team
 from gfmd_numba.fourier import grid
 
 
@@ -13,7 +14,13 @@ def stream(seed: int, realisation: int) -> np.random.Generator:
 
 def complex_gaussian(seed: int, realisation: int, count: int) -> Complexes:
     """First `count` complex Gaussians of mean square 2 by Box-Muller (3.35); a prefix of any longer request."""
-    return _box_muller(stream(seed, realisation).random((count, 2)))
+    uniform, found = stream(seed, realisation).random((count, 2)), np.empty(count, dtype=np.complex128)
+
+    def draw(some: slice) -> None:
+        found[some] = _box_muller(uniform[some])
+
+    team().by_rows(draw, uniform.shape)
+    return found
 
 
 def _box_muller(uniform: Reals) -> Complexes:
@@ -26,15 +33,23 @@ def waves(seed: int, realisation: int, shape: tuple[int, ...], largest_index: in
 
     Waves with an index beyond `largest_index` in any direction, and the mean, are zero.
     """
-    ky, kx = grid.wave_indices((1, *shape)[-2:])
-    ring, highest = np.maximum(kx, abs(ky)), min(largest_index, len(ky) // 2)
-    kept = (ring <= largest_index) & ((kx > 0) | (ky > 0))
+    all_ky, kx = grid.wave_indices((1, *shape)[-2:])
+    highest, rows = min(largest_index, len(all_ky) // 2), abs(all_ky) <= largest_index
     # waves (kx > 0, or kx = 0 and ky > 0) are counted in square rings, as far as these have rows
-    whole = np.minimum(ring - 1, highest)
-    before = 2 * whole * (whole + 1) + (ring - 1 - whole) * (2 * highest + 1)
-    within = np.where(kx == ring, ky + np.minimum(ring, highest), np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
-    found: Complexes = np.zeros(kept.shape, dtype=np.complex128)
-    found[kept] = complex_gaussian(seed, realisation, int(kept.sum()))[(before + within)[kept]]
+    count = min(largest_index, kx.size - 1) * rows.sum() + (rows & (all_ky > 0)).sum()
+    drawn = complex_gaussian(seed, realisation, int(count))
+    found: Complexes = np.zeros((all_ky.size, kx.size), dtype=np.complex128)
+
+    def place(some: slice) -> None:
+        ky = all_ky[some]
+        ring = np.maximum(kx, abs(ky))
+        kept = (ring <= largest_index) & ((kx > 0) | (ky > 0))
+        whole = np.minimum(ring - 1, highest)
+        before = 2 * whole * (whole + 1) + (ring - 1 - whole) * (2 * highest + 1)
+        within = np.where(kx == ring, ky + np.minimum(ring, highest), np.where(ky > 0, 2 * ring + 1, 3 * ring) + kx)
+        found[some][kept] = drawn[(before + within)[kept]]
+
+    team().by_rows(place, found.shape)
     # of a pair of opposite waves along y, the layout keeps both
     found[-1 : -highest - 1 : -1, 0] = found[1 : highest + 1, 0].conj()
     found /= np.sqrt(2.0)

@@ -61,7 +61,7 @@ class SelfAffineWaves:
             heights = np.empty((len(realisations), nx, nx))
             for row, realisation in zip(heights, realisations, strict=True):
                 drawn = waves(seed, realisation, (2 * self.shortest_wave_index + 1,) * 2, self.shortest_wave_index)
-                spectrum, squares = self._columns_of(drawn, nx, slice(0, nx // 2 + 1))
+                spectrum, squares = self._columns_of(drawn, nx, slice(0, self.shortest_wave_index + 1))
                 spectrum /= np.sqrt(squares.sum())
                 row[...] = grid.signal(spectrum, nx, nx)
             return heights

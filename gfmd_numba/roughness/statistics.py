@@ -3,7 +3,7 @@
 `lengths` are the periods, (L_x,) of profiles and (L_y, L_x) of maps; heights share their unit.
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import reduce
 from math import frexp, ldexp
 from typing import Any
@@ -18,12 +18,13 @@ UNIT = (1.0,)
 # Of the curvature over two nodes, that over one: of waves of 8 nodes 1.1, of 4 up to 1.5, with peaks of pressure right
 # to 6 %; of 2 nodes, or edges of grooves, 1.7 to 8, with peaks down to half of those on finer grids, areas off by 16 %
 SHARP = 1.6
-_ROWS = 64  # that are differentiated at once: a map may fill a good part of the memory
+_ROWS = 64  # that are worked on at once
 
 
 def power(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
     """Squares |h~(q)|^2 of the kept Fourier coefficients, `[..., nx // 2 + 1]` or `[..., ny, nx // 2 + 1]`."""
-    return np.asarray(np.abs(grid.coefficients(heights, len(lengths))) ** 2)
+    waves = grid.coefficients(heights, len(lengths))
+    return np.asarray(np.square(waves.real) + np.square(waves.imag))
 
 
 def wavenumbers(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -45,11 +46,23 @@ def moments_of_power(
     power: Reals, shape: tuple[int, ...], orders: tuple[int, ...], lengths: tuple[float, ...] = UNIT
 ) -> list[Reals]:
     """Moments `[...]` of several even orders, as `moment_of_power` has one."""
-    weighted = grid.multiplicity(shape[-1]) * power
-    flat = weighted.reshape(*power.shape[: -len(shape)], -1)[..., 1:]
-    q_squared = np.square(grid.magnitudes(shape, lengths).ravel()[1:])
+    *across, q_x = grid.wavevectors(shape, lengths)
+    q_y = across[0] if across else np.zeros((1, 1))
+    batch, weight = power.shape[: -len(shape)], grid.multiplicity(shape[-1])
+    rows = power.reshape(-1, len(q_y), len(weight))
+    sums = np.empty((len(orders), *rows.shape[:2]))
+
+    def add(some: slice) -> None:
+        for few in _few(some):
+            weighted, q_squared = weight * rows[:, few], q_y[few] ** 2 + q_x**2
+            if few.start == 0:
+                weighted[:, 0, 0] = 0.0  # the mean
+            for k, order in enumerate(orders):
+                sums[k, :, few] = (weighted * q_squared ** (order // 2)).sum(axis=-1)
+
     # summed row by row: a matrix product would round differently in batches of different size
-    return [np.asarray((flat * q_squared ** (order // 2)).sum(axis=-1)) for order in orders]
+    team().by_rows(add, (len(q_y), rows.size // len(q_y)))
+    return [np.asarray(each.sum(axis=-1).reshape(batch)) for each in sums]
 
 
 def rms_height(heights: Reals, lengths: tuple[float, ...] = UNIT) -> Reals:
@@ -63,8 +76,9 @@ def rms_gradient(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[
     Heights may end along some axes (y,) x. Source: thesis (4.2), in which square and root are missing.
     """
     if any(ends):
-        squares = sum(each**2 for each in gradients(heights, lengths, ends))
-        return np.asarray(np.sqrt(np.mean(squares, axis=tuple(range(-len(lengths), 0)))))
+        fields = heights.reshape(-1, *heights.shape[-len(lengths) :])
+        squares = weighed_square_gradient(fields, np.broadcast_to(1.0, fields.shape), lengths, ends)
+        return np.asarray(np.sqrt(squares / fields[0].size).reshape(heights.shape[: -len(lengths)]))
     return np.sqrt(spectral_moment(heights, 2, lengths))
 
 
@@ -102,34 +116,52 @@ def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
 
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
-    nx, found = heights.shape[-1], np.empty_like(heights, dtype=np.float64)  # laid out alike, as a map on its side
-    given, filled = np.atleast_2d(heights), np.atleast_2d(found)
+    nx, waves = heights.shape[-1], grid.coefficients(heights)
+    if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
+        waves[..., -1] = 0.0
+    return grid.signal(grid.derivative(waves), nx) / length
 
-    def differentiate(rows: slice) -> None:
-        for first in range(rows.start, rows.stop, _ROWS):
-            some = ..., slice(first, min(first + _ROWS, rows.stop)), slice(None)
-            waves = grid.coefficients(given[some])
-            if nx % 2 == 0:  # the derivative of the Nyquist wave vanishes on the grid
-                waves[..., -1] = 0.0
-            filled[some] = grid.signal(grid.derivative(waves), nx) / length
 
-    team().by_rows(differentiate, given.shape[-2:])
+def _gradient_between_ends(heights: Reals, length: float) -> Reals:
+    """Derivative along the last axis of a cubic spline, whose third derivative is continuous next to its ends."""
+    from scipy.interpolate import make_interp_spline  # it takes longer to import than most contacts to solve
+
+    nodes = np.arange(heights.shape[-1])
+    return np.asarray(make_interp_spline(nodes, heights, axis=-1)(nodes, 1) * (len(nodes) / length))
+
+
+def weighed_square_gradient(
+    heights: Reals, weight: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()
+) -> Reals:
+    """Sum over the nodes of the squared gradient times a `weight` `[realisation, (y,) x]`, `[realisation]`.
+
+    Derivatives are spectral, or along (y,) x those of a spline where that `ends`. Lines without weight cost nothing.
+    """
+    found = np.zeros(len(heights))
+    for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
+        derivative = _gradient_between_ends if ends and ends[axis] else gradient
+        found += _along_lines(heights.swapaxes(axis, -1), weight.swapaxes(axis, -1), derivative, length)
     return found
 
 
-def gradients(heights: Reals, lengths: tuple[float, ...] = UNIT, ends: tuple[bool, ...] = ()) -> Iterator[Reals]:
-    """Derivatives along each axis from the last, spectral, or of a spline along (y,) x where that `ends`.
+def _along_lines(heights: Reals, weight: Reals, derivative: Callable[[Reals, float], Reals], length: float) -> Reals:
+    """Sum over lines `[realisation, (line,) node]` that have weight of the squared derivative along them times it."""
+    taken = np.nonzero(weight.any(axis=-1))
+    sums = np.empty(len(taken[0]))
 
-    The spline is cubic, through four nodes or more, and its third derivative is continuous next to its ends.
-    """
-    for axis, length in zip(range(-1, -len(lengths) - 1, -1), lengths[::-1], strict=True):
-        if not (ends and ends[axis]):
-            yield gradient(heights.swapaxes(axis, -1), length).swapaxes(axis, -1)
-            continue
-        from scipy.interpolate import make_interp_spline  # it takes longer to import than most contacts to solve
+    def add(some: slice) -> None:
+        for few in _few(some):
+            lines = tuple(each[few] for each in taken)
+            sums[few] = (derivative(heights[lines], length) ** 2 * weight[lines]).sum(axis=-1)
 
-        nodes = np.arange(heights.shape[axis])
-        yield make_interp_spline(nodes, heights, axis=axis)(nodes, 1) * (len(nodes) / length)
+    team().by_rows(add, (len(sums), heights.shape[-1]))
+    return np.asarray(np.bincount(taken[0], sums, len(heights)), dtype=np.float64)
+
+
+def _few(rows: slice) -> Iterator[slice]:
+    """Parts of some rows that stay in the cache, and leave the memory to the map."""
+    for first in range(rows.start, rows.stop, _ROWS):
+        yield slice(first, min(first + _ROWS, rows.stop))
 
 
 def bends(heights: Reals, ends: tuple[bool, ...]) -> tuple[Reals, Reals]:

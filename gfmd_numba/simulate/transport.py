@@ -37,15 +37,16 @@ _TIMES_AREA = {"ohm": "ohm m2", "K W-1": "K m2 W-1"}
 def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.Dataset:
     """Conductance of what `gfmd solve` leaves of contacts, for the current or the heat that crosses touching nodes.
 
-    Two half-spaces of conductivities s_1 and s_2 meet in the touching nodes, which are at one potential. With
-    s = 2 s_1 s_2 / (s_1 + s_2), `conductance` times s is the current per nominal area over the potential difference of
-    the two bodies, beyond that in the uniform flow, per m (L_x without a length). A single round spot of radius a has
-    2 a s (Holm, Electric Contacts, 1967). Without a period the difference is that far away, and at a distance of L_x
-    where the contact goes on along one axis. Frictionless half-spaces with the contact held have the stiffness
-    dp/d(mean gap) = `conductance` times E*, or dp/d(approach) without a period (Barber, Proc. R. Soc. Lond. A 459:53,
-    2003). It is 0 without contact and infinite in full contact with a period. `current_density` is the current through
-    a node over the mean of all nodes. Dims other than `y` and `x` stay. Contacts of a profile are ridges without end
-    along y, which the attribute `validity` says after the warnings about the contact.
+    Two half-spaces of conductivities s_1 and s_2 meet in the touching nodes, which are at one potential. With s = 2 s_1
+    s_2 / (s_1 + s_2), `conductance` times s is the current per nominal area over what the contact adds to the potential
+    difference of the two bodies, per m (L_x without a length). A single round spot of radius a has 2 a s (Holm,
+    Electric Contacts, 1967); one of n nodes across has about 0.2 / n of that less, as its nodes are counted. Without a
+    period the difference is between points far away, and at a distance of L_x where the contact goes on along one axis.
+    Frictionless half-spaces with the contact held have the stiffness dp/d(mean gap) = `conductance` times E*, or
+    dp/d(approach) without a period (Barber, Proc. R. Soc. Lond. A 459:53, 2003). It is 0 without contact and infinite
+    in full contact with a period. `current_density` is the current through a node over the mean of all nodes. Dims
+    other than `y` and `x` stay. Contacts of a profile are ridges without end along y, which the attribute `validity`
+    says after the warnings about the contact.
 
     The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the
     `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their nominal area. Raises InputError for

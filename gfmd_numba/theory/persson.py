@@ -1,8 +1,8 @@
-"""Persson's contact theory of a frictionless hard wall, for any elastic body (thesis appendix 4.A, corrected).
+"""Persson's theory of contacts without adhesion and friction, for any elastic body (thesis appendix 4.A, corrected).
 
 The one property of surface and body it knows is the rms fluctuation s of the pressure in full contact,
-s^2 = sum_q K(q)^2 |h~(q)|^2 over all waves but the mean: g E*/2 for a half-space, whatever the spectrum, and more for a
-slab. Campaigns record it as `full_contact_pressure`. The thesis's G is s^2 / 2, so (g E*)^2 / 8 in its (4.18).
+s^2 = sum_q K(q)^2 |h~(q)|^2 over all waves but the mean. On a half-space s = g E*/2, whatever the spectrum; on a slab s
+is larger. Campaigns record it as `full_contact_pressure`. The thesis's G is s^2 / 2, so (g E*)^2 / 8 in its (4.18).
 """
 
 import numpy as np

@@ -2,7 +2,7 @@
 
 import pytest
 
-from support.command_line import python
+from support.command_line import gfmd, python
 from support.scenes import SCENE
 
 OURS = "import gfmd_numba.fourier.transform as ours"
@@ -65,6 +65,19 @@ def test_solve_loads_no_cluster_no_pictures_and_no_statistics(tmp_path):
     )
     said = python(script, "solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
     assert said.endswith("[]\n")
+
+
+@pytest.mark.long
+def test_a_process_that_solves_loads_no_arrays_of_dask_and_does_not_prepare_to_compile(tmp_path):
+    (tmp_path / "scene.yaml").write_text(SCENE)
+    gfmd("solve", tmp_path / "scene.yaml", "-o", tmp_path / "compiled.nc")  # so that kernels are on the disk
+    script = (
+        "import runpy, sys; sys.argv = ['gfmd', *sys.argv[1:]]\n"
+        "try: runpy.run_module('gfmd_numba', run_name='__main__')\n"
+        "finally: print('dask.array.core' in sys.modules, 'numba.np.linalg' in sys.modules)"
+    )
+    said = python(script, "solve", tmp_path / "scene.yaml", "-o", tmp_path / "out.nc")
+    assert said.endswith("False False\n")
 
 
 @pytest.mark.long

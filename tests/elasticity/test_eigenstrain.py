@@ -28,7 +28,7 @@ def smooth(rng, shape, lead=()):
 def test_strains_under_a_pressure_are_means_of_the_fields_inside(shape, nu):
     pressure = 1.0 + smooth(np.random.default_rng(1), shape)
     layers, body = Sublayers(shape, THICKNESS, nu), ElasticBody(nu, None)
-    layers.moved(np.zeros((layers.components, 4, *shape)))
+    layers.surface_displacement(np.zeros((layers.components, 4, *shape)))
     found = layers.strains(pressure, with_normal=True)
     tractions = np.stack((0.0 * pressure, 0.0 * pressure, -pressure))
     surface = fields.surface_under_tractions(tractions, body)
@@ -50,7 +50,7 @@ def test_energy_of_eigenstrains_is_symmetric_and_positive(shape, nu):
     unit, free, columns = np.zeros((layers.components, 4, *shape)), np.zeros(shape), []
     for i in range(unit.size):
         unit.flat[i] = 1.0
-        layers.moved(unit)
+        layers.surface_displacement(unit)
         columns.append(layers.strains(free).ravel())
         unit.flat[i] = 0.0
     of_components = 2.0 * np.eye(layers.components)
@@ -68,9 +68,9 @@ def test_what_a_pressure_does_to_eigenstrains_they_do_to_the_surface():
     shape, rng = (6, 8), np.random.default_rng(4)
     layers, pressure, eigenstrain = Sublayers(shape, THICKNESS, 0.3), smooth(rng, shape), rng.normal(size=(5, 4, 6, 8))
     pressure -= pressure.mean()  # under which the surface has no place
-    out = layers.moved(eigenstrain)
+    out = layers.surface_displacement(eigenstrain)
     both = layers.strains(pressure)
-    layers.moved(eigenstrain)
+    layers.surface_displacement(eigenstrain)
     stress = 2.0 * layers.shear * (both - layers.strains(0.0 * pressure))
     assert float((pressure * out).mean()) == pytest.approx(-inner(stress, eigenstrain), rel=1e-12)
 
@@ -80,7 +80,9 @@ def test_rows_of_a_map_that_are_alike_are_profiles():
     profile, whole = Sublayers((1, 8), THICKNESS, 0.3), Sublayers(shape, THICKNESS, 0.3)
     eigenstrain, pressure = rng.normal(size=(3, 4, 1, 8)), rng.random((1, 8))
     along = np.concatenate((eigenstrain, np.zeros((2, 4, 1, 8)))).repeat(4, axis=2)
-    np.testing.assert_allclose(whole.moved(along), profile.moved(eigenstrain).repeat(4, axis=0), atol=1e-15)
+    np.testing.assert_allclose(
+        whole.surface_displacement(along), profile.surface_displacement(eigenstrain).repeat(4, axis=0), atol=1e-15
+    )
     found = whole.strains(pressure.repeat(4, axis=0))
     np.testing.assert_allclose(found[:3], profile.strains(pressure).repeat(4, axis=2), atol=1e-14)
     assert abs(found[3:]).max() < 1e-14

@@ -5,10 +5,13 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from gfmd_numba.arrays.threads import Team, shared_by
+from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import model_surfaces, statistics
+from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 LENGTHS = (2.0, 5.0)
+MAP = (1.0, 1.0)
 
 
 def wave_map(ny=24, nx=32):
@@ -135,24 +138,51 @@ def test_scaled_heights_have_the_rms_asked_for():
         statistics.scaled(np.ones((1, 8)), (1.0,), rms_height=1.0)
 
 
-@pytest.mark.parametrize("shape", [(1, 512, 512), (600, 513)], ids=["map", "profiles"])
-def test_threads_share_a_gradient_and_change_no_bit_of_it(shape, monkeypatch):
-    heights, shared = np.random.default_rng(1).normal(size=shape), []
-    by_rows = Team.by_rows
-    monkeypatch.setattr(Team, "by_rows", lambda team, *given: shared.append(team.size) or by_rows(team, *given))
-    waves = np.fft.rfft(heights)
-    waves[..., 256:] *= shape[-1] % 2  # no derivative of the Nyquist wave
-    expected = np.fft.irfft(2j * np.pi * np.arange(waves.shape[-1]) * waves, shape[-1])
-    alone = statistics.gradient(heights)
+@pytest.mark.parametrize("size", [512, 513])
+def test_threads_share_what_is_made_and_known_of_a_map_and_change_no_bit_of_it(size, monkeypatch):
+    weight, shared = np.random.default_rng(1).random((1, size, size)), []
+    by_rows, waves = Team.by_rows, SelfAffineWaves(0.7, 2.0, (size - 1) // 2)
+
+    def made() -> list[np.ndarray]:
+        shared.append(0)
+        heights = waves.heights((size, size), 3, range(1))
+        return [
+            heights,
+            grid.coefficients(heights, 2),
+            np.stack(statistics.moments_of_power(statistics.power(heights, MAP), (size, size), (0, 2, 4), MAP)),
+            statistics.weighed_square_gradient(heights, weight, MAP),
+            statistics.weighed_square_gradient(heights, weight, MAP, (True, False)),
+        ]
+
+    def noted(team, work, shape):
+        shared[-1] += team.size > 1
+        return by_rows(team, work, shape)
+
+    monkeypatch.setattr(Team, "by_rows", noted)
+    alone = made()
     with shared_by(2):
-        np.testing.assert_array_equal(statistics.gradient(heights), alone)
-    np.testing.assert_allclose(alone, expected, atol=1e-9)
-    assert shared[0] == 1
-    assert len(shared) == 2
+        for found, expected in zip(made(), alone, strict=True):
+            np.testing.assert_array_equal(found, expected)
+    # of amplitudes one, of waves one, of transforms two, of moments one, of gradients two
+    assert shared == [0, (1 + 1 + 2) + 2 + (2 + 1) + 2 + 2]
+
+
+@pytest.mark.parametrize("n", [12, 13])
+def test_the_weighed_square_gradient_is_that_of_the_sum_of_waves(n):
+    rng = np.random.default_rng(n)
+    heights, weight = rng.normal(size=(2, 3, n)), rng.random((2, 3, n))
+    weight[:, :, 4] = weight[0, 2] = 0.0
+    k, m = np.fft.fftfreq(n, 1 / n), np.fft.fftfreq(3, 1 / 3)
+    k[abs(k) == n / 2] = 0.0  # the derivative of the wave at Nyquist is zero on every node
+    waves = np.fft.fft2(heights)
+    along = [np.fft.ifft2(2j * np.pi * q * waves).real for q in (k / 5.0, m[:, np.newaxis] / 7.0)]
+    expected = ((along[0] ** 2 + along[1] ** 2) * weight).sum(axis=(1, 2))
+    np.testing.assert_allclose(statistics.weighed_square_gradient(heights, weight, (7.0, 5.0)), expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("n", [4, 5, 40])
 def test_gradients_of_heights_that_end_are_those_of_a_spline(n):
     heights = np.random.default_rng(1).normal(size=(3, n))
-    (found,) = statistics.gradients(heights, (n,), (True,))
-    np.testing.assert_allclose(found, CubicSpline(np.arange(n), heights, axis=1)(np.arange(n), 1), atol=1e-13)
+    slopes = CubicSpline(np.arange(n), heights, axis=1)(np.arange(n), 1)
+    found = statistics.rms_gradient(heights, (n,), (True,))
+    np.testing.assert_allclose(found, np.sqrt((slopes**2).mean(axis=1)), rtol=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess, middle_slip
+from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess, median_slip_node
 from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
 
@@ -164,10 +164,10 @@ def test_a_guess_is_revised_as_node_by_node(components):
     assert len(wrong) > 10
 
 
-def test_friction_on_both_sides_of_the_middle_slip_balances():
+def test_friction_on_both_sides_of_the_median_slip_balances():
     rng = np.random.default_rng(4)
     slid, pressure, contact = rng.normal(size=N), rng.random(N), rng.random(N) < 0.5
-    middle = middle_slip(slid, pressure, contact)
+    middle = median_slip_node(slid, pressure, contact)
     assert contact[middle]
     pull = (pressure * np.sign(slid - slid[middle]))[contact].sum()
     assert abs(pull) <= pressure[middle]

@@ -1,7 +1,7 @@
 """Guess of a frictional contact in Newton's method: which nodes touch, which slip which way, and their tractions.
 
 The law is implicit. A node that slips bears min(mu p, limit + rise p) against its slip since the anchor, a node that
-sticks bears less, and p is the pressure at the end of the step (`kernels/contact_conditions.py`). The anchor is the
+sticks at most that, and p is the pressure at the end of the step (`kernels/contact_conditions.py`). The anchor is the
 tangential displacement at which the step begins, as far as the body follows the punch. `FrictionGuess.revise` only
 makes the next guess: it scales tractions beyond what friction holds back onto the Coulomb cone.
 """
@@ -61,11 +61,11 @@ class FrictionGuess:
     """What is guessed of a row `[n]`, and the tractions found last.
 
     `contact` are the nodes that touch; `direction` `[component, n]` is the way each of them slips, 0 where it sticks;
-    `slip_compliance` is the slip over the friction of a slipping node, `slid` the slip about which a friction that
-    depends on it is linear. `tractions` `[component + 1, n]` are the
-    tangential ones, then the pressure on touching nodes and minus the traction of a law on others, which is linear
-    about the displacement `normal`. Nodes that are `released` bear no tangential traction: an infinite friction has
-    pulled them off, and they stick where they touch down again.
+    `slip_compliance` is the slip over the friction of a slipping node, `slid` the slip at which friction that depends
+    on its rate is linearised. `tractions` `[component + 1, n]` are the tangential ones, then the pressure on touching
+    nodes and minus the traction of a law on others, which is linear about the displacement `normal`. Nodes that are
+    `released` bear no tangential traction: an infinite friction has pulled them off, and they stick where they touch
+    down again.
     """
 
     contact: Flags
@@ -84,7 +84,7 @@ class FrictionGuess:
         return cls(contact, still, np.zeros(n), tractions, normal, none, np.zeros(n))
 
     def revision(self, found: Found, bound: Bound, rounding: float, unsure: float) -> Revision:
-        """Return what a solution speaks for.
+        """Return how a solution changes the guess.
 
         Nodes without pressure leave, and nodes that overlap by more than `rounding` join. One that joins sticks where
         it slid less than friction times its overlap, and slips otherwise: a trial traction as stiff along the surface
@@ -148,7 +148,7 @@ class FrictionGuess:
         return guess
 
 
-def middle_slip(slid: Reals, held: Reals, contact: Flags) -> int:
+def median_slip_node(slid: Reals, held: Reals, contact: Flags) -> int:
     """Node whose slip has as much friction on either side: if it sticks, that of all nodes adds up to zero."""
     nodes = np.flatnonzero(contact)
     order = nodes[np.argsort(slid[nodes], kind="stable")]

@@ -14,7 +14,7 @@ from gfmd_numba.solvers.friction.coulomb_cone import (
     Found,
     FrictionGuess,
     Tangent,
-    middle_slip,
+    median_slip_node,
     on_coarser_grid,
 )
 from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
@@ -275,7 +275,7 @@ class FrictionalNewton:
         if self._drifts and all_slip and isinstance(self._bound, kernels.Conditions):
             slid = u[0] - anchor[0]
             u[0] = anchor[0] + (
-                slid - slid[middle_slip(slid, self._bound.friction_bound(pressure), contact)]
+                slid - slid[median_slip_node(slid, self._bound.friction_bound(pressure), contact)]
             )  # nothing else tells where it is
         found = Found(u, tractions, wall, anchor)
         unsure = _UNSURE * max(self._asked, progress.inner * min(progress.moved, 1.0)) * float(abs(tractions[-1]).max())

@@ -262,7 +262,7 @@ def violations(contacts, heights, loads, plasticity):
         if solved.status[0]:
             return worst
         p, shape = solved.pressure[0], heights.shape
-        flow.body.moved(flow.strain)
+        flow.body.surface_displacement(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
         added, size = flow.strain - before, plastic_measures.equivalent(stress)
         bears = plasticity.hardening.at(flow.equivalent)

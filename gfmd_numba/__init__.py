@@ -45,8 +45,7 @@ __all__ = [
 
 
 def solve(
-    scene: str | Path | Mapping[str, Any] | SceneFile,
-    heights: np.ndarray[Any, Any] | xr.DataArray | None = None,
+    scene: str | Path | Mapping[str, Any] | SceneFile, heights: np.ndarray[Any, Any] | xr.DataArray | None = None
 ) -> xr.Dataset:
     """Solve one contact, or a body loaded without a punch.
 

@@ -14,7 +14,7 @@ import xarray as xr
 from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONTACT, UnusableDataError, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.arrays.regions import regions
+from gfmd_numba.arrays.regions import closed, regions
 from gfmd_numba.text.numbers import steps_told
 from gfmd_numba.text.recorded_scene import asked
 
@@ -100,11 +100,11 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 
 def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals, float, float, int]:
     """Return what `_LONG_NAMES` names, of a map: the first three by direction."""
-    touching = gap <= 0.0
+    touching = closed(gap)
     of_gap, of_contact = (sizes(regions(flags, *around)) for flags in (~touching, touching))
     axes = _DIRECTIONS.values()
     connected = [[connecting(flags, axis, around).any() for axis in axes] for flags in (~touching, touching)]
-    levels, critical = np.unique(gap[gap > 0.0]), []
+    levels, critical = np.unique(gap[~touching]), []
     for axis in axes:  # the largest level at which nodes of at least that gap connect, by bisection
         fewest, most = 0, len(levels)  # levels below the first connect, those from the second on do not
         while fewest < most:

@@ -25,7 +25,7 @@ _COLUMNS: dict[str, int | slice] = {  # of a table of the parameters of a fit
     "alpha": slice(7, 10),  # (limit), of other laws than powers that of the tangent at the reference
     "interaction": slice(10, 13),  # C_ij x_i x_j (pair) at the reference discretisation
 }
-N_PARAMETERS = 13
+N_PARAMETERS = 1 + 3 * len(LIMITS) + len(PAIRS)  # columns of that table
 
 
 def named(table: Reals, ending: str = "") -> GroupFit:

@@ -317,12 +317,12 @@ def check_fields(
     kind = "a map's contact" if maps_only else "a contact"
     if not {"x", "status", *needed} <= dataset.variables.keys():
         raise UnusableDataError(f"you gave no results of {kind}; gfmd allows what `gfmd solve` leaves of one")
-    if maps_only and "y" not in dataset.dims:
+    nodes = [dim for dim in ("y", "x") if dim in dataset.dims]
+    if maps_only and "y" not in nodes:
         raise UnusableDataError(
             "you gave the contact of a profile, in which no channel leads around the contacts; gfmd allows that of a "
             "map (solve a scene with `dimension: 2`, whose surface is random or a measured map)"
         )
-    nodes = ["y", "x"] if "y" in dataset.dims else ["x"]
     fields = [dataset[name] for name in _FIELDS if name in needed]
     names = ("x", "status", *needed)
     numbers = all(dataset[name].dtype.kind in "fiu" for name in names)

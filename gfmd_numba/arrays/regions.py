@@ -1,10 +1,21 @@
-"""Regions of flagged nodes of a map."""
+"""Nodes that touch, and regions of flagged nodes of a map."""
+
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Flags
+
+
+def closed(gap: Any) -> Any:
+    """Nodes of a solved contact that touch, by its gap in an array of any kind.
+
+    Solvers call nodes `touching` where the hard wall presses, and put the displacement there, and nowhere else, on the
+    wall. The pressure of a dataset does not tell these nodes, as it is that of laws too.
+    """
+    return gap <= 0.0
 
 
 def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.NDArray[np.int32]:

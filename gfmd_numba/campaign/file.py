@@ -22,6 +22,7 @@ from gfmd_numba.campaign.limits import (
     Realisations,
     discretisation_of,
     first_levels,
+    limit_named,
     limits_around,
 )
 from gfmd_numba.campaign.output_directory import LABEL, check_label, home_of
@@ -59,7 +60,7 @@ class PlacedDiscretisation(NamedTuple):
     @property
     def limit(self) -> str:
         """Name of the discretisation that differs from the reference, "cross" if several do, else "reference"."""
-        return CROSS if len(self.varied) > 1 else next(iter(self.varied), "reference")
+        return limit_named(self.varied)
 
 
 class Campaign(BaseModel):

@@ -34,7 +34,7 @@ FOLDER = "jobs"  # in the output directory: what jobs print, and for the time of
 _INTERVAL = "2s"  # between looks at how many jobs are wanted
 _COMMANDS = ("sbatch", "squeue", "scancel")
 _ON_CLUSTER = OF_A_RUN | {
-    "distributed.scheduler.allowed-failures": 10,  # jobs end when their time is up, and no block is to blame for it
+    "distributed.scheduler.allowed-failures": 10  # jobs end when their time is up, and no block is to blame for it
 }
 _PATIENCE = 120.0  # s, with a controller that is busy
 _PLAIN = re.compile(r"[A-Za-z0-9._/@+,:~-]+")  # a path that a job's script can hold as it is

@@ -5,7 +5,7 @@ cross levels, which belong to several limits at once. A finer reference keeps th
 which tell how corrections go together.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from math import inf, prod
 from typing import Annotated, Any, Self
 
@@ -187,13 +187,14 @@ def limits_around(reference: Level, levels: Iterable[Level]) -> Limits:
     """Return levels as a campaign file has them, around a reference."""
     found: dict[str, list[float | dict[str, float]]] = {}
     for level in levels:
-        differing = {name: level[i] for i, name in enumerate(DISCRETISATIONS) if level[i] != reference[i]}
-        if len(differing) == 1:
-            ((name, value),) = differing.items()
-            found.setdefault(name, []).append(value)
-        else:
-            found.setdefault(CROSS, []).append(differing)
+        differing = _differing(reference, level)
+        limit = limit_named(differing)
+        found.setdefault(limit, []).append(differing if limit == CROSS else differing[limit])
     return Limits.model_validate(found)
+
+
+def _differing(reference: Level, level: Level) -> dict[str, float]:
+    return {name: level[i] for i, name in enumerate(DISCRETISATIONS) if level[i] != reference[i]}
 
 
 def _at(level: Level, axis: int, value: float) -> Level:
@@ -207,7 +208,11 @@ def discretisation_of(level: Level) -> Discretisation:
 
 def limit_of(reference: Level, level: Level) -> str:
     """Return the limit in which a level differs from the reference, "cross" for several, or "reference"."""
-    differing = [name for i, name in enumerate(DISCRETISATIONS) if level[i] != reference[i]]
+    return limit_named(_differing(reference, level))
+
+
+def limit_named(differing: Collection[str]) -> str:
+    """Return the name of the discretisation that differs from the reference, "cross" of several, or "reference"."""
     return CROSS if len(differing) > 1 else next(iter(differing), "reference")
 
 

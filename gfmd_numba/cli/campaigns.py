@@ -144,7 +144,7 @@ def show_results(results: Path, failures: Failures, *, of_some: bool = False) ->
     if not_ok:
         warn(
             f"{not_ok} of {asked} simulations are not ok, see `status` in the file; "
-            f"`gfmd status {word(results.parent)}` says how to run crashed ones again",
+            f"`gfmd status {word(results.parent)}` says how to run crashed ones again"
         )
     return drawn and not not_ok
 

@@ -170,9 +170,7 @@ def _needs_surfaces(scene: Scene) -> bool:
 
 @main.command()
 @click.argument(
-    "kind",
-    type=click.Choice(["campaign", "scene", "surface", "cluster", "combinations"]),
-    default="campaign",
+    "kind", type=click.Choice(["campaign", "scene", "surface", "cluster", "combinations"]), default="campaign"
 )
 def schema(kind: str) -> None:
     """Print the JSON Schema of a KIND of file.

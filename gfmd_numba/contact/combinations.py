@@ -250,7 +250,7 @@ _PHYSICS = {  # what is allowed in place of a feature, by the one that it makes 
         "lennard_jones": "a hard_wall without hardness for lennard_jones, which keeps the surfaces apart",
     },
     "contact without reach": {
-        "negative displacement": "a finite number of at least 0, as nothing acts across an open gap",
+        "negative displacement": "a finite number of at least 0, as nothing acts across an open gap"
     },
     "punch": {
         "prescribed displacement": "only tractions with a punch, as the punch prescribes displacements (to make it "

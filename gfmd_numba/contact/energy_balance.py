@@ -45,17 +45,14 @@ class Balance:
         rubbing = None
         potential = float(elastic_energy(contact)[0])  # of all waves but the mean
         if found.tangential is not None:
-            sliding, traction = (
-                np.ravel(found.tangential.sliding),
-                components(found.tangential.traction, u).mean(axis=1),
-            )
+            sliding = np.ravel(found.tangential.sliding)
+            traction = components(found.tangential.traction, u).mean(axis=1)
             sideways = components(found.tangential.displacement, u)
             if contact.approach is None:
                 potential += 0.5 * float(traction @ sideways.mean(axis=1))
             if laws.friction is not None and isfinite(laws.friction):
                 rubbing = Rubbing.of(problem, contact)
-            slip = sliding[:, np.newaxis] - sideways
-            slip = vector_slip.length(slip).reshape(u.shape)
+            slip = vector_slip.length(sliding[:, np.newaxis] - sideways).reshape(u.shape)
         repels = laws.normal_law is not None and laws.normal_law.softening == 0.0
         if laws.normal_law is not None and not repels:
             potential += float(laws.normal_law.energy(apart).mean())

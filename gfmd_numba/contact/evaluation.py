@@ -324,7 +324,7 @@ def approach(contact: Contact) -> Reals:
 
 def edge_contact(contact: Contact) -> Reals:
     """Touching nodes at the ends of a window over all nodes there `[realisation]`."""
-    touches = gap(contact) <= 0.0
+    touches = touching(contact)
     outermost = np.zeros(touches.shape, dtype=np.bool_)
     for axis, ends in enumerate(contact.ends, 1):
         np.moveaxis(outermost, axis, 0)[[0, -1]] |= ends
@@ -332,19 +332,18 @@ def edge_contact(contact: Contact) -> Reals:
 
 
 def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
-    """Longest way of a touching node past the body over the mean distance of the peaks, 2 pi (m2 / m4)^(1/2), in g.
+    """Longest way of a touching node past the body over the mean distance of the peaks, in g.
 
-    nan without a period, and where no way is known `[realisation]`. Source: Longuet-Higgins, Phil. Trans. R. Soc. A
-    249:321, 1957.
+    nan without a period, and where no way is known `[realisation]`.
     """
     if contact.ends or contact.sideways is None:
         return np.full(len(contact.heights), np.nan)
     along = tuple(range(1, contact.heights.ndim))
     m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
     way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
-    touches = gap(contact) <= 0.0
+    touches = touching(contact)
     counts = touches | ~touches.any(axis=along, keepdims=True)
-    distance = 2.0 * np.pi * (m0 / nayak(contact) / m2) ** 0.5
+    distance = statistics.distance_of_peaks(m0, m2, nayak(contact))
     return np.asarray(np.max(way, axis=along, where=counts, initial=0.0) / distance)
 
 

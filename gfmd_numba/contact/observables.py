@@ -221,7 +221,7 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
     ),
 }
 ROUGH_BODY_OBSERVABLES = {
-    "next_order": Observable("height", "most that the next order in the slope would add to a displacement"),
+    "next_order": Observable("height", "most that the next order in the slope would add to a displacement")
 }
 LIMITED = {name: row for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if not row.without_limit}
 

@@ -106,11 +106,7 @@ def _counter_body(
 
 
 def _slow_effects(scene: Scene) -> tuple[Effect, ...]:
-    asked = {
-        "relaxation": scene.creeps or None,
-        "wear": scene.interface.wear,
-        "plastic flow": scene.body.plasticity,
-    }
+    asked = {"relaxation": scene.creeps or None, "wear": scene.interface.wear, "plastic flow": scene.body.plasticity}
     return tuple(_as_asked(name, record) for name, record in asked.items())
 
 

@@ -25,11 +25,7 @@ Where = Literal["accuracy", "limits", "thermodynamic limit", "processes"]
 
 
 def check_combination(
-    document: Document,
-    scene: Scene,
-    numerics: Numerics,
-    path: Sequence[Step] = (),
-    grid: Grid | None = None,
+    document: Document, scene: Scene, numerics: Numerics, path: Sequence[Step] = (), grid: Grid | None = None
 ) -> None:
     """Raise InputError, one line for each fault, if a scene and its numerics do not go together.
 
@@ -179,10 +175,8 @@ def _of_time(scene: Scene, path: Sequence[Step]) -> Asked:
         yield "at once", place, load.duration is None
         yield "duration", (*place, "duration"), load.duration is not None
     yield "speed", ("scene", "loading", "speed"), scene.loading.speed is not None
-    wears, slides = (
-        scene.interface.wear is not None,
-        any(step.sliding is not None or step.sliding_y is not None for step in path),
-    )
+    wears = scene.interface.wear is not None
+    slides = any(step.sliding is not None or step.sliding_y is not None for step in path)
     yield "wear", ("scene", "interface", "wear"), wears
     yield "no sliding", ("path",), wears and not slides
 

@@ -93,12 +93,7 @@ def solve(problem: Problem, state: State | range) -> Contact:
 
 
 def _without_period(
-    problem: Problem,
-    state: State,
-    punch: Reals,
-    load: float | None,
-    start: Start | None,
-    slid: Reals,
+    problem: Problem, state: State, punch: Reals, load: float | None, start: Start | None, slid: Reals
 ) -> tuple[Equilibrium, Reals]:
     """Equilibrium in the window of a punch, and how far the punch has sunk in beyond where it is (g L_x)."""
     laws, change = problem.interface.lasting(problem.duration), state.change(problem.step)

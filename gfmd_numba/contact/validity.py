@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from gfmd_numba.arrays.regions import closed
 from gfmd_numba.contact import law_resolution
 from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
@@ -110,12 +111,10 @@ def _mirrored_load(given: ContactInput) -> str:
     unit = {"force": "N", "line_load": "N/m"}.get(scene.loading.control)
     if scene.length is None or unit is None or scene.fields_in_period == 1 or scene.form is not None:
         return ""
-    side, there = (
-        with_prefix(value, si, 3) for value, si in ((scene.length, "m"), (scene.length**-scene.dimension, "Pa"))
-    )
-    period, nominal = (
-        (f"{side} x {side}", "1 MPa for 1 N on 1 mm^2") if unit == "N" else (side, "1 kPa for 1 N/m on 1 mm")
-    )
+    side, there = with_prefix(scene.length, "m", 3), with_prefix(scene.length**-scene.dimension, "Pa", 3)
+    period, nominal = side, "1 kPa for 1 N/m on 1 mm"
+    if unit == "N":
+        period, nominal = f"{side} x {side}", "1 MPa for 1 N on 1 mm^2"
     return (
         f"a {scene.loading.control} acts on the mirrored period of {period}: 1 {unit} makes {there} there; if yours "
         f"acts on a field of another size, give a pressure, {nominal}"
@@ -299,7 +298,7 @@ def _beyond_small_strains(given: ContactInput, found: Found) -> Iterator[Told]:
     scene, nodes = given.file.scene, _nodes(given)
     name = "relaxed_pressure" if "relaxed_pressure" in found else "pressure"  # fast pressures strain less
     ratios = np.where(np.isfinite(found[name]), found[name], nan) / given.scales.modulus
-    touching = found["gap"] <= 0.0
+    touching = closed(found["gap"])
     steep = _slopes(found, scene.ends, touching)
     beyond = touching & ((ratios > LARGEST_PRESSURE) | (steep > STEEPEST_SLOPE))
     shares = beyond.sum(nodes) / np.maximum(touching.sum(nodes), 1)
@@ -337,8 +336,9 @@ def _outside_branches(given: ContactInput, found: Found) -> Iterator[str]:
         )
     if not speeds or "nayak" not in found or scene.form is not None:
         return
-    peaks, gradient = _distance_of_peaks(given, found), _largest(found["rms_gradient"]) / scene.dimension**0.5
-    waves = 2.0 * np.pi * _largest(found["height"].std(_nodes(given))) / gradient
+    heights, gradient = found["height"].std(_nodes(given)), _largest(found["rms_gradient"]) / scene.dimension**0.5
+    peaks = _largest(statistics.distance_of_peaks(heights**2, gradient**2, found["nayak"]))
+    waves = 2.0 * np.pi * _largest(heights) / gradient
     unit, per_second = ("m", "m s-1") if scene.length else ("L_x", "L_x/s")
     for wave, speed, end, how, where in (
         (waves, min(speeds), 1.0 / longest, "relaxed", "below"),
@@ -436,17 +436,6 @@ def _slopes(found: Found, ends: tuple[bool, ...], where: NDArray[np.bool_]) -> N
         after[axis] = after[axis] % n
         steepness[nodes] = np.hypot(steepness[nodes], (height[tuple(after)] - height[tuple(before)]) / apart)
     return steepness
-
-
-def _distance_of_peaks(given: ContactInput, found: Found) -> float:
-    """Mean distance of the peaks of a random profile, 2 pi (m2 / m4)^(1/2).
-
-    Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
-    """
-    nodes = _nodes(given)
-    profile_gradient = _largest(found["rms_gradient"]) / sqrt(len(nodes))
-    wide = _largest(found["height"].std(nodes) / found["nayak"] ** 0.5)
-    return float(2.0 * pi * wide / profile_gradient)
 
 
 def past_asperities(found: Found) -> Iterator[Told]:

@@ -11,6 +11,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
+from gfmd_numba import kernels
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
 
@@ -86,14 +87,11 @@ class SlipRateFriction:
         """What is held `[node]` by pressure and slip, and its slopes."""
         pressure, rate = np.maximum(pressure, 0.0), slip / self.duration
         coefficient, by_rate = self._coefficient(rate)
-        limit, limit_by_pressure, limit_by_rate = self._limit(pressure, rate)
-        limited = coefficient * pressure > limit
+        limit, rise, limit_by_pressure, limit_by_rate = self._limit(pressure, rate)
+        held = kernels.friction_bound(pressure, coefficient, limit, rise)
+        limited = coefficient * pressure > held
         by_rate = np.where(limited, limit_by_rate, by_rate * pressure)
-        return Hold(
-            np.where(limited, limit, coefficient * pressure),
-            np.where(limited, limit_by_pressure, coefficient),
-            by_rate / self.duration,
-        )
+        return Hold(held, np.where(limited, limit_by_pressure, coefficient), by_rate / self.duration)
 
     def _coefficient(self, rate: Reals) -> tuple[Reals, Reals]:
         """Coefficient at a slip rate, and its slope."""
@@ -104,10 +102,10 @@ class SlipRateFriction:
         rises = self.strengthening * np.log1p(rate / self.reference)
         return self.coefficient + rises, self.strengthening / (self.reference + rate)
 
-    def _limit(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, Reals | float, Reals | float]:
-        """Limit by pressure and slip rate, and its slopes."""
+    def _limit(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, float, Reals | float, Reals | float]:
+        """Limit by pressure and slip rate, what `rise` it has besides, and the slopes of both by pressure and rate."""
         if not isinstance(self.limit, UserFunction):
-            return self.limit + self.rise * pressure, self.rise, 0.0
+            return self.limit, self.rise, self.rise, 0.0
         found, slopes = self.limit(pressure, rate), []
         for i, values in enumerate((pressure, rate)):
             least = _SHORT * float(values.max(initial=0.0)) or _SHORT
@@ -115,4 +113,4 @@ class SlipRateFriction:
             moved = [pressure, rate]
             moved[i] = values + short
             slopes.append((self.limit(*moved) - found) / short)
-        return found, slopes[0], slopes[1]
+        return found, 0.0, slopes[0], slopes[1]

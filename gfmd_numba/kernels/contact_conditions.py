@@ -1,11 +1,19 @@
 """Compiled contact conditions: the nearest pressure that a contact allows, and by how much tractions violate them."""
 
-from typing import NamedTuple, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
+
+
+def friction_bound(pressure: Any, friction: Any, limit: Any, rise: Any) -> Any:
+    """Largest tangential traction under a positive pressure, of a node or of an array of nodes.
+
+    That is `friction` times the pressure, as Coulomb says, but at most a `limit` that may have a `rise` with pressure.
+    """
+    return np.minimum(friction * pressure, limit + rise * pressure)
 
 
 class Conditions(NamedTuple):
@@ -27,20 +35,29 @@ class Conditions(NamedTuple):
 
         The `slip` is for friction that depends on it, like `interface/slip_rate.py`.
         """
-        return np.minimum(self.coulomb_bound(pressure), self.limit + self.rise * np.maximum(pressure, 0.0))
+        bound, bears = np.zeros_like(pressure), pressure > 0.0
+        bound[bears] = friction_bound(pressure[bears], self.friction, self.limit, self.rise)
+        return bound
 
     def coulomb_bound(self, pressure: Reals) -> Reals:
         """What friction would hold without a limit."""
-        return np.multiply(self.friction, pressure, out=np.zeros_like(pressure), where=pressure > 0.0)
+        return self._replace(limit=np.inf).friction_bound(pressure)
 
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
         """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
         limited = (self.friction - self.rise) * pressure > self.limit
-        return (
-            np.where(limited, self.limit, 0.0) if limited.any() else None,
-            np.where(limited, self.rise, self.friction),
-            None,
-        )
+        constant = np.where(limited, self.limit, 0.0) if limited.any() else None
+        return constant, np.where(limited, self.rise, self.friction), None
+
+
+_compiled_bound = jit(friction_bound)
+
+
+@jit
+def bound_of_node(pressure: float, conditions: Conditions) -> float:
+    """Largest tangential traction of a node under a positive pressure."""
+    bound: float = _compiled_bound(pressure, conditions.friction, conditions.limit, conditions.rise)
+    return bound
 
 
 class State(NamedTuple):
@@ -124,9 +141,7 @@ def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -
             way += (u[i, c, j] - anchor[i, c, j]) ** 2
         violation, slid = np.sqrt(traction), np.sqrt(way)
         pressure = load[i] - ku[i, normal, j]
-        held = min(friction * pressure, conditions.limit + conditions.rise * pressure)
-        if conditions.bounds.size > 0:
-            held = conditions.bounds[i, j]
+        held = conditions.bounds[i, j] if conditions.bounds.size > 0 else bound_of_node(pressure, conditions)
         if friction > 0.0 and u[i, normal, j] >= wall[i, j] and pressure > 0.0:
             if slid > 0.0 and np.isinf(friction):
                 violation = max(violation, pressure)

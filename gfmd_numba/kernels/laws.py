@@ -19,14 +19,7 @@ def exponential_pull(
 
 @jit
 def xu_needleman_pull(
-    state: State,
-    punch: Reals,
-    sliding: Reals,
-    active: Indices,
-    n: int,
-    work: float,
-    normal: float,
-    tangential: float,
+    state: State, punch: Reals, sliding: Reals, active: Indices, n: int, work: float, normal: float, tangential: float
 ) -> None:
     """Take the tractions of Xu and Needleman's law off the restoring tractions of a state.
 

@@ -550,14 +550,7 @@ def cg_gap(
 
 @jit
 def cg_direction(
-    gap: Reals,
-    t: Reals,
-    nodes: Nodes,
-    count: Indices,
-    search: Reals,
-    rounding: Reals,
-    active: Indices,
-    free_mean: bool,
+    gap: Reals, t: Reals, nodes: Nodes, count: Indices, search: Reals, rounding: Reals, active: Indices, free_mean: bool
 ) -> None:
     """Conjugate direction on the free nodes (Polonsky & Keer 1999, eq. 7); elsewhere t stays zero.
 
@@ -667,15 +660,7 @@ def cg_update(
 
 
 @jit
-def close_gap(
-    p: Reals,
-    gap: Reals,
-    punch: Reals,
-    active: Indices,
-    n: int,
-    u: Reals,
-    hardness: float = np.inf,
-) -> None:
+def close_gap(p: Reals, gap: Reals, punch: Reals, active: Indices, n: int, u: Reals, hardness: float = np.inf) -> None:
     """Displacement that touches wherever there is pressure or overlap, and penetrates only under the hardness."""
     for i in active:
         for j in range(n):

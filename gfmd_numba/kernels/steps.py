@@ -4,7 +4,7 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.contact_conditions import Conditions, State
+from gfmd_numba.kernels.contact_conditions import Conditions, State, bound_of_node
 
 
 @jit
@@ -46,8 +46,7 @@ def friction_step(state: State, u_old: Reals, conditions: Conditions, active: In
             square = 0.0
             for c in range(normal):
                 square += (u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]) ** 2
-            most = min(conditions.friction * pressure, conditions.limit + conditions.rise * pressure)
-            slid, held = np.sqrt(square), 0.5 * push * most
+            slid, held = np.sqrt(square), 0.5 * push * bound_of_node(pressure, conditions)
             left = 1.0 - held / slid if slid > held else 0.0  # part of the way that friction cannot hold
             for c in range(normal):
                 pulled = u_old[i, c, j] - 0.5 * push * ku[i, c, j] - anchor[i, c, j]

@@ -13,7 +13,11 @@ def stream(seed: int, realisation: int) -> np.random.Generator:
 
 
 def complex_gaussian(seed: int, realisation: int, count: int) -> Complexes:
-    """First `count` complex Gaussians of mean square 2 by Box-Muller (3.35); a prefix of any longer request."""
+    """First `count` complex Gaussians of mean square 2 by Box-Muller (3.35); a prefix of any longer request.
+
+    Profiles take these as (3.35) has them, maps the same over sqrt(2). Each surface is then brought to its own scale,
+    so that the norm is free; another one would change the last digit of every profile.
+    """
     uniform, found = stream(seed, realisation).random((count, 2)), np.empty(count, dtype=np.complex128)
 
     def draw(some: slice) -> None:

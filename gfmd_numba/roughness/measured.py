@@ -55,7 +55,7 @@ class MeasuredSurface:
     """Heights `[nx]` or `[ny, nx]` and periods (L_x,) or (L_y, L_x) in m, or in L_x if their `unit` is "1".
 
     `found` tells what was measured, `done` what was done to it, and `doubts` what makes it implausible. A surface that
-    `is_design` has no roughness; one that `is_cut` has no waves shorter than a cutoff. Along axes it may have `ends`.
+    `is_design` has no roughness; one that `has_cutoff`, no waves shorter than a cutoff. Along axes it may have `ends`.
     """
 
     heights: Reals
@@ -65,7 +65,7 @@ class MeasuredSurface:
     done: tuple[str, ...]
     doubts: tuple[str, ...]
     is_design: bool = False
-    is_cut: bool = False
+    has_cutoff: bool = False
     ends: tuple[bool, ...] = ()
 
     @property
@@ -84,7 +84,7 @@ class MeasuredSurface:
             f"the measured surface has an rms height of {size} and an rms gradient of {gradient:.4g}; waves shorter "
             f"than {short} make up half of its mean square gradient"
         )
-        return self.found, *self.done, made if self.is_cut else made + _UNCUT
+        return self.found, *self.done, made if self.has_cutoff else made + _UNCUT
 
 
 @dataclass(frozen=True)
@@ -242,9 +242,9 @@ def periodic_surface(
     doubts += plausibility.of_cutoff(record.cutoff or 0.0, sizes)
     is_design = plausibility.is_design(made.heights)
     done = (*found.done, *filled, *replaced, *levelled, *made.done)
-    is_cut = record.cutoff is not None
+    has_cutoff = record.cutoff is not None
     return MeasuredSurface(
-        made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design, is_cut, ends
+        made.heights, made.lengths, unit, _found(found, sizes, unit), done, doubts, is_design, has_cutoff, ends
     )
 
 

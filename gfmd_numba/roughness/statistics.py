@@ -114,6 +114,14 @@ def nayak_of_moments(m0: Reals, m2: Reals, m4: Reals, dimension: int) -> Reals:
     return np.asarray(m0 * m4 / m2**2 * (0.5 * (1 + dimension)))
 
 
+def distance_of_peaks(m0: Reals, m2: Reals, nayak: Reals) -> Reals:
+    """Mean distance `[...]` of the peaks of a random profile, 2 pi (m2 / m4)^(1/2), by moments along its direction.
+
+    Source: Longuet-Higgins, Phil. Trans. R. Soc. A 249:321, 1957.
+    """
+    return np.asarray(2.0 * np.pi * (m0 / nayak / m2) ** 0.5)
+
+
 def gradient(heights: Reals, length: float = 1.0) -> Reals:
     """Spectral derivative dh/dx `[..., nx]` at the grid points, along the last axis of period `length`."""
     nx, waves = heights.shape[-1], grid.coefficients(heights)

@@ -418,7 +418,7 @@ def read_rows(path: Path) -> Rows:
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
     _check_groups(rows, layout, columns)
-    cut = next((i for i, row in zip(numbers, rows, strict=False) if _is_cut(lines[i - 1], row, layout, columns)), None)
+    cut = next((i for i, row in zip(numbers, rows, strict=False) if _hides(lines[i - 1], row, layout, columns)), None)
     if cut is not None:
         raise ValueError(f"a comment in line {cut} before its last column: what is missing is an empty cell, or nan")
     corner = layout.cells(header[-1].rstrip()) if header and layout.separator else []
@@ -443,8 +443,8 @@ def _without_empty_cells(line: str, columns: int) -> str:
     return cut
 
 
-def _is_cut(line: str, row: str, layout: Layout, columns: int) -> bool:
-    """Whether a comment in a line leaves a row of fewer columns than there are."""
+def _hides(line: str, row: str, layout: Layout, columns: int) -> bool:
+    """Whether a comment in a line hides columns of its row."""
     return "#" in line and bool(row.strip()) and row.strip() != line.strip() and layout.columns(row) < columns
 
 

@@ -422,12 +422,7 @@ def _allowed(schema: dict[str, Any], node: dict[str, Any]) -> str:
 def _range(node: dict[str, Any]) -> str:
     if "minimum" in node and "maximum" in node:
         return f" from {node['minimum']} to {node['maximum']}"
-    words = {
-        "exclusiveMinimum": "above",
-        "minimum": "at least",
-        "maximum": "at most",
-        "exclusiveMaximum": "below",
-    }
+    words = {"exclusiveMinimum": "above", "minimum": "at least", "maximum": "at most", "exclusiveMaximum": "below"}
     bounds = [f"{word} {node[bound]}" for bound, word in words.items() if bound in node]
     return " " + " and ".join(bounds) if bounds else ""
 

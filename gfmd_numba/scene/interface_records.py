@@ -206,9 +206,7 @@ class Friction(LawRecord):
         None, description="Slip rate in m/s (L_x/s without a length) far below which the coefficient is that at rest"
     )
     slip_rates: tuple[Speed, ...] = Field(
-        (),
-        strict=False,
-        description="Rising slip rates in m/s (L_x/s without a length) at which the coefficients are",
+        (), strict=False, description="Rising slip rates in m/s (L_x/s without a length) at which the coefficients are"
     )
     coefficients: tuple[Annotated[float, Field(ge=0, le=100)], ...] = Field(
         (),

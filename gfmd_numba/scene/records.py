@@ -133,8 +133,7 @@ class Scene(BaseModel):
     interface: Interface = Field(default_factory=Interface, description="Interaction between body and punch")
     loading: Loading = Field(default_factory=Loading, description="Load or displacement control")
     boundary: Boundary | None = Field(
-        None,
-        description="Tractions that act on the body before the punch does; without a punch also displacements",
+        None, description="Tractions that act on the body before the punch does; without a punch also displacements"
     )
     length: Length | None = Field(
         None,

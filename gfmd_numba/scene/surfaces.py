@@ -29,8 +29,7 @@ class Random(BaseModel):
     rms_height: Length | None = Field(None, description="Rms height in m, or in L_x without a length")
     rms_gradient: RmsGradient | None = Field(None, description="Root-mean-square gradient (dimensionless)")
     scaling: Literal["each", "ensemble"] = Field(
-        "each",
-        description="What has the rms height or gradient: each surface, or the ensemble by theory",
+        "each", description="What has the rms height or gradient: each surface, or the ensemble by theory"
     )
     points: Points | None = Field(None, description="Grid points over L_x; None: those of the discretisation")
     cut_on: Length | None = Field(
@@ -210,6 +209,5 @@ OfSpectrum = Annotated[
     BeforeValidator(_self_affine_by_default),
 ]
 Surface = Annotated[
-    OfSpectrum | Recursive | Measured,
-    Field(discriminator="method", description="Roughness of a surface"),
+    OfSpectrum | Recursive | Measured, Field(discriminator="method", description="Roughness of a surface")
 ]

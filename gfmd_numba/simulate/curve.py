@@ -200,11 +200,10 @@ def solve_curve(curve: LoadCurve, tell: Tell = lambda more: None) -> Iterator[xr
     rise of the mean pressure over the fall of the mean gap in this step. The attribute `validity` says, a sentence a
     line, what speaks against the result. `tell` is called with the loads, or parts of one, done since the last call.
     """
-    own = curve.given.file
-    numbers = implausible(
-        (own if curve.prescribed in _TITLES else _with_path(own, curve.prescribed, curve.loads)).scene
-    )
-    with shared_by(curve.given.file.numerics.threads):
+    file = curve.given.file
+    at_first = file if curve.prescribed in _TITLES else _with_path(file, curve.prescribed, curve.loads)
+    numbers = implausible(at_first.scene)
+    with shared_by(file.numerics.threads):
         for i in range(curve.realisations):
             given = _realisation(curve, i)
             whole, _ = given.reduced

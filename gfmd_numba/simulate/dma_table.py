@@ -154,12 +154,8 @@ def _columns(path: Path, header: list[str], count: int) -> dict[str, _Column]:
     for at, (name, label) in enumerate(zip(names, labels, strict=True)):
         quantity = {"frequency": FREQUENCY, "angular frequency": FREQUENCY}.get(name, PRESSURE)
         if name in _COLUMNS and name != "other":
-            states = (
-                ()
-                if name == "tan delta"
-                else next(filter(None, (_stated(path, cells[at], quantity) for cells in below)), ())
-            )
-            columns[name] = _Column(at, label, *states)
+            stated = (_stated(path, cells[at], quantity) for cells in below if name != "tan delta")
+            columns[name] = _Column(at, label, *next(filter(None, stated), ()))
     return columns
 
 
@@ -167,9 +163,8 @@ def _cells(line: str, count: int) -> list[str]:
     """Cells of a line of the header, as far as there are columns; between blanks, names may have several words."""
     cells = [cell.strip() for cell in surface_text.cells_of(line)]
     if len(cells) != count and not re.search(r"[;,\t]", line):
-        cells = re.sub(r" +(?=\S+)", lambda gap: "\t" if _holds(line[gap.end() :].split()[0]) else gap[0], line).split(
-            "\t"
-        )
+        apart = re.sub(r" +(?=\S+)", lambda gap: "\t" if _holds(line[gap.end() :].split()[0]) else gap[0], line)
+        cells = apart.split("\t")
     while len(cells) > count and not cells[-1]:
         cells.pop()
     return cells

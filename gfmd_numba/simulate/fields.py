@@ -15,15 +15,7 @@ from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, POINTS, POINTS_OF_WINDOW, Units, cf_attributes
 from gfmd_numba.elasticity import fields, free_fields, topography
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.fields import (
-    DISPLACEMENTS,
-    STRAINS,
-    STRESSES,
-    Axis,
-    Inside,
-    Largest,
-    LoadedSurface,
-)
+from gfmd_numba.elasticity.fields import DISPLACEMENTS, STRAINS, STRESSES, Axis, Inside, Largest, LoadedSurface
 from gfmd_numba.elasticity.scales import effective_modulus, scales_of
 from gfmd_numba.scene import COMPONENTS, Body, InputError, Scene, SceneFile
 from gfmd_numba.scene.checks import beyond_memory

@@ -14,6 +14,7 @@ from scipy.sparse.linalg import LinearOperator, cg
 from gfmd_numba.analysis import channels
 from gfmd_numba.analysis.forms import SOLVED, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
+from gfmd_numba.arrays.regions import closed
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes
 from gfmd_numba.elasticity import free_body
 from gfmd_numba.fourier import grid
@@ -48,22 +49,15 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     other than `y` and `x` stay. Contacts of a profile are ridges without end along y, which the attribute `validity`
     says after the warnings about the contact.
 
-    The `conductivity` of both bodies, or one for each, are texts like `60 MS/m`. With it there is the
-    `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their nominal area. Raises InputError for
-    other conductivities, a contact whose length they need, a dataset that no contact was solved for, or a run that is
-    not ok.
+    With a `conductivity` there is the `resistance_times_area` 1 / (G s) too, and of maps the `resistance` of their
+    nominal area. Raises InputError for other conductivities, a contact whose length they need, or a run that is not ok.
     """
     material = None if conductivity is None else _material(contact, conductivity)
     contact = SOLVED.checked(contact, "contact")
     nodes = check_fields(contact, ("gap",), whole=True)
-    touching, ends = contact["gap"] <= 0.0, tuple(not around for around in goes_around(contact))
+    touching, ends = closed(contact["gap"]), tuple(not around for around in goes_around(contact))
     reduced, density = xr.apply_ufunc(
-        _reduced,
-        touching,
-        kwargs={"ends": ends},
-        input_core_dims=[nodes],
-        output_core_dims=[[], nodes],
-        vectorize=True,
+        _reduced, touching, kwargs={"ends": ends}, input_core_dims=[nodes], output_core_dims=[[], nodes], vectorize=True
     )
     spacing = float(contact["x"][1] - contact["x"][0])
     unit = str(contact["x"].attrs.get("units", "1"))
@@ -73,12 +67,8 @@ def contact_conductance(contact: xr.Dataset, conductivity: object = None) -> xr.
     result["conductance"].attrs = cf_attributes(long_name, "1" if unit == "1" else f"{unit}-1")
     result["current_density"] = density
     result["current_density"].attrs = cf_attributes("current through a node over the mean of all nodes")
-    warnings = (
-        [*filter(None, [contact.attrs.get("validity")])]
-        + [_OF_RIDGES] * (len(nodes) == 1)
-        + [_OF_NOTHING] * (not touching.any())
-    )
-    result.attrs["validity"] = "\n".join(warnings)
+    ridges, nothing = _OF_RIDGES * (len(nodes) == 1), _OF_NOTHING * (not touching.any())
+    result.attrs["validity"] = "\n".join(filter(None, (contact.attrs.get("validity"), ridges, nothing)))
     if material is None:
         return result
     fields = fields_in_period(contact.attrs.get("scene", "{}"))

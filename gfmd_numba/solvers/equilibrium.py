@@ -50,7 +50,8 @@ class Tangential:
 class Equilibrium:
     """Displacement and pressure `[realisation, (y,) x]` (L_x, E*), and per realisation how they were reached.
 
-    The pressure is what the interface transmits, of the hard wall (on the nodes `touching` it) and of the law.
+    The pressure is what the interface transmits, of the hard wall and of the law. Nodes are `touching` where the wall
+    presses; afterwards their gap tells (`arrays.regions.closed`).
 
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 

@@ -4,16 +4,7 @@ from collections.abc import Iterable, Sequence
 from math import floor, isfinite, isnan, log10
 from statistics import median
 
-_PREFIXES = (
-    (1e9, "G"),
-    (1e6, "M"),
-    (1e3, "k"),
-    (1.0, ""),
-    (1e-3, "m"),
-    (1e-6, "µ"),
-    (1e-9, "n"),
-    (1e-12, "p"),
-)
+_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"), (1e-12, "p"))
 _AREAS = ((1.0, "m²"), (1e-6, "mm²"), (1e-12, "µm²"), (1e-18, "nm²"))
 _PREFIXED = {"m": "m", "Pa": "Pa", "N": "N"} | dict.fromkeys(("N m-1", "N/m"), "N/m")  # as engineers write them
 _PREFIXED |= {"ohm": "ohm", "ohm m2": "ohm m²", "K W-1": "K/W", "K m2 W-1": "K m²/W", "Pa s": "Pa s"}

@@ -9,9 +9,7 @@ def printable(text: object) -> str:
 
     A reader sees `\x1b` where a terminal would have obeyed the character.
     """
-    return "".join(
-        character if character.isprintable() else character.encode("unicode_escape").decode() for character in str(text)
-    )
+    return "".join(each if each.isprintable() else each.encode("unicode_escape").decode() for each in str(text))
 
 
 def word(path: str | Path) -> str:

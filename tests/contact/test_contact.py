@@ -34,7 +34,7 @@ def westergaard_errors(nx, load, solver):
 LOADS = np.linspace(0.05, 0.6, 12) * np.pi * AMPLITUDE
 
 
-@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("solver", [pytest.param(x, marks=pytest.mark.long) if x == "fire" else x for x in SOLVERS])
 def test_the_contact_of_a_wave_is_westergaards(solver):
     """Within 1e-3 of the peak (the square-root edge itself is unresolved), contact length within one spacing."""
     errors = np.array([westergaard_errors(1024, load, solver) for load in LOADS])
@@ -75,11 +75,11 @@ def test_full_contact_is_linear(solver):
 
 def test_all_solvers_find_the_same_contact():
     """Also the slab, and from light to nearly full contact."""
-    q = grid.wavenumbers(1024)
+    q = grid.wavenumbers(512)
     for hurst in (0.3, 0.8):
-        heights = self_affine.SelfAffineWaves(hurst, 2, 256).heights((1024,), 2, range(2))
+        heights = self_affine.SelfAffineWaves(hurst, 2, 128).heights((512,), 2, range(1))
         for body in (stiffness.half_space(q), slab_stiffness.slab(q, 0.49, 0.05)):
-            for load in (0.007, 0.05, 0.3, 1.0):
+            for load in (0.007, 0.3, 1.0):
                 verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
                 for other in others:
                     np.testing.assert_array_equal(other > 0, verlet > 0)

@@ -58,7 +58,7 @@ def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
         np.inf,
         body=SLAB | {"youngs_modulus": 1.0},
         scene={"length": 1.0},
-        time_tolerance=1e-3,
+        time_tolerance=0.1,
     )
     assert float(found["contact_area_fraction"].min()) == 1.0
     stiffness = 1.0 / (2.0 * (1.0 + 0.3)) / 0.4
@@ -70,7 +70,7 @@ def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
 
 def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_one():
     """The elastic path is divided as often as the slow one, as friction depends on the way."""
-    loads, ways = np.linspace(0.05, 0.1, 9)[1:], np.linspace(0.0, 4e-4, 9)[1:]
+    loads, ways = np.linspace(0.05, 0.1, 5)[1:], np.linspace(0.0, 4e-4, 5)[1:]
     path = [{"reduced_pressure": float(p), "sliding": float(w)} for p, w in zip(loads, ways, strict=True)]
     elastic = solved(None, {"reduced_pressure": 0.05}, path)
     slow = [step | {"duration": 1e6} for step in path]
@@ -91,7 +91,7 @@ def test_work_is_stored_dissipated_or_rubbed_away():
 
     The work is that of smooth forces through those at the ends of the steps.
     """
-    steps, depth, way = 8, 5e-3, 2e-3
+    steps, depth, way = 6, 5e-3, 2e-3
     share = np.linspace(0.0, 1.0, steps + 1)[1:]
     legs = [  # displacement and sliding at the ends of steps
         (depth * (0.4 + 0.6 * share), 0.0 * share),
@@ -143,7 +143,7 @@ def test_random_histories_are_certified(law):
             draw.uniform(-0.02, 0.1, 4), draw.normal(size=4), 10.0 ** draw.uniform(-2.0, 1.0, 4), strict=True
         )
     ]
-    found = solved(STANDARD, {"displacement": 1e-3}, path, laws=laws, time_tolerance=0.05)
+    found = solved(STANDARD, {"displacement": 1e-3}, path, laws=laws, time_tolerance=0.1)
     assert float(found["residual"].max()) <= 1e-8
 
 

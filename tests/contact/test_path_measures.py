@@ -23,9 +23,9 @@ LAW = {"work_of_adhesion": -1e-6, "range": 1e-3}
 FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
 
 
-@pytest.mark.parametrize("steps", [4, 6])
-def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps):
+def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips():
     """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
+    steps = 4
     rise = np.linspace(0.02, 0.1, steps + 1)
     loads = np.concatenate([rise[1:], rise[-2::-1], rise[1:], rise[-2::-1]])
     path = gfmd_numba.solve(FILE | {"path": [{"reduced_pressure": float(load)} for load in loads]})
@@ -35,7 +35,7 @@ def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips(steps):
     assert taken > 0.0
 
 
-@pytest.mark.parametrize(("there", "back"), [(1, 4), (16, 4)])
+@pytest.mark.parametrize(("there", "back"), [(1, 3), (6, 3)])
 @pytest.mark.parametrize("law", [{}, {"exponential": LAW}], ids=["wall", "law"])
 def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law):
     """Also where the way back has other steps: what only repels takes no energy, however long the steps are."""
@@ -50,8 +50,10 @@ def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law)
     assert taken.sum() > 0.0
 
 
-@pytest.mark.parametrize("law", [{}, {"exponential": LAW}], ids=["wall", "law"])
-@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    ("dimension", "law"),
+    [(1, {}), (1, {"exponential": LAW}), pytest.param(2, {"exponential": LAW}, marks=pytest.mark.long)],
+)
 def test_slip_that_reverses_within_a_step_loses_as_much_as_in_short_steps(dimension, law):
     """Slip loses its friction, wherever in the step it turns round, but for pressures that change in the step."""
     scene = SCENE | {"body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}, "loading": {"reduced_pressure": 0.05}}
@@ -121,6 +123,7 @@ def test_a_closed_cycle_in_few_steps_under_attraction_never_loses_less_than_noth
     assert float(found["hysteresis"]) == pytest.approx(float(found["energy_lost"].sum()), abs=1e-18)
 
 
+@pytest.mark.long
 def test_a_ball_that_is_drawn_off_loses_little_down_the_tail_of_its_attraction():
     """In steps of 10 nm it loses 15 uJ/m^2 in all; forces linear over 300 nm of the tail would lose 245 more."""
     attraction = {"work_of_adhesion": "20 mJ/m^2", "range": "100 nm"}

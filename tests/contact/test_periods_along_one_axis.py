@@ -116,10 +116,9 @@ def test_all_displacements_are_those_in_a_long_period_but_for_what_is_uniform(bo
     [
         ({}, 0.0),
         ({"body": STEEL | {"aspect_ratio": 0.3}}, 0.0),
-        ({"interface": RUBS}, 5e-4),
         ({"interface": RUBS, "body": STEEL | {"aspect_ratio": 0.3}}, 5e-4),
     ],
-    ids=["half-space", "slab", "friction", "friction on a slab"],
+    ids=["half-space", "slab", "friction on a slab"],
 )
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_a_cylinder_along_the_period_is_that_of_a_profile(axis, more, way):
@@ -285,13 +284,14 @@ def test_what_is_not_built_is_refused(change, named):
         gfmd_numba.solve(scene_of({"radius": 4.0}, 1e-3, 16) | change)
 
 
+@pytest.mark.long
 def test_fields_inside_a_cylinder_are_those_of_the_profile():
     loading, z = {"displacement": 0.01}, -np.array([0.0, 0.1, 0.4])
     interface, body = RUBS, {"poissons_ratio": 0.3}
     common = {"interface": interface, "body": body, "loading": loading}
-    profile = {"dimension": 1, "periodic": False, "form": {"radius": 4.0, "points": 64}}
+    profile = {"dimension": 1, "periodic": False, "form": {"radius": 4.0, "points": 32}}
     forms = {"y": {"radius": 4.0, "radius_y": 1e9}, "x": {"radius": 1e9, "radius_y": 4.0}}
-    scenes = [scene_of(forms[axis], 0.0) | common | {"periodic": axis} for axis in forms]
+    scenes = [scene_of(forms[axis], 0.0, 32) | common | {"periodic": axis} for axis in forms]
     for each in scenes:
         del each["length"]
     files = [{"scene": scenes[0] | profile, "path": [{"sliding": 5e-4}]}]

@@ -50,6 +50,7 @@ def test_unloading_is_elastic_and_leaves_a_dent_and_compression():
     assert along[most, 0, middle] < -0.1 * PRESSURE / 2.5
 
 
+@pytest.mark.long
 def test_errors_fall_with_the_increments_and_are_told():
     exact = cylinder([1.0], 32)[0].equilibrium.pressure
     found = [cylinder([1.0], n)[0] for n in (4, 8)]

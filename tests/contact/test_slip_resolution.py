@@ -106,10 +106,10 @@ def largest_drag(nodes):
 
 @pytest.mark.long
 def test_the_drag_that_a_wave_bears_is_off_by_what_x_says():
-    (exact, _), *others = map(largest_drag, (1024, 512, 256, 152))
+    (exact, _), *others = map(largest_drag, (512, 256, 152))
     found = {x: drag / exact - 1 for drag, x in others}
-    np.testing.assert_allclose(list(found), [0.266, 0.533, 0.897], rtol=3e-3)
-    np.testing.assert_allclose(list(found.values()), [0.0, 0.033, 0.151], atol=6e-3)
+    np.testing.assert_allclose(list(found), [0.533, 0.897], rtol=3e-3)
+    np.testing.assert_allclose(list(found.values()), [0.033, 0.151], atol=6e-3)
 
 
 def test_a_law_of_too_short_a_slip_is_refused_with_the_shortest_that_may_be(tmp_path):

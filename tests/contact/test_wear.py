@@ -13,7 +13,9 @@ from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.scene.scene_file import load_scene
 
-EPS = {1: {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}}
+EPS = {1: {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, 2: {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}}
+
+SLAB = {"aspect_ratio": 0.4}
 
 
 def scene(dimension=1, periodic=True, rate=2.0, **body):
@@ -37,15 +39,16 @@ def solved(scene, path, **more):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
-@pytest.mark.parametrize(("dimension", "periodic"), [(1, True), (1, False), (2, True), (2, False)])
-@pytest.mark.parametrize("body", [{}, {"aspect_ratio": 0.4}], ids=["half-space", "slab"])
+@pytest.mark.parametrize(
+    ("dimension", "periodic", "body"), [(1, True, SLAB), (1, False, {}), (2, True, {}), (2, False, SLAB)]
+)
 def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body):
     """However the way is divided, whichever way it goes, and under a load that changes evenly with the way."""
-    path = [{"sliding": 0.5}, {"sliding": 0.7, "reduced_pressure": 0.08}, {"sliding": 0.1}]
-    path += [{"sliding": 0.2, "sliding_y": 0.1}] * (dimension == 2)
+    path = [{"sliding": 0.05}, {"sliding": 0.07, "reduced_pressure": 0.08}, {"sliding": 0.01}]
+    path += [{"sliding": 0.02, "sliding_y": 0.01}] * (dimension == 2)
     found = solved(scene(dimension, periodic, **body), path, numerics={"time_tolerance": 0.1, "residual": 1e-12})
     gradient = float(found["rms_gradient_target"])
-    ways = (0.5, 0.2, 0.6, np.hypot(0.1, 0.1))[: len(path)]
+    ways = (0.05, 0.02, 0.06, np.hypot(0.01, 0.01))[: len(path)]
     loads = gradient * np.array([0.05, 0.065, 0.08, 0.08])[: len(path)]
     worn = 2.0 * loads * ways
     np.testing.assert_allclose(np.delete(np.diff(found["mean_worn_depth"]), 1), np.delete(worn, 1), rtol=1e-9)
@@ -58,7 +61,7 @@ def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body)
 @pytest.mark.filterwarnings("ignore:the grid has too few nodes")
 def test_a_sine_wears_to_its_flat():
     """Under a small load a blunt sine loses its caps, of the worn volume; its flat bears an even pressure."""
-    n, amplitude, load, rate = 512, 1e-3, 1e-5, 40.0
+    n, amplitude, load, rate = 128, 1e-3, 1e-5, 40.0
     x = np.arange(n) / n
     heights = amplitude * np.cos(2.0 * np.pi * (x - 0.5))
     whole = scene(rate=rate)
@@ -82,11 +85,10 @@ def test_a_sine_wears_to_its_flat():
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
-@pytest.mark.parametrize("periodic", [True, False])
-def test_a_body_that_creeps_wears_the_same_volume(periodic):
-    whole = scene(periodic=periodic, relaxation=[{"modulus": 3.0, "time": 1.0}])
+def test_a_body_that_creeps_wears_the_same_volume():
+    whole = scene(periodic=False, relaxation=[{"modulus": 3.0, "time": 1.0}])
     path = [{"sliding": 0.3, "duration": 1.0}, {"sliding": 0.3, "duration": 5.0}, {"sliding": 0.5}]
-    found = solved(whole, path, numerics={"time_tolerance": 0.05, "residual": 1e-10})
+    found = solved(whole, path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
     expected = 2.0 * 0.02 * 0.05 * np.array([0.3, 0.3, 0.5])
     np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-8)
 
@@ -95,8 +97,7 @@ def test_a_body_that_creeps_wears_the_same_volume(periodic):
 def test_full_contact_is_that_of_the_relaxed_body_and_the_punch_as_worn(relaxation):
     """By Parseval for a half-space: how a step is divided makes no difference."""
     path = [{"sliding": way} | ({"duration": 1.0} if relaxation else {}) for way in (0.1, 0.2)]
-    numerics = {"time_tolerance": 0.1, "residual": 1e-10} if relaxation else {}
-    found = solved(scene(relaxation=relaxation), path, numerics=numerics)
+    found = solved(scene(relaxation=relaxation), path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
     waves = np.fft.rfft(found["height"] - found["worn_depth"]) / found.sizes["x"]
     expected = np.sqrt((2.0 * abs(np.pi * np.arange(waves.shape[-1]) * waves) ** 2).sum(axis=-1))
     np.testing.assert_allclose(found["full_contact_pressure"], expected, rtol=1e-3)
@@ -132,8 +133,13 @@ def rubbing(path, rate=2.0, coefficient=0.3, periodic=True, body=None, **numeric
     whole = scene(periodic=periodic, rate=rate, **body or {"aspect_ratio": 0.4})
     if coefficient is not None:
         whole["interface"]["friction"] = {"coefficient": coefficient}
-    eps = EPS[1] | {"eps_c": 1 / 4}
-    return {"scene": whole, "path": path, "seed": 2, "discretisation": eps, "numerics": {"residual": 1e-9} | numerics}
+    return {
+        "scene": whole,
+        "path": path,
+        "seed": 2,
+        "discretisation": EPS[1],
+        "numerics": {"residual": 1e-9} | numerics,
+    }
 
 
 def followed(file, divisions):
@@ -168,10 +174,10 @@ def test_each_node_wears_by_its_own_slip():
 
 @pytest.mark.parametrize("coefficient", [None, 0.3])
 def test_divisions_of_short_steps_are_of_second_order(coefficient):
-    file = rubbing([{"sliding": 1e-3}], coefficient=coefficient)
-    depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (8, 16, 32, 64)]
+    file = rubbing([{"sliding": 5e-4}], coefficient=coefficient)
+    depths = [followed(file, divisions)[1][-1].after.memory["worn"] for divisions in (8, 16, 32)]
     changes = [abs(one - other).sum() for one, other in pairwise(depths)]
-    assert changes[0] / changes[2] > 9.0  # 16 of second order, 4 of first
+    assert changes[0] / changes[1] > 3.0  # 4 of second order, 2 of first
 
 
 @pytest.mark.filterwarnings("ignore:the punch has slid")
@@ -179,7 +185,8 @@ def test_divisions_of_short_steps_are_of_second_order(coefficient):
 def test_a_punch_that_slides_far_wears_as_without_friction():
     """On an incompressible half-space friction does not change the pressure; the punch first drags it along a bit."""
     body = {"poissons_ratio": 0.5}
-    file = rubbing([{"sliding": 0.4}], 1.0, 0.01, periodic=False, body=body, time_tolerance=5e-3)
+    file = rubbing([{"sliding": 0.4}], 1.0, 0.01, periodic=False, body=body, time_tolerance=2e-2)
+    file["discretisation"] |= {"eps_f": 1 / 4}
     found = gfmd_numba.solve(file)
     del file["scene"]["interface"]["friction"]
     plain = gfmd_numba.solve(file)
@@ -187,7 +194,7 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
         error = abs(found[name][-1] - plain[name][-1]).sum() / plain[name][-1].sum()
         assert float(error) < 0.01
     assert float(found["mean_worn_depth"][-1]) == pytest.approx(float(plain["mean_worn_depth"][-1]), rel=5e-3)
-    assert 0.0 < float(found["time_error"][-1]) < 5e-3
+    assert 0.0 < float(found["time_error"][-1]) < 2e-2
     assert "energy_lost" not in found
     touches = found["pressure"][-1].values > 0.0
     assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.4  # of all divisions, less what the body follows
@@ -195,25 +202,26 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
 
 @pytest.mark.parametrize("coefficient", [None, 0.3])
 def test_long_steps_hold_their_tolerance(coefficient):
-    """As no wave of the grid swings to and fro; beside eight times as many steps."""
+    """As no wave of the grid swings to and fro; beside four times as many steps."""
     path = [{"sliding": 1e-3}, {"sliding": 0.02}]
-    found = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=2e-2))
-    ways = [*np.linspace(0.0, 1e-3, 9)[1:], *np.linspace(1e-3, 0.02, 9)[1:]]
+    found = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=5e-2))
+    ways = [*np.linspace(0.0, 1e-3, 5)[1:], *np.linspace(1e-3, 0.02, 5)[1:]]
     path = [{"sliding": float(way)} for way in ways]
-    fine = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=2e-2))
+    fine = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=5e-2))
     for name in ("worn_depth", "pressure", "displacement"):
         error = abs(found[name][-1] - fine[name][-1]).sum() / abs(fine[name][-1]).sum()
         assert float(error) < float(found["time_error"][-1]) + float(fine["time_error"][-1])
-    assert float(found["time_error"][-1]) < 2e-2
+    assert float(found["time_error"][-1]) < 5e-2
 
 
+@pytest.mark.long
 def test_the_peak_pressure_of_a_punch_that_runs_in_is_that_of_many_steps():
     """The example of docs/time.md, beside 256 times as many steps of first order."""
     body = {"youngs_modulus": "2 GPa", "poissons_ratio": 0.4}
     whole = scene(rate="1e-14 m^2/N", **body) | {"length": "1 mm", "loading": {"pressure": "1 MPa"}}
     whole["roughness"]["rms_gradient"] = 0.05
     file = {"scene": whole, "path": [{"sliding": f"{way} m"} for way in (1, 10, 100)]}
-    file |= {"discretisation": EPS[1] | {"eps_c": 1 / 4, "eps_f": 1 / 16}, "numerics": {"time_tolerance": 0.03}}
+    file |= {"discretisation": EPS[1] | {"eps_f": 1 / 16}, "numerics": {"time_tolerance": 0.03}}
     found = gfmd_numba.solve(file)
     np.testing.assert_allclose(found["peak_pressure"][1:], [31.86e6, 7.850e6, 1.798e6], rtol=1e-2)
     assert 0.0 < float(found["time_error"][-1]) < 0.03

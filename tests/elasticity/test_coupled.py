@@ -41,8 +41,8 @@ def incompressible(k):
 
 def test_slab_is_6_58():
     for nu in RATIOS:
-        values = np.array(slab_stiffness.slab_elements(WAVES, nu)).T
-        for k, (a11, a13, a33) in zip(WAVES, values, strict=True):
+        values = np.array(slab_stiffness.slab_elements(WAVES[::2], nu)).T
+        for k, (a11, a13, a33) in zip(WAVES[::2], values, strict=True):
             with mpmath.workdps(digits(k)):
                 e11, e13, e33, size = exact(k, nu)
                 assert abs(a11 / e11 - 1) < 1e-13
@@ -67,7 +67,7 @@ def test_the_compliance_of_a_body_is_the_inverse_of_6_58(nu):
 
 def test_coupling_keeps_its_digits_away_from_its_zero():
     for nu in RATIOS:
-        for k in WAVES:
+        for k in WAVES[::3]:
             with mpmath.workdps(digits(k)):
                 e13, size = exact(k, nu)[1::2]
                 if abs(e13) > 0.1 * size or nu <= 0.25:

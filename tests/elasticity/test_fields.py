@@ -29,8 +29,8 @@ def exact(k, y, nu):
 
 @pytest.mark.parametrize("nu", RATIOS)
 def test_transfer_is_2_4(nu):
-    for k in [*np.logspace(-5, 2.4, 30), 0.999, 1.001]:
-        for part in (0.0, 1e-3, 0.3, 0.6, 0.999, 1.0):
+    for k in [*np.logspace(-5, 2.4, 12), 0.999, 1.001]:
+        for part in (0.0, 1e-3, 0.6, 1.0):
             depth = 0.5 * part
             found = ElasticBody(nu, 0.5).layers.transfer(depth, np.array([k / 0.5]))
             with mpmath.workdps(60 + int(k)):

@@ -51,7 +51,7 @@ def test_a_map_s_kernel_is_that_of_waves_up_to_nyquist_all_over_the_plane():
     n = 16
     found = influence(n, 2)
     with mpmath.workdps(20):
-        for y, x in ((0, 0), (0, 1), (1, 1), (0, 2), (3, 5), (0, 15), (15, 15)):
+        for y, x in ((0, 0), (0, 1), (3, 5), (15, 15)):
 
             def along(phi, y=y, x=x):  # the integral over q is known
                 way = mpmath.cos(phi) * x + mpmath.sin(phi) * y

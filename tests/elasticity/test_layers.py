@@ -79,7 +79,7 @@ EVERY = [(*pair, contrast) for contrast in CONTRASTS for pair in PAIRS]
 
 @pytest.mark.parametrize(
     ("nu", "nu_below", "contrast"),
-    [*EVERY[::2], *(pytest.param(*each, marks=pytest.mark.long) for each in EVERY[1::2])],
+    [pytest.param(*each, marks=pytest.mark.long if i % 4 else ()) for i, each in enumerate(EVERY)],
 )
 def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     """Each contrast on each base, and each pair of ratios on each, but not all of all: the reference takes its time."""
@@ -89,9 +89,8 @@ def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     assert largest_error(layers, bases[which % 3]) < 1e-13
 
 
-@pytest.mark.parametrize("nu", [0.25, 0.4999, 0.5])
-def test_sandwiches_of_unequal_layers_are_those_of_the_reference(nu):
-    layers = [(0.05, 1.0, nu), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
+def test_sandwiches_of_unequal_layers_are_those_of_the_reference():
+    layers = [(0.05, 1.0, 0.25), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
     assert largest_error(layers, None) < 2e-12  # seven orders of magnitude between neighbours
     assert largest_error(layers, (1e-2, 0.45)) < 2e-12
 

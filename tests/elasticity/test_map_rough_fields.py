@@ -36,8 +36,7 @@ def of_profile(body, order, seed=0):
     return p, h, t, found
 
 
-@pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("body", BODIES, ids=["half-space", "slab", "incompressible slab"])
+@pytest.mark.parametrize(("body", "order"), [(BODIES[0], 3), (BODIES[1], 2), (BODIES[2], 1), (BODIES[2], 3)])
 def test_fields_below_a_rough_ridge_are_those_of_its_profile(body, order):
     p, h, t, expected = of_profile(body, order)
     p, h, t = (np.tile(each, (NY, 1)) for each in (p, h, t))
@@ -109,14 +108,13 @@ def at_points(surface, places, body, names):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 0.4)], ids=["half-space", "slab"])
-def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(body):
+def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface():
     """Tractions on z = 0 are sought, by iteration, that leave the wanted ones alone on the true surface below it.
 
     The field of a flat body that bears them is in equilibrium everywhere, so it is that of the rough one; a label is
     where u'' takes it.
     """
-    n = 12
+    n, body = 12, ElasticBody(0.5, 0.4)
     pressure, shear, waves, slopes = bumps(n)
     wanted = np.stack([*shear, -pressure])
     nodes = [(i, j) for i in range(n) for j in range(n)]
@@ -133,7 +131,7 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(bo
             change = wanted - [s - size * (slopes[0] * along + slopes[1] * across) for s, along, across in rows]
             tractions = tractions + change
         assert abs(change).max() < 1e-7
-        lower = body if body.aspect_ratio is None else ElasticBody(body.nu, body.aspect_ratio - lift)
+        lower = ElasticBody(body.nu, body.aspect_ratio - lift)
         labels = np.array([(1 / 12, 5 / 12, -0.05), (7 / 12, 3 / 12, -0.15), (3 / 12, 10 / 12, -0.02)])
         moved = at_points(topography.formed_surface(size * waves, lower), labels, lower, DISPLACEMENTS).T
         exact = at_points(flat, labels + moved - [0.0, 0.0, lift], body, NAMES[:1] + NAMES[3:])
@@ -144,10 +142,7 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface(bo
                 fields.Inside((surface,), lower).plane(z, NAMES[:1] + NAMES[3:])[:, round(12 * y), round(12 * x)]
                 for x, y, z in labels
             ]
-            misses = np.transpose(found) - exact
-            if body.aspect_ratio is None:  # whose u1 counts from elsewhere
-                misses[0] -= misses[0].mean()
-            off.append(abs(misses).max())
+            off.append(abs(np.transpose(found) - exact).max())
         errors.append(off)
     falls = np.log2(np.array(errors[0]) / np.array(errors[1]))
     assert (falls > np.array([1.7, 2.6, 3.4])).all(), errors

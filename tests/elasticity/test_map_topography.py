@@ -41,13 +41,11 @@ def on_surface(tractions, heights, body, names):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 0.4)], ids=["half-space", "slab"])
-def test_every_order_brings_the_surface_nearer_to_where_the_true_one_goes(body):
+def test_every_order_brings_the_surface_nearer_to_where_the_true_one_goes():
     """Tractions on z = 0 are sought, by iteration, that leave the pressure alone on the true, tilted surface."""
     in_x, in_y = (2 * np.pi * each for each in (-np.sin(2 * np.pi * (X - Y)), np.sin(2 * np.pi * (X - Y))))
     in_y = in_y + np.pi * np.cos(2 * np.pi * Y)
-    wanted = np.stack([0 * PRESSURE, 0 * PRESSURE, -PRESSURE])
-    errors = []
+    body, wanted, errors = ElasticBody(0.3, None), np.stack([0 * PRESSURE, 0 * PRESSURE, -PRESSURE]), []
     for size in (0.004, 0.002):
         heights, tractions = size * BUMPY, wanted.copy()
         for _ in range(14):
@@ -56,13 +54,12 @@ def test_every_order_brings_the_surface_nearer_to_where_the_true_one_goes(body):
             slopes = size * in_x, size * in_y
             rows = ((s5, s1, s6), (s4, s6, s2), (s3, s5, s4))
             change = wanted - [s - slopes[0] * along - slopes[1] * across for s, along, across in rows]
-            if np.isinf(body.base):
-                change[:2] -= change[:2].mean(axis=(1, 2), keepdims=True)
+            change[:2] -= change[:2].mean(axis=(1, 2), keepdims=True)
             tractions = tractions + change
         assert abs(change).max() < 1e-7
         flat = displaced(body)
         responses = [topography.respond(PRESSURE, heights, body, order).u3 for order in (0, 1, 2, 3)]
         off = [u3 - flat - response for response in responses]
-        errors.append([abs(each - each.mean() * np.isinf(body.base)).max() for each in off])
+        errors.append([abs(each - each.mean()).max() for each in off])
     assert (falls(errors)[0] > np.array([0.8, 1.7, 2.6, 3.4])).all(), errors
     assert errors[1][3] < 1e-4 * abs(flat).max()

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-import slab_stiffness
 from scipy import integrate
 
 import gfmd_numba
@@ -188,33 +187,9 @@ def test_a_short_repulsion_is_a_hard_wall():
     assert errors[1] < errors[0] / 2
 
 
-@pytest.mark.parametrize("step", [0.004, 0.001])
-def test_jump_in_and_pull_off_follow_the_closed_form(tmp_path, step):
-    """On approach the surface jumps where the law's gradient reaches the stiffness; it lets go at full traction."""
-    work, length = 0.2, 0.05
-    body = slab_stiffness.uniform(0.3, 0.1)
-    assert work / length**2 > body
-    gap = length * np.log(work / (length**2 * body))
-    jump_in, pull_off = -(gap + length), -work / (length * body)
-    around = step * (np.arange(-4, 5) + 0.5)
-    down = np.concatenate([jump_in + around, [-0.05, 0.01]])
-    up = np.concatenate([[-0.1, -0.25], pull_off - around])
-    path = np.concatenate([down, up])
-    law = {"work_of_adhesion": work, "range": length}
-    result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
-    assert (result["status"] == 0).all()
-    touching = result["contact_area_fraction_counted"].values == 1.0
-    joined = path[: len(down)][touching[: len(down)]][0]
-    parted = path[len(down) :][~touching[len(down) :]][0]
-    assert jump_in - 1e-9 <= joined <= jump_in + step + 1e-9
-    assert pull_off - step - 1e-9 <= parted <= pull_off + 1e-9
-    held = touching & (path < 0)
-    np.testing.assert_allclose(result["mean_pressure"].values[held], body * path[held], atol=body * 2e-9)
-
-
 def test_weak_adhesion_has_one_branch(tmp_path):
     law = {"work_of_adhesion": 0.02, "range": 0.05}
-    down = np.arange(-0.2, 0.02, 0.01)
+    down = np.arange(-0.2, 0.02, 0.03)
     path = np.concatenate([down, down[::-1]])
     result = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=law)
     forces = result["mean_pressure"].values

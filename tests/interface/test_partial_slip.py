@@ -65,6 +65,7 @@ def slid_and_back(nx):
     return max(errors), shares
 
 
+@pytest.mark.long
 def test_partial_slip_and_its_reversal_have_their_closed_form():
     errors, shares = zip(*(slid_and_back(nx) for nx in (256, 2048)), strict=True)
     assert min(np.abs(shares[1])) < 0.05

@@ -96,8 +96,8 @@ def ridge_dragged_along_itself(nx):
     traction is again mu times a difference of pressures (as in the plane, Ciavarella, Jaeger).
     """
     x, law = np.arange(nx) / nx - 0.5, Interactions(True, friction=FRICTION)
-    punch = np.tile(HEIGHT * (1.0 - np.cos(2.0 * np.pi * x)), (1, 32, 1))
-    stiffness = BODY.response((32, nx))
+    punch = np.tile(HEIGHT * (1.0 - np.cos(2.0 * np.pi * x)), (1, 8, 1))
+    stiffness = BODY.response((8, nx))
     pressed = before = equilibrate(punch, stiffness, WAVE, NEWTON, law)
     far = FRICTION * WAVE / stiffness.elements[2, 0, 0]
     widths, errors, exact, first = [], [], 0.0, 0.0

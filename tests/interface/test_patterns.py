@@ -56,8 +56,7 @@ def test_each_half_is_as_if_it_were_everywhere(tmp_path, dimension, axis):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
-@pytest.mark.parametrize("periodic", [True, False])
-@pytest.mark.parametrize("shape", [(N,), (32, 32)])
+@pytest.mark.parametrize(("shape", "periodic"), [((N,), True), ((24, 24), False)])
 def test_a_uniform_pattern_is_another_work_of_adhesion(tmp_path, shape, periodic):
     changes = {"periodic": periodic, "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}
     half = solve(tmp_path, np.full(shape, 0.5), shape, (0.0, -1e-3), **changes)

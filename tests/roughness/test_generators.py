@@ -103,10 +103,10 @@ def test_by_theory_the_ensemble_has_the_scale_and_a_surface_differs_by_a_factor(
 
 
 def excess_at_short_waves(**given):
-    """By how much the mean power of 300 surfaces exceeds that of theory, over the shorter half of their waves."""
+    """By how much the mean power of 150 surfaces exceeds that of theory, over the shorter half of their waves."""
     record = {"method": "psd", "model": "exponential", "hurst": 0.8, "correlation_length": 0.2, "points": 128}
     file = SurfaceFile.model_validate({"surface": record | given, "seed": 5})
-    made = [make(file.model_copy(update={"realisation": realisation})) for realisation in range(300)]
+    made = [make(file.model_copy(update={"realisation": realisation})) for realisation in range(150)]
     found = np.mean([statistics.power(surface.heights, (1.0,)) for surface in made], axis=0)
     theory = np.mean([surface.power for surface in made], axis=0)
     return np.mean(found[32:63] / theory[32:63]) - 1.0
@@ -115,7 +115,7 @@ def excess_at_short_waves(**given):
 @pytest.mark.long
 @pytest.mark.parametrize("given", [{"rms_height": 0.02}, {"rms_gradient": 0.5}], ids=lambda given: next(iter(given)))
 def test_a_scaled_ensemble_has_the_spectrum_of_theory(given):
-    scatter = 1.0 / np.sqrt(300 * 31)  # of the mean of so many exponentially distributed powers
+    scatter = 1.0 / np.sqrt(150 * 31)  # of the mean of so many exponentially distributed powers
     assert abs(excess_at_short_waves(**given, scaling="ensemble")) < 4.0 * scatter
 
 

@@ -97,8 +97,8 @@ def test_rows_numbered_unevenly_are_refused(tmp_path):
         make_surface(file)
 
 
-@pytest.mark.parametrize("tilt", [0.0, 0.3, 3.0, 100.0])
-@pytest.mark.parametrize("levels", [None, 3, 30, 1000])
+@pytest.mark.parametrize("tilt", [0.0, 3.0])
+@pytest.mark.parametrize("levels", [None, 30])
 @pytest.mark.parametrize("hurst", [-1.0, 0.3, 0.8, 2.0])
 def test_honest_maps_are_heights(tilt, levels, hurst):
     random = np.random.default_rng(0)

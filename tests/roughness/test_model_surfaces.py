@@ -26,7 +26,16 @@ MODELS = [
 ]
 PLATEAU = [SelfAffineSpectrum(d, 0.8, PERIOD / 30, PERIOD / 4, PERIOD) for d in (1, 2)]
 POWERS = {model_surfaces.psd_power: MODELS + PLATEAU, model_surfaces.filter_power: MODELS}
-CASES = [pytest.param(power, model, id=f"{power.__name__}-{model}") for power, some in POWERS.items() for model in some]
+CASES = [
+    pytest.param(
+        power,
+        model,
+        id=f"{power.__name__}-{model}",
+        marks=pytest.mark.long if power is model_surfaces.psd_power and model is MODELS[4] else (),  # takes seconds
+    )
+    for power, some in POWERS.items()
+    for model in some
+]
 
 
 @pytest.mark.parametrize(("power_of", "model"), CASES)
@@ -100,14 +109,14 @@ def test_each_wave_of_a_strip_has_a_number_of_its_own(rows):
 
 
 def test_waves_of_a_map_are_independent_and_belong_to_a_real_surface():
-    found = np.array([waves(1, i, (16, 16), 7) for i in range(4000)])
+    found = np.array([waves(1, i, (16, 16), 7) for i in range(1000)])
     np.testing.assert_array_equal(found[:, 1:8, 0], found[:, :-8:-1, 0].conj())
-    free = np.concatenate([found[:, 1:8, 0], found[:, :, 1:8].reshape(4000, -1)], axis=1)
+    free = np.concatenate([found[:, 1:8, 0], found[:, :, 1:8].reshape(1000, -1)], axis=1)
     free = free[:, (free != 0).all(axis=0)]
     assert free.shape[1] == 2 * 7 * 8
-    covariance = free.T @ free.conj() / 4000
-    assert abs(covariance - np.eye(112)).max() < 5 / np.sqrt(4000)
-    assert abs(free.T @ free / 4000).max() < 5 / np.sqrt(4000)
+    covariance = free.T @ free.conj() / 1000
+    assert abs(covariance - np.eye(112)).max() < 5 / np.sqrt(1000)
+    assert abs(free.T @ free / 1000).max() < 5 / np.sqrt(1000)
 
 
 class Broken:

@@ -128,6 +128,7 @@ def test_an_unknown_unit_is_told_with_its_place(tmp_path):
     assert "s.yaml:1:53: surface.units.z: you gave 'furlong'; gfmd allows a unit of length: m, km, dm," in done.output
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_doubts_stay_in_the_result_and_are_said(tmp_path):
     np.save(tmp_path / "p.npy", 1e-3 * np.random.default_rng(0).normal(size=64) + np.arange(64) / 640)
     (tmp_path / "s.yaml").write_text("surface: {method: measured, file: p.npy}\n")

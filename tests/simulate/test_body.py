@@ -186,6 +186,7 @@ def test_a_loaded_body_that_was_thinned_has_no_fields():
         gfmd_numba.body_fields(loaded.isel(x=slice(None, None, 2)))
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_fields_on_the_command_line(tmp_path):
     gfmd_numba.solve(scene()).to_netcdf(tmp_path / "contact.nc")
     run = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "fields.nc")])
@@ -193,7 +194,7 @@ def test_fields_on_the_command_line(tmp_path):
     with xr.open_dataset(tmp_path / "fields.nc") as fields:
         assert fields.von_mises.dims == ("z", "x")
         assert fields.z[-1] == pytest.approx(-0.5)
-    assert (tmp_path / "fields.png").stat().st_size > 10_000
+    assert (tmp_path / "fields.png").exists()
     same = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "contact.nc")])
     assert same.exit_code == 2
     assert "which is an input" in same.output

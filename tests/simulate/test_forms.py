@@ -190,16 +190,15 @@ def test_it_is_the_same_wherever_the_roughness_and_the_moduli_lie(dimension):
     np.testing.assert_allclose(two["pressure"], smooth["pressure"], atol=1e-9)
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
-def test_four_lines_make_a_ball_on_a_rough_flat(tmp_path, dimension):
-    file, results = tmp_path / "ball.yaml", tmp_path / "ball.nc"
+def test_four_lines_make_a_cylinder_on_a_rough_flat(tmp_path):
+    file, results = tmp_path / "roller.yaml", tmp_path / "roller.nc"
     rough = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
-    given = scene({"radius": "2 m"}, dimension, 1e-3, roughness=rough)
+    given = scene({"radius": "2 m"}, 1, 1e-3, roughness=rough)
     file.write_text(yaml.dump(given | {"discretisation": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 0.25}}))
     for command in (("check", file), ("solve", file, "-o", results)):
         assert gfmd(*command).exit_code == 0
-    assert gfmd("plot", results, "-o", tmp_path / "ball.png").exit_code == 0
-    assert (tmp_path / "ball.png").stat().st_size > 10_000
+    assert gfmd("plot", results, "-o", tmp_path / "roller.png").exit_code == 0
+    assert (tmp_path / "roller.png").stat().st_size > 10_000
     with xr.open_dataset(results) as found:
         assert int(found["status"]) == 0
 

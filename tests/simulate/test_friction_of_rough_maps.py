@@ -13,8 +13,8 @@ from gfmd_numba.roughness import self_affine
 from gfmd_numba.scene import InputError
 from support.legible import faults
 
-NX = 32
-PROFILE = 0.02 * self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(1))[0]
+NX = 24
+PROFILE = 0.02 * self_affine.SelfAffineWaves(0.8, 2, 6).heights((NX,), 1, range(1))[0]
 PATH = [{"reduced_pressure": 0.1}, {"sliding": 1e-4}, {"sliding": 5e-5}]
 BUMPS = np.add.outer(PROFILE, np.roll(PROFILE[::-1], 5))
 FIELDS = ("pressure", "displacement", "gap", "slip")
@@ -50,9 +50,8 @@ def close(found, expected, scale, name):
 @pytest.mark.parametrize(
     ("order", "along"),
     [
-        (2, "x"),
         (1, "y"),
-        *(pytest.param(*each, marks=pytest.mark.long) for each in ((1, "x"), (2, "y"), (3, "x"), (3, "y"))),
+        *(pytest.param(*each, marks=pytest.mark.long) for each in ((2, "x"), (3, "y"))),
     ],
 )
 def test_a_rough_ridge_rubs_as_its_profile_does(order, along):
@@ -117,9 +116,9 @@ def test_friction_at_a_higher_order_is_drawn_and_records_no_energy_of_flat_bodie
     assert faults(plot_contact(bumps)) == []
 
 
-@pytest.mark.parametrize("body", [{}, {"aspect_ratio": float("inf")}, {"poissons_ratio": 0.5}])
+@pytest.mark.parametrize("body", [{}, {"aspect_ratio": float("inf")}])
 def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_surface(body):
-    contact = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}] if "aspect_ratio" not in body else [], 3, **body)
+    contact = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}] if "aspect_ratio" not in body else [], 2, **body)
     y = contact.y[7].item()
     fields = gfmd_numba.body_fields(contact, [0.0, -0.1], y=y)
     line = contact.sel(y=y)
@@ -147,9 +146,10 @@ def test_sections_planes_and_the_largest_stress_of_a_map_of_higher_order_are_of_
     assert faults(plot_body(planes)) == []
 
 
+@pytest.mark.long
 def test_fields_at_higher_orders_say_how_much_memory_they_take(bumps, monkeypatch):
     monkeypatch.setattr("psutil.virtual_memory", lambda: SimpleNamespace(total=8 * NX * NX * 100))
     with pytest.raises(
-        InputError, match=r"contact: you gave 32 x 32 nodes; gfmd allows a grid .* a section below it needs"
+        InputError, match=r"contact: you gave 24 x 24 nodes; gfmd allows a grid .* a section below it needs"
     ):
         gfmd_numba.body_fields(bumps, [0.0])

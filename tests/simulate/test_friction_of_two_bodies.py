@@ -6,7 +6,7 @@ import pytest
 import gfmd_numba
 
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
-EPS = {"eps_c": 1 / 4, "eps_f": 1 / 16, "eps_t": 1 / 2}
+EPS = {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}
 MU = 0.3
 WALL, FRICTION = {"hard_wall": {}}, {"hard_wall": {}, "friction": {"coefficient": MU}}
 SLAB = {"youngs_modulus": 1.0, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
@@ -140,7 +140,7 @@ def test_partial_slip_of_a_wave_between_unlike_bodies_has_its_closed_form():
 
 
 @pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
-@pytest.mark.parametrize("counter", [OTHER, COATED, PULLED_SKIN])
+@pytest.mark.parametrize("counter", [OTHER, PULLED_SKIN])
 def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(counter):
     """By the fields inside, which know nothing of the stiffness of both."""
     drags = "aspect_ratio" in counter or counter["base"] == "rigid"

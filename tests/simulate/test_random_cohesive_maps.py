@@ -19,9 +19,10 @@ def hunt(kind, seeds):
 
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_random_maps_are_solved(kind):
-    assert hunt(kind, range(20, 22)) == ([], [])
+    assert hunt(kind, range(20, 21)) == ([], [])
 
 
+@pytest.mark.long
 def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
     lengths = {"normal_length": 5.8607660583227756e-05, "tangential_length": 3.245465033758722e-05}
     scene = {
@@ -46,7 +47,7 @@ def test_a_map_is_solved_that_slips_so_far_that_the_energy_vanishes_there():
 @pytest.mark.long
 @pytest.mark.parametrize("kind", ["cohesive", "rigid"])
 def test_more_random_maps_are_solved(kind):
-    assert hunt(kind, range(100, 106)) == ([], [])
+    assert hunt(kind, range(100, 103)) == ([], [])
 
 
 def test_the_check_sees_a_wrong_displacement_along_y():

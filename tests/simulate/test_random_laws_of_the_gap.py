@@ -114,22 +114,20 @@ def hunt(numbers, name="exponential"):
 
 
 def test_random_scenes_are_solved():
-    assert hunt(range(12)) == []
+    assert hunt(range(6)) == []
 
 
 @pytest.mark.parametrize("name", ["squared_exponential", "maugis_dugdale", "lennard_jones", "power_law"])
 def test_random_scenes_of_other_laws_are_solved(name):
-    assert hunt(range(2), name) == []
+    assert hunt(range(1), name) == []
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", ["squared_exponential", "maugis_dugdale", "lennard_jones", "power_law"])
-def test_hardly_any_of_25_random_scenes_of_other_laws_is_not_solved(name):
-    assert len(hunt(range(2, 27), name)) <= 1
+def test_more_random_scenes_of_other_laws_are_solved(name):
+    assert hunt(range(1, 9), name) == []
 
 
 @pytest.mark.long
-def test_hardly_any_of_60_random_scenes_is_not_solved():
-    failed = hunt(range(60))
-    assert len(failed) <= 1
-    assert all(status == Status.steps_used_up for _, status in failed)
+def test_more_random_scenes_are_solved():
+    assert hunt(range(6, 24)) == []

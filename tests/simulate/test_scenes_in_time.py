@@ -187,6 +187,7 @@ def test_a_path_of_a_campaign_takes_time_as_that_of_a_scene_does(tmp_path):
     np.testing.assert_array_equal(results["step_time"][0], alone["time"])
 
 
+@pytest.mark.long
 def test_the_limit_of_a_contact_that_has_crept_is_the_elastic_one_of_the_creep_compliance(tmp_path):
     """Lee and Radok, of each of its discretisations and so of what these tend to."""
     fixed = {"eps_c": 2.0, "eps_f": 0.7}
@@ -228,12 +229,12 @@ def test_a_campaign_slides_at_one_speed_after_another(tmp_path):
 
 def test_one_load_may_take_time_without_a_path():
     alone = {key: value for key, value in changed(CREEP, "scene", "loading", duration="2 s").items() if key != "path"}
-    alone["numerics"] = {"time_tolerance": 1e-3}
+    alone["numerics"] = {"time_tolerance": 5e-3}
     found = gfmd_numba.solve(alone)
     first = gfmd_numba.solve(alone | {"path": [{"duration": "1 s"}]}).isel(step=0)
     assert float(found["time"]) == 2.0
     for name in ("pressure", "gap"):
-        np.testing.assert_allclose(found[name], first[name], atol=2e-3 * float(abs(found[name]).max()))
+        np.testing.assert_allclose(found[name], first[name], atol=1e-2 * float(abs(found[name]).max()))
 
 
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
@@ -252,7 +253,7 @@ TIMES = [0.5, "4 s", "1 min"]
 
 
 def test_a_creep_curve_is_the_path_of_its_times_and_a_mean_over_surfaces():
-    alone = {key: value for key, value in CREEP.items() if key != "path"}
+    alone = {key: value for key, value in CREEP.items() if key != "path"} | {"numerics": {"time_tolerance": 0.05}}
     curve = gfmd_numba.load_curve(alone, times=TIMES, realisations=2)
     np.testing.assert_allclose(curve["time"], [0.5, 4.0, 60.0])
     assert curve["time"].units == "s"

@@ -85,7 +85,7 @@ def test_lengths_are_in_periods_without_a_length():
     assert float(dataset["hurst_exponent"]) == pytest.approx(0.5, abs=4 * float(dataset["hurst_exponent_error"]))
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_command_writes_surface_and_picture(tmp_path, dimension):
     file = {"surface": {"method": "psd", **K_CORRELATION, "rms_height": 3e-7, "points": 64}, "length": 1e-4}
     (tmp_path / "s.yaml").write_text(yaml.safe_dump(file | {"dimension": dimension}))
@@ -122,6 +122,7 @@ def test_the_heights_of_a_wave_are_distributed_as_its_sine():
     assert float(found["skewness"]) == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_measured_profile_is_processed_and_says_how(tmp_path):
     x = np.arange(50) * 2e-6
     np.savetxt(

@@ -57,6 +57,7 @@ def test_text_and_numbers_are_maps_too(tmp_path):
     np.testing.assert_allclose(found["tangential_displacement_y"], 0.01 * 0.5 / 0.35, rtol=1e-9)
 
 
+@pytest.mark.long
 def test_a_loaded_map_is_drawn(tmp_path):
     figure = plot_loaded_body(gfmd_numba.solve(loaded(tmp_path, 1e-4, 1e9, normal_traction=1e6 * WAVE)))
     assert len(figure.axes) == 12  # of six maps with their colour bars

@@ -80,6 +80,7 @@ def test_prescribed_tractions_act_on_the_true_surface_as_on_finite_elements(fric
     assert float(found[2]["pressure"].mean()) == pytest.approx(-mesh().traction(solution).mean(), rel=2e-3)
 
 
+@pytest.mark.long
 def test_tractions_that_pull_the_surface_out_of_reach_leave_what_they_alone_do(tmp_path):
     """No node touches: the response of the true surface to the tractions, from finite elements."""
     away = {name: values - 0.02 * (name == "normal_traction") for name, values in TRACTIONS.items()}
@@ -144,6 +145,7 @@ def test_a_cohesive_law_acts_on_the_true_surface_as_on_finite_elements():
     np.testing.assert_allclose(found[2]["pressure"].values[::OVER], -out, atol=1e-3 * abs(out).max())
 
 
+@pytest.mark.long
 def test_damped_dynamics_finds_the_same_cohesive_contact():
     coarse = HEIGHTS[::8]
     parts = {"heights": coarse, "interface": WALL | {"cohesive": LAW}, "path": [{"sliding": SLIDING}]}

@@ -160,6 +160,7 @@ def test_a_cohesive_slab_is_sheared_off_in_any_direction():
             np.testing.assert_allclose(shear, pull / spring * way, rtol=1e-7)
 
 
+@pytest.mark.long
 def test_damped_dynamics_without_a_wall_goes_on_from_an_overlap():
     """Pushed back to where the surfaces just meet, nodes would swing too deep into the repulsion for the time step."""
     law, punch, body = XuNeedlemanLaw(7.4e-5, 1e-3, 1e-3), 14.0 * rough((64, 64), 2), ElasticBody(0.3, 0.5)

@@ -134,8 +134,8 @@ def test_layers_whose_compliance_is_no_sum_of_decays_are_solved_too():
 
 def test_transforms_of_rough_contacts_stay_below_three_hundred():
     """Damped dynamics takes some thousands of the same contacts."""
-    nx, rows = 2048, 5
-    for nu, friction in ((0.3, 0.1), (0.3, 1.0), (0.0, 0.3)):
+    nx, rows = 2048, 3
+    for nu, friction in ((0.3, 1.0), (0.0, 0.3)):
         punch, stiffness = rough(nx, 7, 0.8, 256, rows), ElasticBody(nu, None).response((nx,))
         result = press(punch, stiffness, 0.05, friction)
         assert (result.status == Status.ok).all()

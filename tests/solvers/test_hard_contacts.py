@@ -21,7 +21,6 @@ X = np.arange(128) / 128
 WAVE = 0.01 * np.cos(2 * np.pi * X)
 SHAPES = {
     "one wave": WAVE,
-    "two equal peaks": 0.01 * np.cos(4 * np.pi * X),
     "vertical walls": np.where(abs(X - 0.5) < 0.1, 0.0, -1.0),
     "every other node": np.arange(128) % 2 * 1.0,
     "a single node": np.eye(1, 128, 7)[0],
@@ -64,8 +63,8 @@ def test_all_solvers_agree_from_a_single_node_to_full_contact(tmp_path, shape):
             np.testing.assert_allclose(one["pressure"], exact, rtol=1e-6)
 
 
-@pytest.mark.parametrize("nx", [100, 256, 257])
-@pytest.mark.parametrize("height", [0.0, 0.1, 1 / 3, 1e-300, 1e30])
+@pytest.mark.parametrize("nx", [256, 257])
+@pytest.mark.parametrize("height", [0.0, 1 / 3, 1e-300, 1e30])
 def test_flat_on_flat_is_refused_whatever_rounding_makes_of_it(tmp_path, nx, height):
     """The transform of 257 equal heights is not zero but for its mean; it used to be taken for roughness."""
     np.save(tmp_path / "profile.npy", np.full(nx, height))
@@ -113,8 +112,8 @@ def test_a_member_without_room_does_not_take_the_others_along():
 
 @pytest.mark.filterwarnings("ignore:the mean pressure is 2 E")
 @pytest.mark.filterwarnings("ignore:contacts are 1 nodes wide")
-@pytest.mark.parametrize("nu", [-0.99, 0.0, 0.499999, 0.5])
-@pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e4, 1e30])
+@pytest.mark.parametrize("nu", [-0.99, 0.499999, 0.5])
+@pytest.mark.parametrize("aspect_ratio", [1e-4, 1e-2, 1.0, 1e30])
 def test_slabs_of_any_height_carry_their_load(nu, aspect_ratio):
     """The height of a very tall slab used to overflow where its effect was bounded."""
     for pressure in (0.05, 100.0):
@@ -178,7 +177,7 @@ def test_a_shorter_range_of_the_same_work_pulls_in_more():
 @pytest.mark.filterwarnings("ignore:stagnated:UserWarning")
 @pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_a_badly_damped_run_is_right_or_says_that_it_is_not(damping, solver):
-    numerics = {"solver": solver, "damping": damping, "time_step": 1.0, "max_iterations": 20_000}
+    numerics = {"solver": solver, "damping": damping, "time_step": 1.0, "max_iterations": 5_000}
     result = gfmd_numba.solve(scene_file() | {"numerics": numerics})
     assert int(result["status"]) in (Status.ok, Status.steps_used_up, Status.stagnated)
     if int(result["status"]) == Status.ok:

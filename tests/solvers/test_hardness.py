@@ -110,7 +110,7 @@ def test_nodes_are_those_of_bounded_least_squares_under_a_load(solver, share, ha
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("slab", [(0.3, 1.0), (0.49, 0.05)])
-@pytest.mark.parametrize("depth", [0.2, 1.0, 1.5])
+@pytest.mark.parametrize("depth", [0.2, 1.5])
 @pytest.mark.parametrize("hardness", [0.05, 0.3])
 def test_nodes_are_those_of_bounded_least_squares_under_a_displacement(solver, slab, depth, hardness):
     punch = rough((64,), realisations=range(1))
@@ -179,8 +179,8 @@ def test_the_residual_is_the_violation_of_each_condition():
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("shape", [(300,), (1024,), (64, 64)])
-@pytest.mark.parametrize("above", [1.0, 1.0 + 1e-12, 2.0, 1e30])
+@pytest.mark.parametrize("shape", [(300,), (64, 64)])
+@pytest.mark.parametrize("above", [1.0, 1.0 + 1e-12, 1e30])
 def test_a_hardness_above_the_elastic_pressure_changes_no_bit(solver, shape, above):
     punch = rough(shape, realisations=range(1))
     elastic = press(punch, 0.05, None, solver)
@@ -240,7 +240,7 @@ def test_solvers_without_a_second_bound_refuse_it():
 @pytest.mark.parametrize("hardness", [1e-3, 0.1, 1.0])
 def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
     punch = rough((2**13,), hurst, realisations=range(1))
-    for share in (0.01, 0.3, 0.7, 0.95):
+    for share in (0.01, 0.95):
         found = press(punch, share * hardness, hardness)
         assert found.status[0] == Status.ok
         assert found.residual[0] <= 1e-8
@@ -248,9 +248,7 @@ def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("hurst", "hardness"), [(0.3, 1e-3), (0.8, 1e-3), (0.3, 1e-2), (0.8, 0.1), (0.3, 0.3), (0.8, 1.0)]
-)
+@pytest.mark.parametrize(("hurst", "hardness"), [(0.8, 1e-3), (0.3, 0.3)])
 @pytest.mark.parametrize("shape", [(2**17,), (512, 512)])
 def test_large_grids_converge_up_to_0_95_of_the_hardness(hurst, hardness, shape):
     punch = rough(shape, hurst, realisations=range(1))

@@ -103,7 +103,7 @@ def test_full_contact_superposes_and_is_reciprocal(first, seed, kind):
 @quick
 def test_refinement_changes_no_more_than_the_error_said(seed, hurst, load):
     areas, errors = [], []
-    for nx in (256, 512, 1024):
+    for nx in (256, 1024):
         touching = press(
             self_affine.SelfAffineWaves(hurst, 1, 16).heights((nx,), 5, range(seed, seed + 1)), load
         ).touching[0]
@@ -111,4 +111,4 @@ def test_refinement_changes_no_more_than_the_error_said(seed, hurst, load):
         areas.append((touching.sum() - HALF_SPACE.excess * edges) / nx)
         errors.append(np.sqrt(edges / 12) / nx)
     # stretches may merge between two grids: an edge is then off by up to a spacing rather than by its deviation
-    assert abs(areas[0] - areas[2]) < 5 * np.hypot(errors[0], errors[2]) + 2 / 256
+    assert abs(areas[0] - areas[1]) < 5 * np.hypot(*errors) + 2 / 256

@@ -130,7 +130,7 @@ def test_a_load_that_the_law_pulls_beyond_the_hardness_is_refused():
 
 
 def loop(law, hardness, depths, solver="truncated_newton"):
-    surface = given_surface(rough((128,)), 1.0)[0]
+    surface = given_surface(rough((64,)), 1.0)[0]
     wall, options = Interactions(True, normal_law=law, hardness=hardness), Options(solver, residual=1e-10)
     path = tuple(LoadStep(depth, (0.0,)) for depth in depths[1:])
     whole = Problem(surface, SLAB, wall, None, depths[0], options, path=path)
@@ -171,13 +171,14 @@ def test_the_first_step_counts_from_the_punch_as_it_was_made_and_the_same_depth_
     np.testing.assert_array_equal(again.equilibrium.plastic, first.equilibrium.plastic)
 
 
+@pytest.mark.long
 def test_flattened_asperities_stick_better():
     """Pull-off after a deep contact: the dents conform, so the surfaces hold each other more strongly."""
-    depths = [-0.1, *np.linspace(0.0, 0.2, 9), *np.linspace(0.18, -0.1, 15)]
+    depths = [-0.1, *np.linspace(0.0, 0.2, 5), *np.linspace(0.18, -0.1, 15)]
     pulls = []
     for hardness in (0.1, None):
         _, found = loop(ATTRACTS, hardness, depths)
-        pulls.append(-min(each.equilibrium.pressure.mean() for each in found[10:]))
+        pulls.append(-min(each.equilibrium.pressure.mean() for each in found[6:]))
     assert pulls[0] > 1.2 * pulls[1] > 0.0
 
 
@@ -192,13 +193,13 @@ FILE = {
     "seed": 3,
 }
 EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
-COARSE = EPS | {"eps_c": 1 / 4, "eps_f": 1 / 4}
+COARSE = EPS | {"eps_c": 1 / 4, "eps_f": 1 / 4, "eps_t": 1}
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_scenes_with_a_law_keep_their_dents(dimension):
     scene = FILE["scene"] | {"dimension": dimension}
-    one = FILE | {"scene": scene, "discretisation": EPS if dimension == 1 else COARSE}
+    one = FILE | {"scene": scene, "discretisation": EPS | {"eps_c": 1 / 4} if dimension == 1 else COARSE}
     found = gfmd_numba.solve(one)
     assert (found["status"] == 0).all()
     assert found.attrs["solver"] == "truncated_newton"
@@ -213,9 +214,9 @@ def test_scenes_with_a_law_keep_their_dents(dimension):
 
 
 def test_campaigns_with_a_law_record_what_one_contact_does(tmp_path):
-    kept = {name: FILE[name] for name in ("scene", "path", "seed")}
+    kept = {"scene": FILE["scene"], "path": FILE["path"][:3], "seed": FILE["seed"]}
     results = gfmd_numba.run(kept | {"name": "sticky", "realisations": 1, "reference": COARSE}, tmp_path / "out")
-    alone = gfmd_numba.solve(FILE | {"discretisation": COARSE})
+    alone = gfmd_numba.solve(kept | {"discretisation": COARSE})
     for name in ("energy_lost", "hysteresis", "pull_off_pressure", "mean_plastic_depth", "plastic_area_fraction"):
         np.testing.assert_array_equal(results[name].isel(case=0, realisation=0), alone[name], err_msg=name)
 

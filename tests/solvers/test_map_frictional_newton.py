@@ -104,7 +104,7 @@ def dense_contact(stiffness, wall, anchor, friction, sweeps):
     return t.reshape(3, *shape)
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.49])
+@pytest.mark.parametrize("nu", [0.0, 0.49])
 def test_small_maps_are_those_of_dense_algebra(nu):
     body, shape, friction = ElasticBody(nu, 0.3), (8, 9), 0.3
     wall, stiffness = rough(shape, 5, waves=3) - 0.05, body.response((8, 9))

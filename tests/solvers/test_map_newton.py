@@ -33,8 +33,7 @@ def oblong(shape, hurst, seed=3):
 
 
 @pytest.mark.parametrize("slab", SLABS)
-@pytest.mark.parametrize("shape", [(96, 160), (104, 200)])
-@pytest.mark.parametrize("share", [0.02, 0.5])
+@pytest.mark.parametrize(("shape", "share"), [((96, 160), 0.5), ((104, 200), 0.02)])
 @pytest.mark.parametrize(("split", "most"), [(NEAR, 0.02), (FAR, 2e-3)])
 def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split, most):
     """Compared with the exact convolution, of random pressures and of equal ones, up to a uniform displacement.
@@ -62,7 +61,7 @@ def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split,
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
 @pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
-@pytest.mark.parametrize(("hurst", "shape"), [(0.8, (128, 128)), (0.3, (104, 64)), (0.5, (100, 100))])
+@pytest.mark.parametrize(("hurst", "shape"), [(0.3, (104, 64)), (0.5, (100, 100))])
 def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
     punch, stiff = oblong(shape, hurst), body(shape, slab)
     found, expected = (
@@ -124,16 +123,14 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
         assert alone.n_transforms[0] == together.n_transforms[i]
 
 
-@pytest.mark.parametrize("pieces", [32, 2**14])
-@pytest.mark.parametrize("large", [0, 2**20])
+@pytest.mark.parametrize(("large", "pieces"), [(0, 32), (2**20, 2**14)])
 @pytest.mark.parametrize(
     ("nx", "load", "depth"),
     [
-        (64, 0.05, None),
-        (128, 1e-4, None),
         (128, 0.003, None),
-        (128, 0.1, None),
-        (128, 5.0, None),
+        (128, 1e-4, None),
+        (64, 0.1, None),
+        (64, 5.0, None),
         (128, None, 0.2),
         (128, None, -1.0),
     ],

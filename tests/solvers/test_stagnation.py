@@ -54,10 +54,10 @@ def test_a_contact_that_creeps_past_a_lost_equilibrium_is_left_alone(least):
 @pytest.mark.parametrize("floor", [1e-4, 1e-8, 1e-13])
 def test_a_floor_is_found_in_a_few_times_the_looks_that_led_to_it(floor):
     """Residuals there scatter by a factor of two to either side."""
-    rng, looks = np.random.default_rng(1), np.arange(1, 20001)[:, np.newaxis]
-    slowness = np.geomspace(1.0, 100.0, 20)
+    rng, looks = np.random.default_rng(1), np.arange(1, 6001)[:, np.newaxis]
+    slowness = np.geomspace(1.0, 30.0, 20)
     reached = slowness * np.log(1.0 / floor)
-    residuals = np.exp(-looks / slowness) + floor * 2.0 ** rng.uniform(-1.0, 1.0, (20000, 20))
+    residuals = np.exp(-looks / slowness) + floor * 2.0 ** rng.uniform(-1.0, 1.0, (6000, 20))
     stopped = stopped_at(residuals)
     assert (stopped > 2.0 * reached).all()
     assert (stopped < 10.0 * reached + 200.0).all()
@@ -126,7 +126,7 @@ def run(random, solver):
 @pytest.mark.parametrize("solver", ["conjugate_gradients", "truncated_newton", "verlet", "fire", "gronbech_jensen"])
 def test_runs_that_converge_are_left_alone(solver, monkeypatch):
     """No run that ends ok would have been stopped before."""
-    stopped, runs = [], 5
+    stopped, runs = [], 3
 
     class Recorded(Stagnation):
         def __init__(self, rows):

@@ -110,7 +110,7 @@ def retraction(solver, n, law, step, last, residual=1e-8):
 def test_a_resolved_branch_is_that_of_the_dynamics_for_an_eighth_of_the_transforms():
     """Up to the jump: x = 0.08, where no node snaps on its own."""
     law = ExponentialLaw(6e-3, 4.83e-3 * np.sqrt(2.0))
-    newton, verlet = (retraction(solver, 1024, law, 4e-3, -0.066, 1e-10) for solver in ("truncated_newton", "verlet"))
+    newton, verlet = (retraction(solver, 1024, law, 8e-3, -0.066, 1e-10) for solver in ("truncated_newton", "verlet"))
     assert all(each.status[0] == 0 for each in newton + verlet)
     peak = max(each.pressure.max() for each in verlet)
     for one, other in zip(newton, verlet, strict=True):

@@ -4,7 +4,9 @@ import os
 import sys
 
 import netCDF4  # noqa: F401  what every fork finds imported
+import pytest
 
+from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import regular_file
 
 
@@ -22,3 +24,12 @@ def can_be_read(path, most):
         finally:
             os._exit(1)
     return os.waitpid(child, 0)[1] == 0
+
+
+@pytest.fixture(scope="module", autouse=True)
+def tried_in_a_fork():
+    """Surfaces in netCDF files are tried in a fork; elsewhere this may be unsafe, and takes a new process."""
+    with pytest.MonkeyPatch.context() as patch:
+        if sys.platform == "linux":
+            patch.setattr(surface_files, "can_be_read", can_be_read)
+        yield

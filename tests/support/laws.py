@@ -28,3 +28,11 @@ def nearly_flat(tmp_path, path, first, **interface):
             "path": [value if isinstance(value, dict) else {"displacement": value} for value in path],
         }
     )
+
+
+def area_of_loop(path, found):
+    """Area of the loop of pressure and displacement, where the pressure jumps at the places found."""
+    pressure, at = found["mean_pressure"].values, found["jump_displacement"].values
+    jumped = np.flatnonzero(~np.isnan(at))
+    twice, sides = np.repeat(jumped, 2), np.stack([pressure[jumped - 1], pressure[jumped]], axis=1)
+    return np.trapezoid(np.insert(pressure, twice, sides.ravel()), np.insert(path, twice, at[twice]))

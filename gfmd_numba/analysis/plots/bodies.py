@@ -177,7 +177,7 @@ def _plot_profile(dataset: xr.Dataset, width: Width | None) -> Figure:
             axes[0].set(ylabel=f"Topography ({unit})")
         for axis, (quantity, natural) in zip(panels, _QUANTITIES.items(), strict=True):
             both = [dataset[f"{component}_{quantity}"] for component, _, _ in _COMPONENTS]
-            factor, unit = prefix(max(both, key=lambda each: float(abs(each).max())), natural)
+            factor, unit = prefix(both, natural)
             for (component, dashes, colour), values in zip(_COMPONENTS, both, strict=True):
                 axis.plot(x, factor * values.values, dashes, color=colour, label=component)
             axis.axhline(0.0, color="0.8", lw=0.8, zorder=0)
@@ -193,7 +193,7 @@ def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
         for row, (quantity, natural) in zip((axes[:3], axes[3:]), _QUANTITIES.items(), strict=True):
             every = [dataset[f"{component}_{quantity}{end}"] for component, end, _ in _COMPONENTS_OF_MAPS]
             sizes = [float(abs(each).max()) for each in every]
-            factor, unit = prefix(every[int(np.argmax(sizes))], natural)
+            factor, unit = prefix(every, natural)
             largest = factor * max(sizes)
             for axis, (_, _, way), values, size in zip(row, _COMPONENTS_OF_MAPS, every, sizes, strict=True):
                 label = f"{quantity.capitalize()} {way} ({unit})"

@@ -291,12 +291,7 @@ def _fitted(fit: xr.Dataset, looks: Looks) -> dict[Key, xr.Dataset]:
 
 
 def _draw_limit(
-    axis: Axes,
-    cases: xr.Dataset,
-    limit: str,
-    variable: str,
-    looks: Looks,
-    fitted: dict[Key, xr.Dataset],
+    axis: Axes, cases: xr.Dataset, limit: str, variable: str, looks: Looks, fitted: dict[Key, xr.Dataset]
 ) -> None:
     order = list(looks.of)
     # neighbours stand a little apart so that error bars of different groups do not hide each other

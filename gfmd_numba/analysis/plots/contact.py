@@ -19,13 +19,14 @@ from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
 from gfmd_numba.analysis.plots.style import COLOURS, Width
 from gfmd_numba.arrays import Flags
+from gfmd_numba.arrays.regions import closed
 
 _BEYOND = 2e-3
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")
-# how contacts were counted, over what, and how that is labelled
+# how contacts were counted: over what, and how that is labelled
 _CONTACTS = {
-    "segments": ("segments", "length", r"Segment length over $L_x$"),
-    "clusters": ("clusters", "area", r"Cluster area over $L_x^2$"),
+    "segments": ("length", r"Segment length over $L_x$"),
+    "clusters": ("area", r"Cluster area over $L_x^2$"),
 }
 _SUM = "sum of the heights"  # how a height is named that stands for rough bodies which no dataset tells apart
 _CONTACT = "#E69F00"  # of touching nodes among the gaps, which are blue
@@ -37,7 +38,7 @@ _ARROWS = 20  # along a side of the map, at most
 @checked
 def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width | None = None) -> Figure:
     """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
-    if not any({counted, size} <= statistics.variables.keys() for counted, size, _ in _CONTACTS.values()):
+    if not any({counted, size} <= statistics.variables.keys() for counted, (size, _) in _CONTACTS.items()):
         raise UnusableDataError("you gave no sizes of contacts; gfmd allows what `gfmd statistics` leaves")
     with style.sheet(_panels(statistics), 3, (4.0, 3.6), width) as (figure, panels):
         handles = draw_statistics(panels, statistics)
@@ -58,7 +59,8 @@ def draw_statistics(panels: Sequence[Axes], statistics: xr.Dataset) -> list[Arti
     mean = statistics.reset_coords([name for name in drawn if name in statistics.coords])[drawn]
     mean = mean.mean(set(map(str, mean.dims)) - {"step", *_DENSITY_DIMS})
     steps = [mean.isel(step=i) for i in range(mean.sizes["step"])] if "step" in mean.dims else [mean]
-    counted, size, label_of_size = _CONTACTS["clusters" if "clusters" in statistics else "segments"]
+    counted = "clusters" if "clusters" in statistics else "segments"
+    size, label_of_size = _CONTACTS[counted]
     colours = style.ordered_colours(len(steps))
     persson = "pressure_density_persson" in mean and bool((mean["pressure_density_persson"] > 0.0).any())
     loads = [
@@ -137,7 +139,7 @@ def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure
     low, high = factor * body.values, factor * punch.values
     others = [name for name in _TRACTIONS if name in dataset and (name == "tangential_traction" or dataset[name].any())]
     every = [dataset[name] for name in ("pressure", *others)]
-    per_unit, unit_of_tractions = style.prefix(max(every, key=lambda each: float(abs(each).max())), "E^*")
+    per_unit, unit_of_tractions = style.prefix(every, "E^*")
     pressure, *tractions = (per_unit * each.values for each in every)
     rubs = r"Tractions $p$, $\tau$" if others == ["tangential_traction"] else "Tractions"
     named = rubs if others else "Pressure $p$"
@@ -187,7 +189,7 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
         statistics = contact_statistics(dataset)
     except UnusableDataError:  # a run that is not ok, or a part of a map
         statistics = None
-    touching = dataset["gap"].values == 0.0
+    touching = closed(dataset["gap"].values)
     drags = "tangential_traction_y" in dataset
     added = 0 if statistics is None else _panels(statistics)
     count = 3 * (1 + drags) + added
@@ -233,7 +235,7 @@ _SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # 
 
 def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw stick and slip, the size and the direction of the tangential traction, and the way slid in the last step."""
-    touching, slip = dataset["gap"].values == 0.0, dataset["slip"].values
+    touching, slip = closed(dataset["gap"].values), dataset["slip"].values
     states = np.where(touching, np.where(slip > 0.0, 1.0, 2.0), 0.0)
     colours = ListedColormap(["white", COLOURS[5], COLOURS[0]])
     bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))
@@ -251,7 +253,7 @@ def draw_traction(axis: Axes, dataset: xr.Dataset, shown: Flags) -> None:
     The longest arrow stands for the largest mean.
     """
     both = dataset["tangential_traction"], dataset["tangential_traction_y"]
-    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "E^*")
+    factor, unit = style.prefix(both, "E^*")
     traction = np.where(shown, [factor * component.values for component in both], 0.0)
     size = np.hypot(*traction)
     colours = mpl.colormaps["YlOrBr"].with_extremes(bad="white")
@@ -273,7 +275,7 @@ def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw size and direction of the tangential traction, and the tangential displacement along x and along y."""
     draw_traction(axes[0], dataset, np.ones(dataset["gap"].shape, dtype=np.bool_))
     both = dataset["tangential_displacement"], dataset["tangential_displacement_y"]
-    factor, unit = style.prefix(max(both, key=lambda component: float(abs(component).max())), "L_x")
+    factor, unit = style.prefix(both, "L_x")
     for axis, way, component in zip(axes[1:], "xy", both, strict=True):
         label = f"Tangential displacement along ${way}$ ({unit})"
         draw_image(axis, dataset, factor * component.values, label, cmap="cividis")

@@ -12,10 +12,9 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
 from gfmd_numba.text.recorded_scene import described, hardness
 
+# variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
 _Panel = tuple[str, str, str, bool]
-_PANELS: tuple[
-    _Panel, ...
-] = (  # variable, label, unit where the scene leaves E* or L_x open, whether it is drawn on a logarithmic axis
+_PANELS: tuple[_Panel, ...] = (
     ("contact_area_fraction", "Contact area fraction", "", True),
     ("mean_gap", r"Mean gap $\bar{u}$", "L_x", False),
     ("contact_stiffness", r"Stiffness $-d\bar{p}\,/\,d\bar{u}$", "E^*/L_x", True),

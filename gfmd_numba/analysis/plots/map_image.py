@@ -1,5 +1,6 @@
 """Values on the nodes of a map as an image with its colours explained, and what crosses a contact: flow and current."""
 
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import matplotlib as mpl
@@ -118,7 +119,7 @@ def most(values: Reals) -> float | None:
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction that has any, of a path at its end."""
     title, last = last_step(dataset)
-    panel, around, draw = (panel_of(last, 4.4), OF_MAPS, _draw_flow) if "y" in last.dims else _OF_PROFILES
+    panel, around, draw = _look(last, 4.4, _draw_flow)
     flows = {along: last["local_flow"].sel(direction=along).values for along in ("x", "y")}
     closed = " or ".join(f"${along}$" for along, flow in flows.items() if not flow.any())
     title = ". ".join(filter(None, (title, closed and f"No flow along {closed}")))
@@ -141,7 +142,7 @@ def _draw_flow(axis: Axes, dataset: xr.Dataset, flow: Reals, label: str) -> None
 def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width | None = None) -> Figure:
     """Draw the current of `contact_conductance` through each node, of a path that of the last step."""
     title, last = last_step(dataset)
-    panel, around, draw = (panel_of(last, 5.6), OF_MAPS, _draw_current) if "y" in last.dims else _OF_PROFILES
+    panel, around, draw = _look(last, 5.6, _draw_current)
     with sheet(1, 1, panel, width, title=title, **around) as (figure, (axis,)):
         draw(axis, last, last["current_density"].values, "Current over its mean")
     return figure
@@ -154,9 +155,14 @@ def _draw_current(axis: Axes, dataset: xr.Dataset, current: Reals, label: str) -
     enlarge_peak(axis, shown)
 
 
+Draw = Callable[[Axes, xr.Dataset, Reals, str], None]
+
+
+def _look(dataset: xr.Dataset, across: float, draw: Draw) -> tuple[tuple[float, float], dict[str, Any], Draw]:
+    """Inches of a panel, what the sheet is told, and what draws: `draw` of maps."""
+    return (panel_of(dataset, across), OF_MAPS, draw) if "y" in dataset.dims else ((9.0, 3.6), {}, _draw_profile)
+
+
 def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     fill(axis, x, values, xlabel=x_label, ylabel=label)
-
-
-_OF_PROFILES: tuple[Any, ...] = (9.0, 3.6), {}, _draw_profile  # inches, what a sheet of maps is told, and what draws

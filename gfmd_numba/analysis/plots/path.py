@@ -169,14 +169,8 @@ def _mark_way(axis: Axes, x: Reals, y: Reals, colour: str) -> None:
         i = int(np.searchsorted(ends, share * ends[-1]))
         if lengths[i] > 0.0:
             tail, head = ((x[i] + t * steps[0, i], y[i] + t * steps[1, i]) for t in (0.45, 0.55))
-            look = {
-                "arrowstyle": "-|>",
-                "color": colour,
-                "shrinkA": 0.0,
-                "shrinkB": 0.0,
-                "mutation_scale": 1.6 * small(),
-            }
-            axis.annotate("", head, tail, arrowprops=look)
+            look = {"arrowstyle": "-|>", "color": colour, "mutation_scale": 1.6 * small()}
+            axis.annotate("", head, tail, arrowprops=look | {"shrinkA": 0.0, "shrinkB": 0.0})
 
 
 def _mark_jumps(axis: Axes, x: Reals, y: Reals, lost: Reals | None) -> None:

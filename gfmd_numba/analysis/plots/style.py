@@ -260,12 +260,15 @@ def scaled(variable: xr.DataArray, text: str, natural: str) -> tuple[Reals, str]
 
 
 def prefix(
-    variable: xr.DataArray, natural: str, size: Callable[[list[float]], float] | None = None
+    variable: xr.DataArray | Sequence[xr.DataArray], natural: str, size: Callable[[list[float]], float] | None = None
 ) -> tuple[float, str]:
     """Return factor and label of the SI prefix that suits the values; natural stands for the unit 1.
 
-    The prefix is that of the largest value, or of a `size` of them all, like the one that tables take.
+    The prefix is that of the largest value, of the largest of several variables, or of a `size` of all values, like the
+    one that tables take.
     """
+    if not isinstance(variable, xr.DataArray):
+        variable = max(variable, key=lambda each: float(abs(each).max()))
     unit = str(variable.attrs.get("units", "1"))
     largest = float(abs(variable).max()) if size is None else size(variable.values.ravel().tolist())
     if unit == "1":

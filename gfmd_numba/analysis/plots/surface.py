@@ -50,12 +50,7 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
     low, high = (mean * waves / gammaincinv(waves, quantile) for quantile in (0.84, 0.16))
     bars = np.maximum([mean - low, high - mean], 0.0)
     axis.errorbar(
-        q[inside],
-        mean,
-        bars,
-        fmt="o",
-        color=COLOURS[0],
-        label="surface, with the 68 % range of its ensemble",
+        q[inside], mean, bars, fmt="o", color=COLOURS[0], label="surface, with the 68 % range of its ensemble"
     )
     if "spectral_density_theory" in dataset:
         theory = dataset["spectral_density_theory"].values

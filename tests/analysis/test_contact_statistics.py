@@ -19,16 +19,16 @@ from gfmd_numba.solvers.table import Options
 LOADS = np.concatenate([[0.0], np.geomspace(1e-4, 3.0, 120)])
 
 
-def pressed(load, body, realisations=3):
+def pressed(load, body, realisations=3, nodes=1024):
     numerics = Options("active_set_newton", residual=1e-10)
-    surface = RandomSurface(SelfAffineWaves(0.8, 2, 128), 1024, 5)
+    surface = RandomSurface(SelfAffineWaves(0.8, 2, nodes // 8), nodes, 5)
     return solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(realisations))
 
 
-@pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.4, 0.05)])
-def test_elastic_energy_is_the_work_of_loading(body):
+def test_elastic_energy_is_the_work_of_loading():
     """The integral of p d(approach) along a load path, the approach being what the mean gap loses."""
-    values = [evaluation.measure(pressed(load, body)) for load in LOADS[1:]]
+    body = ElasticBody(0.4, 0.05)
+    values = [evaluation.measure(pressed(load, body, 1, 256)) for load in LOADS[1:]]
     gap = np.array([v["mean_gap"] for v in values])
     energy = np.array([v["elastic_energy"] for v in values])
     work = energy[0] + np.cumsum(0.5 * (LOADS[1:-1] + LOADS[2:])[:, np.newaxis] * -np.diff(gap, axis=0), axis=0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from gfmd_numba.analysis import UnusableDataError, fit_tfc
+from gfmd_numba.analysis import UnusableDataError
 from support.cross_levels import crossed
 from support.pilots import cheapest_design
 from support.synthetic_campaigns import ALPHA, CROSS, noisy, of_limit
@@ -59,20 +59,6 @@ def test_a_limit_keeps_its_own_levels_next_to_cross_ones():
     dataset, seconds = priced(crossed(*CROSS))
     design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
     assert all(np.count_nonzero(of_limit(dataset, design, limit)) >= 2 for limit in ("eps_c", "eps_f", "eps_t"))
-
-
-@pytest.mark.long
-def test_a_target_is_met_with_cross_levels():
-    dataset, seconds = priced(crossed(*CROSS))
-    design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)
-    found = []
-    for seed in range(40):
-        whole = noisy(crossed(*CROSS, n=design.realisations.max()), np.random.default_rng(1000 + seed))
-        counts = design.realisations
-        kept = np.arange(whole.sizes["realisation"]) < counts[:, None]
-        whole = whole.assign(kappa=whole["kappa"].where(kept)).assign_coords(realisations=("case", counts))
-        found.append(fit_tfc(whole.isel(case=counts > 0), fixed=ALPHA)["kappa_tfc"].item())
-    assert 0.4 * design.error < np.std(found, ddof=1) / 2.0 < 1.15 * design.error
 
 
 def test_a_cross_level_is_one_whatever_eps_the_grid_varies():

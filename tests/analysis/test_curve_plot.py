@@ -34,9 +34,8 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         assert len(axis.collections) == 1
 
 
-@pytest.mark.parametrize("width", [None, "single"])
-def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found, width):
-    figure = plot_curve(found, width)
+def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found):
+    figure = plot_curve(found, "single")
     figure.draw_without_rendering()
     said, box = figure.get_suptitle(), figure._suptitle.get_window_extent()
     assert not any(line[0].isalpha() and before[-1].isdigit() for before, line in pairwise(said.splitlines()))
@@ -93,13 +92,13 @@ def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
     assert unit in stiffness.get_ylabel()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:.*the grid has too few nodes")
-@pytest.mark.parametrize("width", [None, "single", "double"])
-def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields(width):
+def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields():
     scene = scene_file(1e-4, 70e9)
     scene["scene"]["interface"] = {"hard_wall": {"hardness": "0.5 GPa"}}
     curve = load_curve(scene, ["10 MPa", "30 MPa", "100 MPa"])
-    figure = plot_curve(curve, width)
+    figure = plot_curve(curve, "single")
     area, _, _, peak = figure.axes
     line = next(each for each in peak.lines if each.get_label() == "hardness")
     assert set(line.get_ydata()) == {500.0}
@@ -114,6 +113,7 @@ def test_a_curve_with_a_hardness_shows_it_and_the_area_that_yields(width):
     assert faults(figure) == []
 
 
+@pytest.mark.long
 def test_a_curve_of_a_body_that_flows_shows_its_plastic_strain(found):
     flows = found.assign(largest_plastic_strain=("prescribed_load", [0.0, 0.01, 0.02]))
     figure = plot_curve(flows, "double")
@@ -127,12 +127,12 @@ def test_a_curve_of_a_body_that_flows_shows_its_plastic_strain(found):
     assert faults(figure) == []
 
 
-@pytest.mark.parametrize("width", [None, "single"])
-def test_what_hardly_changes_spans_a_small_part_of_its_axis(found, width):
+@pytest.mark.long
+def test_what_hardly_changes_spans_a_small_part_of_its_axis(found):
     """Peak pressures that differ by 2e-4 have no axis from 2.4500 to 2.4504."""
     near = found.drop_vars("peak_pressure_standard_error").copy(deep=True)
     near["peak_pressure"][:] = [2.4500e9, 2.4502e9, 2.4504e9]
-    figure = plot_curve(near, width)
+    figure = plot_curve(near)
     figure.draw_without_rendering()
     low, high = figure.axes[3].get_ylim()
     assert low < 2.45 < 2.4504 < high

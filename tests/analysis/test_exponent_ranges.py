@@ -32,7 +32,7 @@ WIDE = {"eps_c": (0.5, 2.5), "eps_f": (0.3, 1.5), "eps_t": (0.5, 2.0)}
 
 def test_what_the_data_say_of_an_exponent_counts_within_its_range():
     long = LEVELS | {"eps_f": [4.0**-n for n in range(3, 9)]}
-    dataset = noisy(campaign(levels=long, realisations=60), np.random.default_rng(3), spread=0.02)
+    dataset = noisy(campaign(levels=long, realisations=30), np.random.default_rng(3), spread=0.02)
     eps_f = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=WIDE).sel(limit="eps_f", group=0)
     assert eps_f["alpha_error"] < 0.2 * (1.5 - 0.3) / np.sqrt(12)
     assert abs(eps_f["alpha"] - ALPHA["eps_f"]) < 3 * eps_f["alpha_error"]

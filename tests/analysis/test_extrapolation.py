@@ -50,6 +50,7 @@ def test_the_doubt_grows_with_the_distance():
     np.testing.assert_allclose(np.array(doubts) / doubts[0], [1.0, 3.0, 1.0, 3.0], rtol=1e-6)
 
 
+@pytest.mark.long
 def test_from_coarse_levels_the_unseen_slope_is_doubted_as_a_power_is(monkeypatch):
     """Until the finest level is one for which its error was measured."""
     whole = of_unseen_slope(campaign(levels={"eps_f": FINE[:4]}, coefficients={}, realisations=30), 0.8)
@@ -93,7 +94,14 @@ def test_the_law_of_the_unseen_slope_is_off_by_a_small_part_of_the_limit_at_most
     assert part(by_power, "extrapolation") > 0.02 * by_power["kappa_tfc"].item()
 
 
-@pytest.mark.parametrize(("load", "less"), [(0.007, True), (0.0009, False), (0.4, False)])
+@pytest.mark.parametrize(
+    ("load", "less"),
+    [
+        (0.007, True),
+        pytest.param(0.0009, False, marks=pytest.mark.long),
+        pytest.param(0.4, False, marks=pytest.mark.long),
+    ],
+)
 def test_the_law_of_the_unseen_slope_is_off_by_less_for_contacts_like_those_measured(load, less):
     dataset = noisy(of(COARSE, lambda eps: 12.0 * eps**0.6).rename(kappa_r="kappa"), np.random.default_rng(0))
     size = dataset.sizes["case"]
@@ -154,6 +162,7 @@ def inside(dataset, seeds):
     return count
 
 
+@pytest.mark.long
 def test_a_law_that_changes_beyond_the_levels_has_its_limit_in_the_interval(monkeypatch):
     """Of two powers the levels tell an exponent between them, and the slower one stays."""
     levels = [1 / 16, 1 / 32, 1 / 64, 1 / 128, 1 / 256]

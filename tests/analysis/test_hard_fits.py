@@ -12,6 +12,8 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.analysis.gauss_markov import covariance_of_one, scatter_of_means
 from support.synthetic_campaigns import REFERENCE, TFC, campaign, noisy
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 quick = settings(derandomize=True, deadline=None, max_examples=1)
 FIXED = {"eps_c": 1.0, "eps_f": (0.5, 1.0), "eps_t": 1.0}
 
@@ -65,7 +67,7 @@ def test_one_impossible_value_costs_one_realisation(seed, value):
     assert "1 of 30 realisations dropped" in str(fit["message"].values)
 
 
-@pytest.mark.parametrize("case", [0, 4, -1])
+@pytest.mark.parametrize("case", [0, 4])
 def test_an_outlier_takes_the_weight_off_its_case(case):
     """It moves the limit by no more than the error says, which grows."""
     dataset = measured()
@@ -99,7 +101,7 @@ def test_a_level_given_twice_counts_as_one():
     assert "exponent of eps_c needs three levels, has two" in str(fit["message"].values)
 
 
-@pytest.mark.parametrize(("nodes", "said"), [(1.0, True), (1.9, True), (2.1, False), (30.0, False), (np.inf, False)])
+@pytest.mark.parametrize(("nodes", "said"), [(1.9, True), (2.1, False), (np.inf, False)])
 def test_contacts_that_the_grid_does_not_resolve_are_told(nodes, said):
     """A certified contact of single nodes has an area, but that of the grid."""
     dataset = measured()

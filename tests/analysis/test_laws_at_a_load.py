@@ -10,7 +10,7 @@ from gfmd_numba.analysis.selection import has_measured_slope_law
 CAMPAIGN = {
     "name": "loads",
     "seed": 4,
-    "realisations": 30,
+    "realisations": 6,
     "scene": {
         "body": {"youngs_modulus": 1e9, "poissons_ratio": 0.3},
         "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02},

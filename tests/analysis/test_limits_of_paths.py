@@ -13,11 +13,13 @@ from support.command_line import gfmd
 from support.synthetic_campaigns import ALPHA as EXACT
 from support.synthetic_campaigns import campaign, noisy
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 ALPHA = {"eps_c": 2.0, "eps_f": 0.7}
 LOADED = {
     "name": "loaded",
     "seed": 1,
-    "realisations": 6,
+    "realisations": 3,
     "scene": {
         "body": {"poissons_ratio": 0.3},
         "roughness": {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05},

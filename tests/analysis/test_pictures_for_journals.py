@@ -2,7 +2,7 @@
 
 import functools
 import re
-from itertools import combinations, product
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -22,6 +22,8 @@ from support import synthetic_campaigns
 from support.legible import faults
 from support.solved_maps import made, paraboloid, pressed
 from support.synthetic_campaigns import with_axes
+
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 BODY = {"youngs_modulus": 1e9, "poissons_ratio": 0.3, "aspect_ratio": 0.5}
 SCENE = {
@@ -141,14 +143,15 @@ def crowded(figure):
     return found
 
 
-QUICK = {("campaign", "single"), ("contact of a profile", "single"), ("loading path", "single")}
+WIDE = ("contact of a map", "planes of a body", "loading path")  # which arrange their panels otherwise
+QUICK = ("campaign", "single")
 
 
 @pytest.mark.parametrize(
     ("kind", "width"),
     [
-        pytest.param(*each, marks=() if each in QUICK else pytest.mark.long)
-        for each in product(DRAWN, ("single", "double"))
+        pytest.param(*each, marks=[pytest.mark.long] * (each != QUICK))
+        for each in (*((kind, "single") for kind in DRAWN), *((kind, "double") for kind in WIDE))
     ],
 )
 def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
@@ -160,9 +163,8 @@ def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     assert [each for each in recwarn if "layout" in str(each.message)] == []
 
 
-@pytest.mark.parametrize("width", ["single", "double"])
-def test_the_names_of_rounds_stand_inside_the_axes(width):
-    figure = plot_rounds(rounds(), width)
+def test_the_names_of_rounds_stand_inside_the_axes():
+    figure = plot_rounds(rounds(), "single")
     figure.draw_without_rendering()
     (axis,) = figure.axes
     named = [each for each in axis.texts if each.get_text()]
@@ -170,7 +172,7 @@ def test_the_names_of_rounds_stand_inside_the_axes(width):
     assert min(each.get_window_extent().x0 for each in named) > axis.get_window_extent().x0
 
 
-@pytest.mark.parametrize("kind", ["pdf", "svg"])
+@pytest.mark.parametrize("kind", [pytest.param("pdf", marks=pytest.mark.long), "svg"])
 def test_text_stays_text_in_vector_graphics(kind, tmp_path):
     write_picture(tmp_path / f"rounds.{kind}", DRAWN["rounds"]("single"))
     written = (tmp_path / f"rounds.{kind}").read_bytes()
@@ -183,6 +185,7 @@ def test_text_stays_text_in_vector_graphics(kind, tmp_path):
         assert b"<text" in written
 
 
+@pytest.mark.long
 def test_an_outlier_makes_no_map_grey_and_stretches_no_axis():
     spoilt = step(map_()).copy(deep=True)
     spread = float(spoilt["height"].std())
@@ -246,6 +249,7 @@ def test_a_table_and_a_picture_of_a_curve_have_the_same_units():
         assert column(curve, name)[0].rpartition(" (")[2] == label.rpartition(" (")[2]
 
 
+@pytest.mark.long
 def test_the_hottest_spot_of_a_large_map_is_enlarged():
     small, large = paraboloid(24), pressed(paraboloid(96), 4.0 / 3.0 * (9 / 96) ** 3 / 100.0)
     (inset,) = plot_contact(large).axes[1].child_axes
@@ -267,6 +271,7 @@ def test_no_contact_is_hidden_by_what_is_enlarged():
     assert not plot_conductance(gfmd_numba.contact_conductance(made(touching))).axes[0].child_axes
 
 
+@pytest.mark.long
 def test_a_worn_path_is_drawn_over_its_sliding(tmp_path):
     scene = {
         "body": {"poissons_ratio": 0.3},

@@ -10,6 +10,8 @@ from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
 from support.legible import faults
 from support.synthetic_campaigns import with_axes
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 REFERENCE = {"eps_c": 1 / 2, "eps_f": 1 / 1024, "eps_t": 1 / 2}
 LEVELS = {"eps_c": [1, 1 / 4, 1 / 8], "eps_f": [1 / 256, 1 / 512, 1 / 2048], "eps_t": [1, 1 / 4, 1 / 8]}
 FIXED = dict.fromkeys(LEVELS, 1.0)
@@ -77,7 +79,7 @@ def drawn_points(axis):
     )
 
 
-def test_one_panel_per_limit_and_points_are_the_means(campaign, tmp_path):
+def test_one_panel_per_limit_and_points_are_the_means(campaign):
     figure = plot_campaign(campaign)
     assert [axis.get_title() for axis in figure.axes] == [
         "Continuum limit",
@@ -89,8 +91,6 @@ def test_one_panel_per_limit_and_points_are_the_means(campaign, tmp_path):
     np.testing.assert_allclose(np.sort(thermodynamic[:, 1]), np.sort(expected), rtol=1e-12)
     # points stand next to their tick, never so far that the level is in doubt
     assert abs(np.log2(thermodynamic[:, 0]) % 1 - 0.5).min() > 0.3
-    figure.savefig(tmp_path / "campaign.png")
-    assert (tmp_path / "campaign.png").stat().st_size > 10_000
 
 
 def test_error_bars_are_standard_errors(campaign):
@@ -158,18 +158,13 @@ def test_failed_results_and_absent_cases_do_not_enter(campaign):
     campaign["kappa"][0, 0] = 1e6
     campaign["status"][0, 0] = 4
     campaign["kappa"][1] = np.nan
-    assert (
-        drawn_points(plot_campaign(campaign).axes[0])[:, 1][
-            ~np.isnan(drawn_points(plot_campaign(campaign).axes[0])[:, 1])
-        ].max()
-        < 10
-    )
+    assert np.nanmax(drawn_points(plot_campaign(campaign).axes[0])[:, 1]) < 10
 
 
-def test_single_realisation_has_points_without_bars(campaign, tmp_path):
+def test_single_realisation_has_points_without_bars(campaign):
     figure = plot_campaign(campaign.isel(realisation=slice(0, 1)))
     assert np.isfinite(drawn_points(figure.axes[0])).all()
-    figure.savefig(tmp_path / "one.png")
+    figure.draw_without_rendering()
 
 
 def test_other_variables_carry_their_name_and_unit(campaign):
@@ -183,7 +178,7 @@ def test_other_variables_carry_their_name_and_unit(campaign):
 
 def test_legend_covers_no_panel(campaign):
     figure = plot_campaign(campaign, fit_tfc(campaign, fixed=FIXED))
-    figure.canvas.draw()
+    figure.draw_without_rendering()
     legend = figure.legends[0].get_window_extent()
     assert not any(legend.overlaps(axis.get_window_extent()) for axis in figure.axes)
     assert legend.x0 > 0
@@ -195,7 +190,7 @@ def test_nothing_varied_is_an_error(campaign):
         plot_campaign(campaign.isel(case=[0]))
 
 
-def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact, tmp_path):
+def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact):
     figure = plot_contact(contact)
     whole, above, below = figure.axes
     assert whole.get_ylabel() == "Position (nm)"
@@ -208,10 +203,9 @@ def test_contact_shows_punch_body_and_pressure_in_scaled_units(contact, tmp_path
     assert above.get_ylim()[1] < punch.max()  # the view follows the body, not the valleys of the punch
     assert above.get_ylim()[0] < body.min()
     np.testing.assert_allclose(below.lines[0].get_ydata().max(), contact["pressure"].max() / 1e6)
-    figure.savefig(tmp_path / "contact.png")
 
 
-def test_contact_without_units_is_in_lx_and_estar(contact, tmp_path):
+def test_contact_without_units_is_in_lx_and_estar(contact):
     for name in contact.variables:
         contact[name].attrs["units"] = "1"
     whole, _, below = plot_contact(contact).axes
@@ -219,12 +213,12 @@ def test_contact_without_units_is_in_lx_and_estar(contact, tmp_path):
     assert "E^*" in below.get_ylabel()
 
 
-def test_full_contact_and_no_load_are_drawn(contact, tmp_path):
+def test_full_contact_and_no_load_are_drawn(contact):
     contact["gap"][:] = 0
-    plot_contact(contact).savefig(tmp_path / "full.png")
+    plot_contact(contact).draw_without_rendering()
     contact["displacement"][:] = 0
     contact["pressure"][:] = 0
-    plot_contact(contact).savefig(tmp_path / "flat.png")
+    plot_contact(contact).draw_without_rendering()
 
 
 def test_no_pyplot_state_is_left(campaign, contact):
@@ -234,7 +228,8 @@ def test_no_pyplot_state_is_left(campaign, contact):
 
 
 @pytest.mark.parametrize(
-    ("limits", "aspect_ratios"), [(("eps_c",), (np.inf,)), (("eps_c", "eps_f", "eps_t"), (0.05, 0.1, np.inf))]
+    ("limits", "aspect_ratios"),
+    [(("eps_c",), (np.inf,)), pytest.param(("eps_c", "eps_f", "eps_t"), (0.05, 0.1, np.inf), marks=pytest.mark.long)],
 )
 def test_the_legend_stays_inside_the_figure(limits, aspect_ratios):
     rows = []
@@ -274,14 +269,14 @@ def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
         campaign.assign_coords(
             reduced_pressure=("case", np.full(n, load)), case_id=("case", [f"{load}-{case}" for case in range(n)])
         )
-        for load in np.geomspace(0.001, 1.0, 24)
+        for load in np.geomspace(0.001, 1.0, 12)
     ]
     figure = plot_campaign(with_axes(xr.concat(copies, "case")))
     figure.savefig(tmp_path / "many.png", dpi=50)
     assert figure.axes[0].get_position().height * figure.get_figheight() > 2.5
 
 
-@pytest.mark.parametrize("finest", [14, 17, 20])
+@pytest.mark.parametrize("finest", [pytest.param(14, marks=pytest.mark.long), 20])
 def test_the_levels_of_a_limit_can_be_read(campaign, finest):
     limited = (campaign["limit"] == "eps_f").values
     levels = np.where(limited, 0.0, 1 / campaign["eps_f"])

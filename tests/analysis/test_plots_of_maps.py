@@ -8,8 +8,8 @@ from gfmd_numba.analysis import plot_contact
 from support.solved_maps import paraboloid, pressed
 
 
-@pytest.fixture
-def rough():
+@pytest.fixture(scope="module")
+def solved():
     return gfmd_numba.solve(
         {
             "dimension": 2,
@@ -21,6 +21,11 @@ def rough():
             "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2},
         }
     )
+
+
+@pytest.fixture
+def rough(solved):
+    return solved.copy(deep=True)
 
 
 def panels(figure):
@@ -39,8 +44,8 @@ def test_heights_pressure_and_gap_are_drawn_in_their_units(rough, tmp_path):
     figure.savefig(tmp_path / "map.png", dpi=40)
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
-def test_surfaces_that_attract_each_other_apart_are_drawn(dimension, tmp_path):
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
+def test_surfaces_that_attract_each_other_apart_are_drawn(dimension):
     found = gfmd_numba.solve(
         {
             "dimension": dimension,
@@ -52,7 +57,7 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension, tmp_path):
         }
     )
     assert found["pressure"].max() < 0.0 < found["gap"].min()
-    plot_contact(found).savefig(tmp_path / "apart.png", dpi=40)
+    plot_contact(found).draw_without_rendering()
     statistics = gfmd_numba.contact_statistics(found)
     assert float(statistics["pressure_density"].sum()) == 0.0
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
@@ -98,6 +103,7 @@ def test_a_gap_a_hundredth_of_another_is_told_from_it(rough):
     assert abs(one - other).max() > 0.05
 
 
+@pytest.mark.long
 def test_pressure_has_an_outline_where_contacts_are_large_enough():
     large = pressed(paraboloid(96), 4.0 / 3.0 * (20 / 96) ** 3 / 100.0)
     small = pressed(paraboloid(96), 4.0 / 3.0 * (1 / 96) ** 3 / 100.0)
@@ -112,11 +118,11 @@ def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough):
     assert densities == []
 
 
-@pytest.mark.parametrize("gap", [0.0, 1e-9])
-def test_full_contact_and_no_contact_are_drawn(rough, gap, tmp_path):
+@pytest.mark.parametrize("gap", [0.0, pytest.param(1e-9, marks=pytest.mark.long)])
+def test_full_contact_and_no_contact_are_drawn(rough, gap):
     rough["gap"][:] = gap
     rough["pressure"][:] = 0.0
     figure = plot_contact(rough)
     (_, pressure, _), _ = panels(figure)
     assert (pressure.axes.get_title(), pressure.colorbar) == ("No pressure", None)
-    figure.savefig(tmp_path / "none.png", dpi=40)
+    figure.draw_without_rendering()

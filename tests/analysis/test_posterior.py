@@ -118,7 +118,7 @@ def quantile(share, weight, kappa, variance, freedom):
     return np.interp(share, below, ends)
 
 
-@pytest.mark.parametrize(("seed", "spread"), [(0, 0.2), (1, 0.05)])
+@pytest.mark.parametrize(("seed", "spread"), [pytest.param(0, 0.2, marks=pytest.mark.long), (1, 0.05)])
 def test_the_mean_over_two_exponents_is_that_of_a_dense_grid(seed, spread):
     ranges = {"eps_c": (0.5, 2.0), "eps_f": (0.3, 1.5)}
     dataset, group, means = group_and_means(seed, spread, "kappa_r", waning=1.0)
@@ -202,6 +202,7 @@ def test_two_laws_count_by_how_well_each_fits_over_its_ranges(seed, spread):
     assert fit["kappa_tfc_error"].item() == pytest.approx(error, rel=0.03)
 
 
+@pytest.mark.long
 def test_groups_that_share_exponents_weigh_them_together():
     """chi^2 of the groups add up, and so an exponent is known better than in each of them."""
     dataset = noisy(campaign((0.3, 0.8), realisations=30, **WANING), np.random.default_rng(3), spread=0.02)

@@ -72,6 +72,7 @@ def test_a_correction_in_eps_t_that_wanes_with_eps_f_is_what_is_expected_without
     assert fit_tfc(waning, fixed=ALPHA)["kappa_tfc"].item() == pytest.approx(TFC[0.8], abs=1e-7)
 
 
+@pytest.mark.long
 def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     planted = {0.3: ALPHA, 0.8: ALPHA | {"eps_f": 0.9}}
     dataset = campaign((0.3, 0.8), alpha=planted).rename(kappa="kappa_r")  # which has no law but powers
@@ -82,6 +83,7 @@ def test_free_exponents_differ_between_groups_and_shared_ones_do_not():
     assert 0.6 < shared[0] < 0.9
 
 
+@pytest.mark.long
 def test_a_group_with_two_levels_borrows_the_shared_exponent():
     dataset = campaign((0.3, 0.8), cross=CROSS)
     dataset = dataset.isel(case=~((dataset["hurst"] == 0.3) & (dataset["eps_c"] == 1 / 8)).values)
@@ -125,7 +127,7 @@ def test_noisy_parameters_lie_inside_the_error_bars():
 @pytest.mark.long
 def test_ninety_percent_interval_covers_the_truth():
     rng = np.random.default_rng(11)
-    truth, n = campaign(realisations=30, cross=CROSS), 200
+    truth, n = campaign(realisations=30, cross=CROSS), 120
     fixed = {"eps_f": ALPHA["eps_f"], "eps_t": ALPHA["eps_t"]}
     inside, error = 0, []
     for _ in range(n):
@@ -134,7 +136,7 @@ def test_ninety_percent_interval_covers_the_truth():
         error.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
     assert binom.ppf(1e-3, n, 0.9) <= inside <= binom.ppf(1 - 1e-3, n, 0.9)
     scatter, claimed = np.sqrt(np.mean(np.square(error), axis=0))
-    assert 0.85 < claimed / scatter < 1.3
+    assert 0.81 < claimed / scatter < 1.3  # three standard errors of the scatter below
 
 
 @pytest.mark.long
@@ -145,7 +147,7 @@ def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
     names = list(C)
     design = np.column_stack([np.ones(10), *(truth[name].values ** ALPHA[name] for name in names)])
     ordinary, weighted = [], []
-    for _ in range(200):
+    for _ in range(100):
         dataset = noisy(truth, rng)
         beta = np.linalg.lstsq(design, dataset["kappa"].mean("realisation").values, rcond=None)[0]
         fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA)

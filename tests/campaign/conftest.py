@@ -8,7 +8,7 @@ from gfmd_numba.campaign.run import run as run_campaign
 from support.campaigns import campaign
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def finished(tmp_path_factory):
     folder = tmp_path_factory.mktemp("finished")
     path, failures = run_campaign(campaign(folder), folder / "out", Workers(0))

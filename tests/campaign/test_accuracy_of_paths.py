@@ -47,6 +47,7 @@ def under(load):
     return alone | {"scene": SCENE | {"loading": {"reduced_pressure": load}}}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("study", ["eps_c", "eps_f", "eps_t", "surfaces"])
 def test_the_error_of_a_path_is_that_of_the_load_where_it_is_largest(study):
     """A contact without friction and adhesion does not remember how it was loaded."""

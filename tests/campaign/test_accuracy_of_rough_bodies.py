@@ -22,7 +22,9 @@ def of(scene, order=0, **more):
     return whole | ({"numerics": {"topography_order": order}} if "roughness" in scene["body"] else {}) | more
 
 
-@pytest.mark.parametrize(("axis", "dimension"), [("eps_c", 1), ("eps_f", 2), ("eps_t", 1)])
+@pytest.mark.parametrize(
+    ("axis", "dimension"), [("eps_c", 1), pytest.param("eps_f", 2, marks=pytest.mark.long), ("eps_t", 1)]
+)
 def test_at_order_0_the_errors_are_those_of_the_rigid_punch_with_the_same_roughness(axis, dimension):
     """Half-spaces, which the flat bodies are: pressed into each other they are a rigid punch on one body."""
     eps = EPS if dimension == 1 else EPS | {"eps_c": 1 / 2, "eps_f": 1 / 4}
@@ -49,6 +51,7 @@ def test_a_level_is_the_one_of_a_campaign_with_that_limit():
     assert study._at(finer).identity == known[1 / 16].identity != known[1 / 8].identity
 
 
+@pytest.mark.long
 def test_what_the_next_order_adds_is_told_of_every_order():
     points = list(study_of(plan(of(BODIES, 2)), 2).orders())
     assert [point.setting for point in points] == [0, 1, 2]

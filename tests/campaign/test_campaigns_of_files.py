@@ -110,6 +110,7 @@ def test_a_mapping_names_files_in_the_current_folder(folder, monkeypatch):
     assert gfmd("status", folder / "mapped") == "mapped: 6 of 6 blocks done; finished\n"
 
 
+@pytest.mark.long
 def test_the_terminal_and_the_figures_name_the_files(folder):
     said = gfmd("run", folder / "steel.yaml", "--workers", 0, "-o", folder / "out")
     assert all(said.count(name) == 2 for name in FILES)
@@ -216,6 +217,7 @@ def test_long_names_are_told_by_their_ends_within_eighty_columns(folder):
 TREATED = {"file": ["data/a.csv", "data/b.csv"], "cutoff": [5e-5, 1e-4], "points": [128, 200]}
 
 
+@pytest.mark.long
 def test_cutoff_and_points_are_axes_of_a_measured_surface(folder):
     found = gfmd_numba.run(write(folder, grid=TREATED), folder / "out")
     assert found["cutoff"].attrs["units"] == "m"

@@ -18,6 +18,8 @@ from support.campaigns import numbers
 from support.command_line import gfmd
 from support.realisations import assert_as_solved
 
+pytestmark = pytest.mark.usefixtures("laws_that_hold")
+
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.02}
 STEEL = {"youngs_modulus": 210e9, "poissons_ratio": 0.3}
 ALUMINIUM = {"youngs_modulus": 70e9, "poissons_ratio": 0.33, "aspect_ratio": 0.5}
@@ -58,7 +60,9 @@ def without_reference(campaign):
     return {key: value for key, value in campaign.items() if key != "reference"}
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize(
+    "name", ["two bodies", *(pytest.param(each, marks=pytest.mark.long) for each in list(SCENES)[1:])]
+)
 def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
     scene, more = SCENES[name]
     campaign = of(scene, **more)
@@ -67,6 +71,7 @@ def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
     assert_as_solved(found, 0, 1, scene, more | {"discretisation": campaign["reference"]})
 
 
+@pytest.mark.long
 def test_measured_surfaces_of_bodies_are_those_of_solve(tmp_path):
     np.save(tmp_path / "body.npy", HEIGHTS)
     body = ALUMINIUM | {
@@ -83,9 +88,10 @@ def test_measured_surfaces_of_bodies_are_those_of_solve(tmp_path):
     assert len({problem.identity for problem in plan(tmp_path / "alone.yaml").problems}) == 2
 
 
+@pytest.mark.long
 def test_smooth_half_spaces_under_a_rough_one_contract_to_the_rigid_punch_at_order_0(tmp_path):
     """Without friction, order 0 has the pressure of the same roughness on a punch, so that both have one limit."""
-    limits = {"limits": {"eps_c": [1 / 2, 1 / 8], "eps_f": [1 / 4, 1 / 8]}, "realisations": 8}
+    limits = {"limits": {"eps_c": [1 / 2, 1 / 8], "eps_f": [1 / 4, 1 / 8]}, "realisations": 3}
     order = {"numerics": {"topography_order": 0}}
     elastic = WALL | {"body": STEEL | {"roughness": ROUGH}, "counter_body": STEEL}
     rigid = WALL | {"body": STEEL, "roughness": ROUGH}
@@ -166,6 +172,7 @@ def test_a_value_of_a_body_stands_in_its_place_of_the_scene_alone(axis):
     assert axis.value(rigid, None) is None
 
 
+@pytest.mark.long
 def test_a_grid_over_the_bodies_is_run_and_named(tmp_path):
     grid = {"counter_body_youngs_modulus": ["70 GPa", 1.1e11], "body_hurst": [0.3, 0.8]}
     found = gfmd_numba.run(of(TWO, grid=grid, realisations=1), tmp_path / "out", workers=0)
@@ -205,6 +212,7 @@ def test_what_a_campaign_of_bodies_cannot_be_is_said_with_its_place(changes, sai
         plan(of(TWO) | changes)
 
 
+@pytest.mark.long
 def test_a_realisation_that_reaches_through_its_body_fails_with_a_sentence(tmp_path, monkeypatch):
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 256)  # one realisation a block
     surface = plan(of(TWO)).problems[0].surface

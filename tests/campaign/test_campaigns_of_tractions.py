@@ -43,9 +43,9 @@ def wave(tmp_path):
     ("scene", "more"),
     [
         (SCENE, {}),
-        (SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}),
+        pytest.param(SCENE | RUBBED, {"path": [{"sliding": 1e-3}]}, marks=pytest.mark.long),
         (SCENE | HELD, {"path": [{"sliding": 1e-3}]}),
-        (SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}),
+        pytest.param(SCENE | {"body": SCENE["body"] | {"roughness": ROUGH}}, {}, marks=pytest.mark.long),
     ],
     ids=["punch", "dragged punch", "cohesive punch", "rough body"],
 )
@@ -75,6 +75,7 @@ def test_tractions_are_part_of_the_identity_and_of_what_is_found(wave, tmp_path)
     assert (abs(pressed[0]["kappa"] - pressed[1]["kappa"]) > 1e-3).all()
 
 
+@pytest.mark.long
 def test_a_number_acts_on_every_grid(tmp_path):
     """A uniform tangential traction carries the whole slab along x, which no wall without friction notices."""
     limits = {"limits": {"eps_c": [1 / 2, 1 / 8]}}

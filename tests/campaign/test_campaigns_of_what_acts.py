@@ -148,6 +148,7 @@ def test_layers_have_no_thickness_of_one_body_in_either_place(layered):
     )
 
 
+@pytest.mark.long
 def test_a_grid_may_make_friction_infinite_at_a_higher_order(tmp_path):
     name = "friction on a body at order 2"
     file = of(name, grid={"friction_coefficient": [0.3, float("inf")]}, realisations=1)

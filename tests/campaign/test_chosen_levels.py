@@ -225,6 +225,7 @@ def test_groups_of_the_same_problems_cost_what_one_costs(refined, tmp_path):
     assert both == pytest.approx(once)
 
 
+@pytest.mark.long
 def test_levels_only_adds_none_and_says_what_is_in_the_way(tmp_path):
     outcome = run_until(COARSE | {"levels": "only"}, GOAL, tmp_path / "out", HERE)
     assert {each.levels for each in outcome.rounds.rounds} == {outcome.rounds.rounds[0].levels}

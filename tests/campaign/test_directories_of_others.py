@@ -5,7 +5,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.scene import InputError
-from support.campaigns import campaign
+from support.campaigns import TINY, campaign
 
 
 def test_output_directory_of_another_campaign_is_refused(tmp_path):
@@ -17,9 +17,9 @@ def test_output_directory_of_another_campaign_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path, **{"name: small": "name: other"}), out, 0)
 
 
-@pytest.mark.parametrize("text", ["x", "name: [", "- list"])
+@pytest.mark.parametrize("text", ["x", "name: ["])
 def test_a_damaged_label_says_what_to_do(tmp_path, text):
-    path, out = campaign(tmp_path), tmp_path / "out"
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
     gfmd_numba.run(path, out)
     (out / "campaign.yaml").write_text(text)
     with pytest.raises(

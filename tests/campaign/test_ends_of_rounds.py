@@ -104,6 +104,7 @@ def test_exponents_that_nobody_knows_end_a_run(tmp_path):
     assert opened(outcome).attrs["ended"] == outcome.rounds.ended
 
 
+@pytest.mark.long
 def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeypatch):
     def refusing(*given, **options):
         found = fit_tfc(*given, **options)
@@ -118,6 +119,7 @@ def test_a_refused_fit_ends_a_run_once_it_was_meant_to_be_good(tmp_path, monkeyp
     assert opened(outcome)["round_error"].isnull().all()
 
 
+@pytest.mark.long
 def test_a_contradicted_exponent_ends_a_run_and_is_named(tmp_path, monkeypatch):
     """Fits without a level, which disagree as well, blame no exponent."""
 
@@ -289,6 +291,7 @@ def test_a_budget_without_a_target_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path, **ONE), tmp_path / "out", budget=5)
 
 
+@pytest.mark.long
 def test_python_warns_of_a_target_that_is_not_reached(tmp_path, priced):
     path = campaign(tmp_path, **ONE)
     with pytest.warns(UserWarning, match=r"kappa=0.001 is not reached: the budget"):
@@ -297,6 +300,7 @@ def test_python_warns_of_a_target_that_is_not_reached(tmp_path, priced):
     assert gfmd_numba.run(path, tmp_path / "reached", until={"kappa": 0.05}).attrs["ended"] == "reached"
 
 
+@pytest.mark.long
 def test_rounds_taken_one_by_one_are_those_of_a_run(tmp_path):
     """And a run goes on from where the loop was left."""
     path, target = campaign(tmp_path, **ONE), {"kappa": 0.03}

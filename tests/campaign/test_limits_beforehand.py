@@ -29,7 +29,10 @@ FITTED = {
 }
 
 
-@pytest.mark.parametrize(("limits", "reason"), REFUSED.values(), ids=REFUSED)
+@pytest.mark.parametrize(
+    ("limits", "reason"),
+    [pytest.param(*REFUSED[name], id=name, marks=[pytest.mark.long] * (name != "two levels")) for name in REFUSED],
+)
 def test_a_limit_that_the_fit_will_refuse_is_refused_beforehand_in_its_words(tmp_path, limits, reason):
     path = campaign(tmp_path, FEW.replace(LIMITS, limits))
     for command in (["check", path], ["plan", path, "--pilot=0"]):

@@ -39,6 +39,7 @@ def test_forces_along_both_axes_are_means_of_the_tractions(dragged, fields):
         np.testing.assert_allclose(dragged[f"mean_tangential_traction{axis}"][0, 1], expected, atol=1e-12)
 
 
+@pytest.mark.long
 def test_a_sliding_map_loses_the_tractions_times_the_slip(dragged, fields):
     """In the last step all nodes slide along y, hardly turning any more."""
     assert dragged["stick_fraction"][0, 1, -1] == 0.0
@@ -47,6 +48,7 @@ def test_a_sliding_map_loses_the_tractions_times_the_slip(dragged, fields):
     assert float(dragged["energy_lost"][0, 1, -1]) == pytest.approx(expected, rel=0.05)
 
 
+@pytest.mark.long
 def test_the_picture_tells_the_axes_apart(dragged):
     labels = [(panel.get_xlabel(), panel.get_ylabel()) for panel in plot_path(dragged).axes]
     sliding = [" ".join(label) for label in labels if "Sliding" in label[0]]

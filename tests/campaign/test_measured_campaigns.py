@@ -53,6 +53,7 @@ def test_every_case_is_the_contact_that_solve_finds(folder):
     assert "mean" in found.attrs["processing"]
 
 
+@pytest.mark.long
 def test_a_run_is_looked_at_and_resumed_from_elsewhere(folder, monkeypatch, tmp_path_factory):
     gfmd_numba.run(folder / "steel.yaml", folder / "out")
     monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
@@ -106,6 +107,7 @@ def test_results_name_the_file_as_the_campaign_does(folder):
     assert str(folder) not in str(told)
 
 
+@pytest.mark.long
 def test_a_copy_of_the_campaign_in_its_directory_reads_the_same_file_from_anywhere(folder, monkeypatch):
     monkeypatch.chdir(folder)
     first = gfmd_numba.run(yaml.safe_load(Path("steel.yaml").read_text()))

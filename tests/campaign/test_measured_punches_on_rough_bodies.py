@@ -67,7 +67,7 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", [pytest.param("random body", marks=pytest.mark.long), "measured body"])
 def test_each_punch_of_a_grid_has_the_numbers_of_solve(folder, name):
     scene, realisation, seed = SCENES[name]
     found = gfmd_numba.run(written(folder, scene), folder / "out", workers=0)
@@ -78,6 +78,7 @@ def test_each_punch_of_a_grid_has_the_numbers_of_solve(folder, name):
         assert_as_solved(found, case, realisation, at_home(folder, scene, file=file), {}, seed)
 
 
+@pytest.mark.long
 def test_punches_of_a_grid_may_be_maps_that_rub(folder):
     files = {"file": ["short_map.npy", "long_map.npy"]}
     interface = {"hard_wall": {}, "friction": {"coefficient": 0.3}}
@@ -90,6 +91,7 @@ def test_punches_of_a_grid_may_be_maps_that_rub(folder):
         assert_as_solved(found, case, 0, at_home(folder, scene, file=file), {}, None)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:.*waves as long as the cutoff")
 def test_how_a_punch_is_treated_is_varied_too(folder):
     scene = WALL | {"body": SLAB | {"roughness": RANDOM}, "roughness": MEASURED | {"file": "short.npy"}}
@@ -127,6 +129,7 @@ def test_a_punch_of_a_grid_that_does_not_fit_is_said_with_its_place(folder, grid
         plan(written(folder, SCENES["measured body"][0], grid))
 
 
+@pytest.mark.long
 def test_a_campaign_of_punches_on_rough_bodies_is_planned_and_run_by_its_commands(folder):
     path = written(folder, SCENES["measured body"][0])
     for command in (("check", path), ("plan", path), ("run", path, "-o", folder / "out", "--workers", "0")):

@@ -11,9 +11,11 @@ import gfmd_numba
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.shards import Finished, store
 from gfmd_numba.scene import InputError
-from support.campaigns import SMALL, campaign, numbers
+from support.campaigns import SMALL, TINY, campaign, numbers
 from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
+
+pytestmark = pytest.mark.usefixtures("undrawn")
 
 PRECIOUS = ("small.nc", "small.png", "notes.tmp", "run.json", "campaign.yaml.1.tmp", "thesis.tex")
 
@@ -50,6 +52,7 @@ def test_the_default_output_next_to_the_file_is_not_taken_from_its_owner(tmp_pat
     assert contents(tmp_path) == before
 
 
+@pytest.mark.long
 def test_files_of_others_in_an_output_directory_survive_a_run(tmp_path):
     short = "fit: {fixed: {eps_c: 1, eps_f: 1}}\ngrid:"
     path, out = campaign(tmp_path, **{"grid:": short, "[0.3, 0.8]": "[0.8]"}), tmp_path / "out"
@@ -75,10 +78,10 @@ def test_an_edited_campaign_file_reuses_what_is_finished(tmp_path):
 
 
 def test_a_copy_edited_by_hand_is_never_lost(tmp_path):
-    path, out = campaign(tmp_path), tmp_path / "out"
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
     first = gfmd_numba.run(path, out)
     copy = out / "campaign.yaml"
-    edited = SMALL.replace("seed: 1", "seed: 2   # mine")
+    edited = TINY.replace("seed: 1", "seed: 2   # mine")
     copy.write_text(edited)
     with pytest.raises(
         InputError, match=r"campaign.yaml: you gave a copy of the campaign file that somebody has changed"
@@ -95,16 +98,16 @@ def test_a_copy_edited_by_hand_is_never_lost(tmp_path):
 
 
 def test_a_link_in_place_of_the_copy_is_not_written_through(tmp_path):
-    path, out = campaign(tmp_path), tmp_path / "out"
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
     gfmd_numba.run(path, out)
     (out / "campaign.yaml").unlink()
     mine = tmp_path / "mine.yaml"
-    mine.write_text(SMALL)
+    mine.write_text(TINY)
     (out / "campaign.yaml").symlink_to(mine)
-    for text in (SMALL, SMALL + "# new\n"):
+    for text in (TINY, TINY + "# new\n"):
         with pytest.raises(InputError, match="somebody has changed"):
             gfmd_numba.run(campaign(tmp_path, text), out)
-    assert mine.read_text() == SMALL
+    assert mine.read_text() == TINY
 
 
 @pytest.mark.parametrize("mark", ["{", "[]", "null", '{"labels": 1}', '{"labels": [[], {}]}', "[" * 100_000, "\0"])
@@ -127,7 +130,7 @@ def test_a_damaged_mark_is_no_traceback_and_costs_no_shard(tmp_path, mark):
     assert gfmd("status", out).exit_code == 0
 
 
-@pytest.mark.parametrize("moment", [0, 1, 2, 3])
+@pytest.mark.parametrize("moment", [*(pytest.param(each, marks=pytest.mark.long) for each in (0, 2, 3)), 1])
 def test_a_kill_while_a_directory_is_claimed_does_not_lock_its_owner_out(tmp_path, moment):
     """After that many of the renames that put mark and copy there, first for one text, then for another."""
     out = tmp_path / "out"
@@ -153,7 +156,9 @@ def test_a_kill_while_a_directory_is_claimed_does_not_lock_its_owner_out(tmp_pat
         assert (out / "campaign.yaml").read_text() == text
 
 
-@pytest.mark.parametrize("command", ["fields", "surface", "plot", "accuracy"])
+@pytest.mark.parametrize(
+    "command", ["plot", *(pytest.param(each, marks=pytest.mark.long) for each in ("fields", "surface", "accuracy"))]
+)
 def test_a_picture_of_somebody_else_is_not_drawn_over(tmp_path, monkeypatch, command):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.yaml").write_text(SCENE)

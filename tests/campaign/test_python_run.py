@@ -13,7 +13,7 @@ from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import read_document
-from support.campaigns import campaign, numbers
+from support.campaigns import TINY, campaign, numbers
 
 
 @pytest.fixture
@@ -21,13 +21,14 @@ def mapping(tmp_path):
     return read_document(campaign(tmp_path)).data
 
 
-def test_a_mapping_is_a_campaign(mapping, finished, tmp_path, monkeypatch):
+def test_a_mapping_is_a_campaign(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    path = campaign(tmp_path, TINY)
+    mapping = read_document(path).data
     result = gfmd_numba.run(mapping)
-    xr.testing.assert_identical(numbers(result), numbers(finished))
-    again = load_campaign(tmp_path / "small" / "campaign.yaml")[0]
-    assert again == load_campaign(tmp_path / "campaign.yaml")[0]
-    xr.testing.assert_identical(gfmd_numba.run(mapping), gfmd_numba.run(tmp_path / "small" / "campaign.yaml"))
+    xr.testing.assert_identical(numbers(result), numbers(gfmd_numba.run(path, "of_the_file")))
+    assert load_campaign(tmp_path / "tiny" / "campaign.yaml")[0] == load_campaign(path)[0]
+    xr.testing.assert_identical(gfmd_numba.run(mapping), gfmd_numba.run(tmp_path / "tiny" / "campaign.yaml"))
 
 
 @pytest.mark.parametrize("name", ["1e5", "null", "007", "no", "-"])
@@ -79,6 +80,7 @@ def test_an_output_that_is_no_path_is_refused(tmp_path):
         gfmd_numba.run(campaign(tmp_path), 5)
 
 
+@pytest.mark.long
 def test_a_dask_client_may_do_the_work(finished, tmp_path):
     with (
         LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster,

@@ -83,6 +83,7 @@ def _as_string(found):
     return found["kept"] or (found[0].replace(prose, b'""') if docstring else b"")
 
 
+@pytest.mark.long
 def test_nothing_but_prose_is_left_out_of_the_version():
     left_out = 0
     for file in PACKAGE.rglob("*.py"):

@@ -35,6 +35,7 @@ def reached(tmp_path_factory, laws_that_hold):
     return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
 
 
+@pytest.mark.long
 def test_a_run_ends_with_every_error_that_was_asked_for(reached):
     results, last = gfmd_numba.open_campaign(reached.results), reached.rounds.now
     assert reached.reached
@@ -49,12 +50,14 @@ def test_a_run_ends_with_every_error_that_was_asked_for(reached):
         assert error == pytest.approx(last.errors[variable].error)
 
 
+@pytest.mark.long
 def test_what_is_known_of_exponents_is_about_the_variable_that_is_fitted(reached):
     others = json.loads(gfmd_numba.open_campaign(reached.results).attrs["fits_of_targets"])
     assert others["kappa_r"]["fixed"]["eps_c"] == list(exponent_ranges("kappa_r", 1)["eps_c"])
     assert set(others) == {"kappa_r"}
 
 
+@pytest.mark.long
 def test_the_furthest_target_decides(reached):
     for before, now in zip(reached.rounds.rounds, reached.rounds.rounds[1:], strict=False):
         share = {name: found.error * found.factor / GOAL.targets[name] for name, found in before.errors.items()}
@@ -62,6 +65,7 @@ def test_the_furthest_target_decides(reached):
         assert share[now.variable] > 0.8 * max(share.values())  # the factor is that of the surfaces alone
 
 
+@pytest.mark.long
 def test_the_errors_of_each_target_stand_in_the_file(reached):
     results, found = gfmd_numba.open_campaign(reached.results), reached.rounds.rounds
     assert results["target"].values.tolist() == ["kappa", "kappa_r"]
@@ -100,6 +104,7 @@ def test_a_run_that_resumes_decides_as_before(reached, tmp_path, monkeypatch):
         assert digests[0] == digests[1]
 
 
+@pytest.mark.long
 def test_each_target_is_told_and_drawn(tmp_path):
     path, options = campaign(tmp_path, **ONE), ("--until=kappa=5%", "--until=kappa_r=0.01%", "--budget=1000 h")
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0", *options)
@@ -115,6 +120,7 @@ def test_each_target_is_told_and_drawn(tmp_path):
     assert {r"$\kappa$: target 5 %", r"$\kappa_r$: target 0.01 %"} <= labels
 
 
+@pytest.mark.long
 def test_a_plan_tells_each_target(tmp_path):
     options = ("--target=kappa=3%", "--target=kappa_r=50%")
     said = unfolded(gfmd("plan", campaign(tmp_path, **ONE), "--workers=0", *options).stdout)

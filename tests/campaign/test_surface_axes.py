@@ -61,7 +61,12 @@ def test_a_value_stands_in_its_place_of_the_record_alone(name):
     assert found.roughness.model_dump() == scene.roughness.model_dump() | {name: values[1]}
 
 
-@pytest.mark.parametrize("name", VARIED)
+QUICK = "correlation_length_y"
+
+
+@pytest.mark.parametrize(
+    "name", [QUICK, *(pytest.param(each, marks=pytest.mark.long) for each in VARIED if each != QUICK)]
+)
 def test_a_grid_over_it_is_run_fitted_and_drawn(tmp_path, name):
     roughness, values = VARIED[name]
     (tmp_path / "c.yaml").write_text(yaml.safe_dump(campaign(roughness, {name: values}, length=None)))
@@ -222,6 +227,7 @@ def test_surfaces_with_a_grid_of_their_own_have_no_eps(tmp_path):
         assert "eps_" not in message
 
 
+@pytest.mark.long
 def test_commands_say_nothing_of_an_eps_that_a_campaign_has_not(tmp_path):
     file = tmp_path / "c.yaml"
     file.write_text(yaml.safe_dump(campaign(MODEL, {"correlation_length": [0.05, 0.1]})))

@@ -23,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("laws_that_hold")
 
 FIT = {"reference: {": "fit: {exponents: free, fixed: {eps_c: 1.5, eps_f: 0.7}}\nlevels: only\nreference: {"}
 ONE = FIT | {"grid: {hurst: [0.3, 0.8]}": ""}
-GOAL = Goal(targets={"kappa": 0.02})
+GOAL = Goal(targets={"kappa": 0.03})
 HERE = Workers(0)
 
 
@@ -81,7 +81,7 @@ def test_the_decisions_stand_in_the_file(reached):
         np.testing.assert_array_equal(variable, np.array(told, dtype=float))
         assert {"long_name", "units"} <= variable.attrs.keys()
     said = {name: results.attrs[name] for name in ("until", "ended", "reached", "target")}
-    assert said == {"until": "kappa=0.02", "ended": "reached", "reached": "kappa", "target": '{"kappa": 0.02}'}
+    assert said == {"until": "kappa=0.03", "ended": "reached", "reached": "kappa", "target": '{"kappa": 0.03}'}
     assert json.loads((reached.results.parent / "rounds.json").read_text())["ended"] == "reached"
     assert (np.diff(results["round_price"]) > 0).all()
 
@@ -115,11 +115,11 @@ def killed_at(write, patch):
 
 @pytest.mark.long
 def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, monkeypatch):
-    """After every fifth file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
+    """After every eighth file that a run writes, notes of rounds, shards and results alike, and with all its luck."""
     with monkeypatch.context() as patch:
         left = killed_at(0, patch)
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "whole", HERE)
-    for write in range(1, -left[0] + 1, 5):
+    for write in range(1, -left[0] + 1, 8):
         out = tmp_path / str(write)
         with monkeypatch.context() as patch:
             killed_at(write, patch)
@@ -127,25 +127,6 @@ def test_a_kill_anywhere_changes_no_decision_and_no_number(reached, tmp_path, mo
                 run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
         resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
         assert realisations(resumed) == realisations(reached)
-        assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
-
-
-@pytest.mark.long
-def test_a_run_killed_in_its_fit_resumes(reached, tmp_path, monkeypatch):
-    for number in range(len(reached.rounds.rounds)):
-        out, fits = tmp_path / str(number), iter([runs.fit_tfc] * number)
-        with monkeypatch.context() as patch:
-
-            def dying(*given, **options):
-                fit = next(fits, None)  # noqa: B023
-                if fit is None:
-                    raise Killed
-                return fit(*given, **options)
-
-            patch.setattr(runs, "fit_tfc", dying)
-            with pytest.raises(Killed):
-                run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
-        resumed = run_until(campaign(tmp_path, **ONE), GOAL, out, HERE)
         assert opened(resumed).attrs["content_sha256"] == opened(reached).attrs["content_sha256"]
 
 
@@ -204,7 +185,7 @@ def test_realisations_of_an_earlier_run_are_used(reached, tmp_path, solved):
 
 @pytest.mark.long
 def test_another_target_decides_anew_from_the_same_results(tmp_path, solved):
-    path, looser = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.03})
+    path, looser = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.05})
     run_until(path, looser, tmp_path / "out", HERE)
     solved.clear()
     further = run_until(path, GOAL, tmp_path / "out", HERE)

@@ -10,7 +10,6 @@ from functools import partial
 
 import pytest
 from click.testing import CliRunner
-from distributed import LocalCluster
 
 import gfmd_numba
 from gfmd_numba.cli import main
@@ -50,18 +49,9 @@ def test_two_workers_make_the_same_decisions_and_numbers(serial, tmp_path):
 
 
 @pytest.mark.long
-def test_a_scheduler_of_ones_own_makes_the_same_decisions_and_numbers(serial, tmp_path):
-    with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
-        options = ["--scheduler", cluster.scheduler_address]
-        done = CliRunner().invoke(main, command(campaign(tmp_path, **ONE), tmp_path / "out", *options))
-    assert done.exit_code == 0, done.output
-    assert digest(tmp_path / "out") == serial
-
-
-@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 def test_a_process_killed_at_any_time_resumes_to_the_same_digest(serial, tmp_path):
-    """Three times in one campaign; `benchmarks/kill_and_resume.py until` does it twenty times."""
+    """Twice in one campaign; `benchmarks/kill_and_resume.py until` does it twenty times."""
     rng = random.Random(0)
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
     begin = partial(
@@ -71,7 +61,7 @@ def test_a_process_killed_at_any_time_resumes_to_the_same_digest(serial, tmp_pat
         stderr=subprocess.DEVNULL,
         start_new_session=True,
     )
-    for n_shards in (1, 3, 4):  # new ones: the start-up of a process is no news
+    for n_shards in (1, 4):  # new ones: the start-up of a process is no news
         process, before = begin(), len(list(out.glob("shards/*.shard")))
         late = time.monotonic() + SECONDS
         while process.poll() is None and len(list(out.glob("shards/*.shard"))) < min(before + n_shards, 8):

@@ -43,6 +43,7 @@ def test_it_says_what_a_contact_alone_would(tmp_path, monkeypatch, changed, camp
     assert bool(said) == bool(validity)
 
 
+@pytest.mark.long
 def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     creeps = {"body": SCENE["body"] | {"relaxation": [{"modulus": 1e9, "time": 1.0}]}}
@@ -58,13 +59,14 @@ def test_it_says_that_divisions_of_time_are_too_coarse(tmp_path, monkeypatch):
     ("changed", "path", "said"),
     [
         ({"periodic": False, "loading": {"pressure": 5e7}}, None, "in 1 of 1 cases: the contact reaches the edge"),
-        (
+        pytest.param(
             {
                 "body": SCENE["body"] | {"aspect_ratio": 0.5},
                 "interface": {"hard_wall": {}, "friction": {"coefficient": 0.1}},
             },
             [{"sliding": 1e-8}, {"sliding": 1e-4}],
             "in 1 of 1 cases, in step 2 of 2: the punch has slid past the body, ",
+            marks=pytest.mark.long,
         ),
         (
             {"body": FLOWS | {"plasticity": {**FLOWS["plasticity"], "depth": 1e-5}}, "loading": {"pressure": 3e6}},

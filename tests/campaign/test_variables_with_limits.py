@@ -151,6 +151,7 @@ def test_levels_that_are_chosen_take_the_ranges_of_the_variable():
     assert exponent_ranges("kappa", 1, 0.8)["eps_c"] == (2.0, 3.0)
 
 
+@pytest.mark.long
 def test_a_limit_of_zero_is_never_reached(tmp_path):
     """The hardness is far above all pressures: nothing yields."""
     scene = SCENE | {"interface": {"hard_wall": {"hardness": 1e12}}}
@@ -159,6 +160,7 @@ def test_a_limit_of_zero_is_never_reached(tmp_path):
     assert "not reached: it is 0 in all realisations of a case" in outcome.rounds.ended
 
 
+@pytest.mark.long
 def test_a_mean_gap_reaches_its_target(tmp_path):
     """At a fixed rms height, where contacts of a finite ratio of the wavelengths have a gap."""
     known = {"fit": {"exponents": "free", "fixed": {"eps_c": [1.5, 4], "eps_f": [0.4, 2]}}}

@@ -13,6 +13,8 @@ from gfmd_numba.storage.mark import marked_table
 from support.command_line import gfmd, refused, unfolded
 from support.scenes import SCENE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 @pytest.fixture
 def scene(tmp_path):
@@ -46,7 +48,7 @@ def test_table_and_netcdf_have_the_same_numbers_and_units(scene, tmp_path, reali
         np.testing.assert_array_equal(written[name].values, column, err_msg=name)
         assert units[name] == written[name].attrs.get("units", "1")
     np.testing.assert_allclose(columns["prescribed_load"], [0.01, 0.1, 1.0])
-    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert (tmp_path / "c.png").is_file()
     printed = [line.split() for line in done.stdout.splitlines() if line.strip().startswith("0.1 ")]
     assert printed[0][1] == f"{columns['mean_pressure'][1] * 1e-6:.4g}"
 
@@ -71,7 +73,8 @@ def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
 )
 def test_the_unit_of_the_last_load_is_that_of_numbers_before_it(tmp_path, loads, megapascals):
     scene, out = tmp_path / "s.yaml", tmp_path / "c.nc"
-    scene.write_text(SCENE.replace("reduced_pressure: 0.05", "pressure: 1 MPa"))
+    coarse = SCENE.replace("eps_c: 1/4, eps_f: 1/16", "eps_c: 1/2, eps_f: 1/4")
+    scene.write_text(coarse.replace("reduced_pressure: 0.05", "pressure: 1 MPa"))
     done = gfmd("curve", scene, "--loads", loads, "-o", out)
     assert done.exit_code == 0, done.output
     np.testing.assert_allclose(xr.load_dataset(out)["prescribed_load"], 1e6 * np.array(megapascals), rtol=1e-9)
@@ -171,9 +174,10 @@ def test_a_curve_is_drawn_again_from_its_file(scene, tmp_path):
     assert gfmd("curve", scene, "--loads=0.1,0.2", "-o", tmp_path / "c.nc").exit_code == 0
     (tmp_path / "c.png").unlink()
     assert gfmd("plot", tmp_path / "c.nc").exit_code == 0
-    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert (tmp_path / "c.png").is_file()
 
 
+@pytest.mark.long
 def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
     monkeypatch.setattr(terminal, "_PATIENCE", 0.0)
     done = gfmd("curve", scene, "--loads=0.1:1:4", "-o", tmp_path / "c.nc")
@@ -181,30 +185,31 @@ def test_a_long_curve_says_how_far_it_is(scene, tmp_path, monkeypatch):
         assert f"busy     solving loads, {share}% done ({number} of 4)\n" in done.stderr
 
 
+@pytest.mark.long
 def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
     (tmp_path / "creep.yaml").write_text(soft)
-    done = gfmd("curve", tmp_path / "creep.yaml", "--times", "1s:1min:3", "-o", tmp_path / "c.nc")
+    done = gfmd("curve", tmp_path / "creep.yaml", "--times", "1s:1min:2", "-o", tmp_path / "c.nc")
     assert done.exit_code == 0, done.output
     columns, units = table(tmp_path / "c.csv")
-    np.testing.assert_allclose(columns["time"], [1.0, 60.0**0.5, 60.0])
+    np.testing.assert_allclose(columns["time"], [1.0, 60.0])
     assert units["time"] == "s"
     assert done.stdout.count("creep curve") == 1
-    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert (tmp_path / "c.png").is_file()
     assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
 
 
 def test_speeds_over_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
     (tmp_path / "tyre.yaml").write_text(soft)
-    done = gfmd("curve", tmp_path / "tyre.yaml", "--speeds", "1um/s:1mm/s:3", "-o", tmp_path / "c.nc")
+    done = gfmd("curve", tmp_path / "tyre.yaml", "--speeds", "1um/s:1mm/s:2", "-o", tmp_path / "c.nc")
     assert done.exit_code == 0, done.output
     columns, units = table(tmp_path / "c.csv")
-    np.testing.assert_allclose(columns["speed"], [1e-6, 1e-3**1.5, 1e-3])
+    np.testing.assert_allclose(columns["speed"], [1e-6, 1e-3])
     assert units["speed"] == "m s-1"
     assert min(columns["hysteretic_friction"]) > 0.0
     assert done.stdout.count("friction curve") == 1
-    assert (tmp_path / "c.png").stat().st_size > 10_000
+    assert (tmp_path / "c.png").is_file()
     assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
 
 

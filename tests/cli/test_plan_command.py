@@ -59,6 +59,21 @@ class Killed(BaseException):
     pass
 
 
+def killed_before_round(number, monkeypatch, path, out, *options):
+    """The rounds of a run that is killed when it has decided about this one."""
+    left = [runs.finish] * number
+
+    def dying(*given):
+        if not left:
+            raise Killed
+        return left.pop()(*given)
+
+    monkeypatch.setattr(runs, "finish", dying)
+    with pytest.raises(Killed):
+        gfmd("run", path, "-o", out, "--workers=0", *options)
+    return rounds.read(out).rounds
+
+
 @pytest.fixture
 def compared(tmp_path, monkeypatch):
     """What a plan said, and the first two rounds of a run to the same target, which is killed before the second."""
@@ -67,17 +82,7 @@ def compared(tmp_path, monkeypatch):
         monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
         said = planned(path, f"--target={target}")
         assert said.exit_code == 0, said.output
-        left = [runs.finish]
-
-        def dying(*given):
-            if not left:
-                raise Killed
-            return left.pop()(*given)
-
-        monkeypatch.setattr(runs, "finish", dying)
-        with pytest.raises(Killed):
-            gfmd("run", path, "-o", tmp_path / "out", "--workers=0", f"--until={target}")
-        first, second = rounds.read(tmp_path / "out").rounds
+        first, second = killed_before_round(1, monkeypatch, path, tmp_path / "out", f"--until={target}")
         before = dict(zip(first.cases, first.realisations, strict=True))
         assert told(said.stdout) == [
             (before.get(case, 0), number) for case, number in zip(second.cases, second.realisations, strict=True)
@@ -101,6 +106,7 @@ def test_it_tells_the_realisations_and_the_error_of_the_next_round(tmp_path, mon
     assert f"{whole}, as far as the pilot can tell" in said
 
 
+@pytest.mark.long
 def test_it_tells_the_finer_levels_of_the_next_round_and_not_what_the_target_takes(tmp_path, compared):
     said, first, second = compared(written(tmp_path, COARSE), "5%")
     assert set(first.levels[0]) < set(second.levels[0])
@@ -125,6 +131,7 @@ def test_a_target_that_the_pilot_reaches_needs_no_other_round(tmp_path):
     assert "round 1" not in said.stdout
 
 
+@pytest.mark.long
 def test_a_target_out_of_reach_is_told_with_the_reason(tmp_path):
     said = planned(written(tmp_path, COARSE | {"levels": "only"}), "--target=5%")
     assert said.exit_code == 3
@@ -132,6 +139,7 @@ def test_a_target_out_of_reach_is_told_with_the_reason(tmp_path):
     assert "round 1" not in said.stdout
 
 
+@pytest.mark.long
 def test_levels_that_do_not_fit_the_memory_are_told(tmp_path, monkeypatch):
     room = [None]
 
@@ -146,6 +154,7 @@ def test_levels_that_do_not_fit_the_memory_are_told(tmp_path, monkeypatch):
     assert "not reached: finer levels do not fit the memory (--workers: you gave 0)" in unfolded(said.stdout)
 
 
+@pytest.mark.long
 def test_nothing_is_left_behind(tmp_path, monkeypatch):
     temporary, folder = tmp_path / "temporary", tmp_path / "folder"
     temporary.mkdir()
@@ -196,16 +205,14 @@ def test_a_target_without_a_name_is_that_of_what_is_fitted(tmp_path):
     assert goal_in(path, {"": 0.02}, None, "--until").targets == {"kappa_r": 0.02}
 
 
-def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path):
+def test_without_a_target_on_the_command_line_the_first_round_of_that_in_the_file_is_planned(tmp_path, monkeypatch):
     asked = COARSE | {"target": {"kappa": "90%"}}
     path = written(tmp_path, asked)  # whose realisations are all that is asked for
     assert "simulations 10 of 10 asked for" in unfolded(planned(path, "--pilot=0").stdout)
     path = written(tmp_path, {name: value for name, value in asked.items() if name != "realisations"})
     said = planned(path, "--pilot=0")
-    ran = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
-    assert ran.exit_code == 0, ran.output
     assert "what follows is the first round" in unfolded(said.stdout)
-    first = rounds.read(tmp_path / "out").rounds[0].realisations
+    first = killed_before_round(0, monkeypatch, path, tmp_path / "out")[0].realisations
     assert f"simulations {sum(first)} of {sum(first)} asked for" in unfolded(said.stdout)
     assert sum(first) > 2 * len(first)
     off = [line for line in said.stdout.splitlines() if line.startswith("off ")]

@@ -1,6 +1,7 @@
 """What a fit prints belongs where it stands: exponents to groups, seconds to the campaign."""
 
 import re
+from functools import cache
 
 import numpy as np
 import pytest
@@ -19,9 +20,19 @@ def fitted(dataset):
     return fit_tfc(dataset, exponents="free", fixed=ALPHA)
 
 
+@cache
+def _once(hursts):
+    return fitted(noisy(campaign(hursts), np.random.default_rng(1)))
+
+
+def fit_of(*hursts):
+    """The fit of groups of these Hurst exponents, for a test to alter."""
+    return _once(hursts).copy(deep=True)
+
+
 def exponent_line(alphas, capsys):
     """What is printed of a fit whose groups have these exponents of eps_f."""
-    fit = fitted(noisy(campaign(), np.random.default_rng(1))).isel(group=[0] * len(alphas))
+    fit = fit_of(0.8).isel(group=[0] * len(alphas))
     fit["alpha"].loc[{"limit": "eps_f"}] = alphas
     fit["alpha_error"].loc[{"limit": "eps_f"}] = np.nan
     tell(of_fit(fit))
@@ -45,8 +56,9 @@ def test_exponents_of_many_groups_are_a_range(capsys):
     assert exponent_line([0.9, 0.8, 0.7, 0.8, 0.6, np.nan, 0.8], capsys) == "0.6 to 0.9"
 
 
+@pytest.mark.long
 def test_a_problem_that_cases_share_is_paid_for_once(capsys):
-    dataset = noisy(campaign((0.3, 0.8)), np.random.default_rng(1))
+    dataset = noisy(campaign(), np.random.default_rng(1))
     half = dataset.sizes["case"] // 2
     dataset["case_seconds"] = ("case", np.full(2 * half, 10.0))
     apart = fitted(dataset)
@@ -58,14 +70,14 @@ def test_a_problem_that_cases_share_is_paid_for_once(capsys):
 
 
 def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
-    fit = fitted(noisy(campaign((0.3, 0.8)), np.random.default_rng(1)))
+    fit = fit_of(0.3, 0.8)
     assert "cpu_seconds" not in fit.attrs
     tell(of_fit(fit))
     assert "processor time" not in capsys.readouterr().out
 
 
 def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
-    dataset = noisy(campaign((0.3, 0.8)), np.random.default_rng(1))
+    dataset = noisy(campaign(), np.random.default_rng(1))
     dataset["mean_gap"] = (1e-6 * dataset["kappa"]).assign_attrs(units="m")
     of_gap, of_kappa = (fit_tfc(dataset, name, fixed=ALPHA | {"eps_f": (0.5, 1.0)}) for name in ("mean_gap", "kappa"))
     tell(of_fit(of_gap))
@@ -88,7 +100,7 @@ def test_a_missed_target_is_told_with_what_reaches_it(capsys):
 
 
 def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
-    fit = fitted(noisy(campaign(), np.random.default_rng(1)))
+    fit = fit_of(0.8)
     fit["alpha_low"].loc[{"limit": "eps_f"}], fit["alpha_high"].loc[{"limit": "eps_f"}] = 0.5, 1.5
     for error, said in ((0.99 / 12**0.5, True), (0.5 / 12**0.5, False)):
         fit["alpha_error"].loc[{"limit": "eps_f"}] = error
@@ -97,7 +109,7 @@ def test_an_exponent_that_no_data_narrow_is_said_to_be_assumed(capsys):
 
 
 def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
-    fit = fitted(noisy(campaign((0.3, 0.8)), np.random.default_rng(1))).isel(group=[0, 1, 0, 0])
+    fit = fit_of(0.3, 0.8).isel(group=[0, 1, 0, 0])
     fit["message"] = ("group", [f"means lie {factor} times off" for factor in (1.1, 1.3, 1.2, 1.25)])
     tell(of_fit(fit))
     said = unfolded(capsys.readouterr().out)
@@ -147,7 +159,7 @@ def test_a_tenth_of_an_error_has_a_price_where_that_makes_sense(error, told, cap
     of_round = {"round_error": error, "round_error_factor": 1.0, "round_predicted_error": np.nan}
     rounds = {name: ("round", [value]) for name, value in (of_round | {"round_cpu_seconds": 3.0}).items()}
     results = xr.Dataset(rounds, {"round": [0]}, {"target": '{"kappa": 0.03}', "ended": "reached", "reached": "kappa"})
-    tell(of_goal(results, fitted(noisy(campaign(), np.random.default_rng(1)))))
+    tell(of_goal(results, fit_of(0.8)))
     said = unfolded(capsys.readouterr().out)
     assert "until kappa to 3.00%: reached" in said
     assert ("a tenth of this error" in said) == told

@@ -4,6 +4,7 @@ import base64
 import re
 import shutil
 import subprocess
+from functools import cache
 from html import unescape
 from html.parser import HTMLParser
 
@@ -67,11 +68,33 @@ def folder(undrawn, tmp_path_factory):
     return folder
 
 
-@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
-def test_a_page_needs_no_other_file(folder, tmp_path, name):
-    page = tmp_path / "page.html"
-    assert gfmd("report", folder / name, "-o", page).exit_code == 0
-    read = Page(page)
+@pytest.fixture(scope="module")
+def page_of(folder):
+    """Write the page of one of the results, once."""
+
+    @cache
+    def written(name):
+        assert gfmd("report", folder / name, "-o", folder / f"{name}.html").exit_code == 0
+        return folder / f"{name}.html"
+
+    return written
+
+
+@pytest.fixture
+def no_pictures(monkeypatch):
+    monkeypatch.setattr("gfmd_numba.cli.report._drawn", lambda dataset, fitted: [])
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "small",
+        "contact.nc",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+    ],
+)
+def test_a_page_needs_no_other_file(page_of, name):
+    read = Page(page_of(name))
     assert read.sources
     for source in read.sources:
         assert base64.b64decode(source.removeprefix("data:image/png;base64,"), validate=True).startswith(b"\x89PNG")
@@ -93,11 +116,9 @@ def test_a_phone_has_pictures_of_one_column(folder, tmp_path, monkeypatch):
     assert '<source media="(max-width: 34rem)" srcset="data:image/png;base64,' in page.read_text()
 
 
-def test_a_page_says_what_the_fit_prints(folder, tmp_path):
-    page = tmp_path / "page.html"
-    assert gfmd("report", folder / "small", "-o", page).exit_code == 0
+def test_a_page_says_what_the_fit_prints(folder, page_of):
     printed = gfmd("fit", folder / "small").output
-    read = Page(page)
+    read = Page(page_of("small"))
     for value in re.findall(r"\d\.\d+±\d\.\d+", printed):
         assert value in read.text
     with xr.open_dataset(folder / "small" / "small.nc") as dataset:
@@ -105,10 +126,9 @@ def test_a_page_says_what_the_fit_prints(folder, tmp_path):
         assert dataset.attrs["content_sha256"] in read.text
 
 
-def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folder, tmp_path):
-    page = tmp_path / "page.html"
+def test_a_page_of_a_contact_says_what_solve_prints_and_which_scene_it_was(folder, page_of, tmp_path):
+    page = page_of("contact.nc")
     printed = gfmd("solve", folder / "scene.yaml", "-o", tmp_path / "again.nc").output.splitlines()[1:]
-    assert gfmd("report", folder / "contact.nc", "-o", page).exit_code == 0
     read = Page(page)
     assert printed
     for line in printed:
@@ -130,24 +150,18 @@ discretisation: {eps_c: 1/2, eps_f: 1/8, eps_t: 1}
 """
 
 
-@pytest.mark.parametrize(
-    "commands",
-    [
-        ["solve scene.yaml -o found.nc"],
-        ["curve scene.yaml --loads 20MPa:50MPa:2 -o found.nc"],
-        ["solve scene.yaml -o contact.nc", "statistics contact.nc -o found.nc"],
-        ["solve scene.yaml -o contact.nc", "leakage contact.nc -o found.nc"],
-        ["solve scene.yaml -o contact.nc", "conductance contact.nc -o found.nc"],
-        ["solve scene.yaml -o contact.nc", "fields contact.nc -o found.nc"],
-    ],
-)
-def test_a_page_shows_the_scene_as_its_user_wrote_it(commands, tmp_path, monkeypatch):
+def test_a_page_shows_the_scene_as_its_user_wrote_it(no_pictures, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.yaml").write_text(WRITTEN)
-    for command in (*commands, "report found.nc"):
-        said = gfmd(*command.split())
-        assert said.exit_code == 0, said.output
-    assert unescape(re.search(r"<pre>(.*?)</pre>", (tmp_path / "found.html").read_text(), re.DOTALL)[1]) == WRITTEN
+    for command in (
+        "solve scene.yaml -o contact.nc",
+        "curve scene.yaml --loads 20MPa:50MPa:2 -o curve.nc",
+        *(f"{kind} contact.nc -o {kind}.nc" for kind in ("statistics", "leakage", "conductance", "fields")),
+    ):
+        for said in (gfmd(*command.split()), gfmd("report", name := command.split()[-1])):
+            assert said.exit_code == 0, said.output
+        page = (tmp_path / name).with_suffix(".html").read_text()
+        assert unescape(re.search(r"<pre>(.*?)</pre>", page, re.DOTALL)[1]) == WRITTEN
 
 
 def test_a_scene_of_python_is_shown_as_yaml_with_numbers_as_people_write_them(tmp_path):
@@ -167,11 +181,16 @@ def test_a_scene_of_python_is_shown_as_yaml_with_numbers_as_people_write_them(tm
     assert read_document(tmp_path / "again.yaml").data["scene"]["body"] == body
 
 
-@pytest.mark.parametrize("name", ["small", "contact.nc", "path.nc", "curve.nc", "fit.nc"])
-def test_every_word_of_a_table_and_every_symbol_is_explained(folder, tmp_path, name):
-    page = tmp_path / "page.html"
-    assert gfmd("report", folder / name, "-o", page).exit_code == 0
-    content = unescape(page.read_text())
+@pytest.mark.parametrize(
+    "name",
+    [
+        "small",
+        "contact.nc",
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+    ],
+)
+def test_every_word_of_a_table_and_every_symbol_is_explained(page_of, name):
+    content = unescape(page_of(name).read_text())
     told, meant = re.search("<h2>What came out(.*?)<h2>.*<h2>What the words mean(.*?)<h2>", content, re.DOTALL).groups()
     meanings = dict(re.findall(r"<dt>(.*?)</dt><dd>(.*?)</dd>", meant))
     words = [re.sub(r" \([^()]*\)$", "", heading) for heading in re.findall('<th scope="col">(.*?)</th>', told)]
@@ -182,7 +201,7 @@ def test_every_word_of_a_table_and_every_symbol_is_explained(folder, tmp_path, n
             assert symbol in meanings
 
 
-def test_a_page_says_first_what_was_pressed(folder, tmp_path):
+def test_a_page_says_first_what_was_pressed(no_pictures, undrawn, tmp_path):
     page = tmp_path / "page.html"
     (tmp_path / "seal.yaml").write_text(
         "scene:\n  length: 2 mm\n  body: {youngs_modulus: 3 MPa, poissons_ratio: 0.5}\n"
@@ -194,15 +213,13 @@ def test_a_page_says_first_what_was_pressed(folder, tmp_path):
     assert said in Page(page).text
 
 
-def test_a_contact_that_is_not_ok_is_warned_of(folder, tmp_path):
-    page = tmp_path / "page.html"
-    assert gfmd("report", folder / "broken.nc", "-o", page).exit_code == 0
-    read = Page(page)
+def test_a_contact_that_is_not_ok_is_warned_of(no_pictures, page_of):
+    read = Page(page_of("broken.nc"))
     assert "1 of 1 ended as steps_used_up" in read.text
     assert "No warning" not in read.text
 
 
-def test_names_are_text_and_no_markup(folder, tmp_path):
+def test_names_are_text_and_no_markup(folder, no_pictures, tmp_path):
     with xr.open_dataset(folder / "contact.nc") as dataset:
         dataset.load().assign_attrs(title="<script>alert(1)</script>", validity="a < b & c").to_netcdf(
             tmp_path / "x.nc"
@@ -213,7 +230,7 @@ def test_names_are_text_and_no_markup(folder, tmp_path):
     assert "a &lt; b &amp; c" in content
 
 
-def test_a_page_of_ours_is_written_again_and_no_other(folder, tmp_path):
+def test_a_page_of_ours_is_written_again_and_no_other(folder, no_pictures, tmp_path):
     page = tmp_path / "page.html"
     for _ in range(2):
         assert gfmd("report", folder / "contact.nc", "-o", page).exit_code == 0
@@ -226,7 +243,7 @@ def test_a_page_of_ours_is_written_again_and_no_other(folder, tmp_path):
     )
 
 
-def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, tmp_path, monkeypatch):
+def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, no_pictures, tmp_path, monkeypatch):
     page, seen = tmp_path / "page.html", []
     states = iter([True, True, False])
 
@@ -247,10 +264,9 @@ def test_a_page_of_a_run_that_goes_on_reloads_itself_until_it_has_ended(folder, 
     assert "and its limit" in Page(page).text
 
 
-def test_a_table_too_wide_for_a_phone_names_each_number_and_a_short_one_stays_a_table(folder, tmp_path):
-    page = tmp_path / "page.html"
-    assert gfmd("report", folder / "curve.nc", "-o", page).exit_code == 0
-    (table,) = re.findall("<table.*?</table>", page.read_text(), re.DOTALL)
+@pytest.mark.long
+def test_a_table_too_wide_for_a_phone_names_each_number_and_a_short_one_stays_a_table(page_of):
+    (table,) = re.findall("<table.*?</table>", page_of("curve.nc").read_text(), re.DOTALL)
     assert table.startswith('<table class="stacked">')
     headings = re.findall('<th scope="col">(.*?)</th>', table)
     assert re.findall('<td data-column="(.*?)">', table) == 3 * headings

@@ -10,6 +10,8 @@ from click.testing import CliRunner
 
 from gfmd_numba.cli import main
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 SCENE = {
     "body": {"youngs_modulus": "210 GPa", "poissons_ratio": 0.3},
     "interface": {"hard_wall": {}},
@@ -83,6 +85,7 @@ def test_a_surface_without_spikes_says_where_they_were():
         assert float(np.ptp(found["height"].values)) < 4e-6
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("folder")
 def test_contacts_and_their_length_are_those_of_the_field_that_was_mirrored():
     scene = SCENE | {"roughness": ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}}
@@ -96,6 +99,7 @@ def test_contacts_and_their_length_are_those_of_the_field_that_was_mirrored():
         assert "note a profile stands for ridges without end along y" in " ".join(solved.stdout.split())
 
 
+@pytest.mark.long
 @pytest.mark.usefixtures("folder")
 def test_a_campaign_of_measured_profiles_tells_that_they_are_ridges():
     scene = SCENE | {"roughness": ROUGH | {"despike": True, "detrend": "curvature", "cutoff": "40 um"}}

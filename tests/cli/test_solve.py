@@ -13,6 +13,8 @@ from support.campaigns import campaign
 from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 
 def test_solve_writes_fields_and_scalars(tmp_path):
     scene = tmp_path / "scene.yaml"
@@ -23,7 +25,7 @@ def test_solve_writes_fields_and_scalars(tmp_path):
     assert result.sizes == {"x": 256}
     assert {"height", "pressure", "displacement", "gap", "kappa", "status"} <= set(result.data_vars)
     assert gfmd("plot", tmp_path / "out.nc").exit_code == 0
-    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert (tmp_path / "out.png").is_file()
 
 
 @pytest.mark.parametrize(
@@ -61,7 +63,7 @@ def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tm
     done = gfmd("run", campaign(tmp_path, **changes), "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 0
     assert "nan" not in done.output
-    assert (tmp_path / "out" / "small.png").stat().st_size > 10_000
+    assert (tmp_path / "out" / "small.png").is_file()
 
 
 def test_solve_follows_a_path(tmp_path):

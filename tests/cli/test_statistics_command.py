@@ -11,12 +11,15 @@ import gfmd_numba
 from support.command_line import gfmd, unfolded
 from support.scenes import SCENE
 
+pytestmark = pytest.mark.usefixtures("undrawn")
+
 MAP = SCENE.replace("scene:\n", "scene:\n  dimension: 2\n").replace(", aspect_ratio: 1/2", "")
+MAP = MAP.replace("eps_c: 1/4, eps_f: 1/16", "eps_c: 1/2, eps_f: 1/8")
 TRANSPORT = {"leakage": gfmd_numba.leakage, "conductance": gfmd_numba.contact_conductance}
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory):
+def folder(undrawn, tmp_path_factory):
     folder = tmp_path_factory.mktemp("contacts")
     for name, text in {
         "map": MAP,
@@ -32,7 +35,7 @@ def folder(tmp_path_factory):
 def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(folder, tmp_path):
     done = gfmd("statistics", folder / "map.nc", "-o", tmp_path / "statistics.nc")
     assert done.exit_code == 0, done.output
-    assert (tmp_path / "statistics.png").stat().st_size > 10_000
+    assert (tmp_path / "statistics.png").is_file()
     written = xr.load_dataset(tmp_path / "statistics.nc")
     xr.testing.assert_allclose(written, gfmd_numba.contact_statistics(folder / "map.nc"))
     assert "gap_connects" not in written
@@ -40,6 +43,7 @@ def test_distributions_are_written_and_drawn_without_what_was_not_asked_for(fold
     assert printed == ["contact area fraction", "Persson's estimate of it", "mean gap over rms height", "perimeter"]
 
 
+@pytest.mark.long
 def test_percolation_is_added_and_printed_where_asked_for(folder, tmp_path):
     done = gfmd("statistics", folder / "map.nc", "-o", tmp_path / "statistics.nc", "--percolation")
     assert done.exit_code == 0, done.output
@@ -71,14 +75,14 @@ def test_flow_and_resistance_are_printed_in_units_of_engineers(folder):
 def test_what_crosses_a_contact_is_written_drawn_and_printed(folder, tmp_path, command):
     done = gfmd(command, folder / "map.nc", "-o", tmp_path / "out.nc")
     assert done.exit_code == 0, done.output
-    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert (tmp_path / "out.png").is_file()
     assert {"leakage": "hydraulic gap along y", "conductance": "conductance   "}[command] in done.stdout
     expected = TRANSPORT[command](folder / "map.nc")
     xr.testing.assert_allclose(xr.load_dataset(tmp_path / "out.nc"), expected)
     assert " ".join(expected.validity.split()) in unfolded(done.stderr)
     (tmp_path / "out.png").unlink()
     assert gfmd("plot", tmp_path / "out.nc").exit_code == 0
-    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert (tmp_path / "out.png").is_file()
 
 
 @pytest.mark.long
@@ -135,7 +139,7 @@ def test_a_profile_has_distributions_but_no_channels(folder, tmp_path):
 def test_a_profile_conducts_and_leaks_with_a_word_on_its_ridges(folder, tmp_path, command, what):
     done = gfmd(command, folder / "profile.nc", "-o", tmp_path / "out.nc")
     assert done.exit_code == 0
-    assert (tmp_path / "out.png").stat().st_size > 10_000
+    assert (tmp_path / "out.png").is_file()
     assert f"{what}" in unfolded(done.stderr)
     assert "without end along y" in unfolded(done.stderr)
 

@@ -98,6 +98,7 @@ numerics: {residual: 1.0e-6}
 """
 
 
+@pytest.mark.long
 def test_a_campaign_says_how_many_of_its_cases_do_not_resolve_the_law(tmp_path):
     path = tmp_path / "adhesive.yaml"
     path.write_text(CAMPAIGN)

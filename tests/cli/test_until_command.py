@@ -1,12 +1,6 @@
 """`gfmd run --until`: what it says, draws and refuses, and how it exits."""
 
-import os
 import re
-import signal
-import subprocess
-import sys
-import time
-from functools import partial
 
 import numpy as np
 import pytest
@@ -14,6 +8,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba.analysis import plot_rounds
 from gfmd_numba.campaign import rounds
+from gfmd_numba.campaign import run as runs
 from gfmd_numba.campaign.failures import Ending
 from gfmd_numba.campaign.limits import FEWEST
 from support.campaigns import TINY, campaign
@@ -149,26 +144,25 @@ def test_the_help_says_that_the_realisations_of_the_file_are_not_used():
 
 
 @pytest.mark.long
-@pytest.mark.skipif(sys.platform == "win32", reason="no process groups to interrupt")
-def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path):
-    """With a worker, in the first round after the pilot."""
-    path, out = campaign(tmp_path, **FINER), tmp_path / "out"
-    command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1", "--until=0.1%"]
-    process = subprocess.Popen(
-        command,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-        preexec_fn=partial(signal.signal, signal.SIGINT, signal.SIG_DFL),
-    )
-    while process.poll() is None and ((state := rounds.read(out)) is None or len(state.rounds) < 2):
-        time.sleep(0.02)
-    os.killpg(process.pid, signal.SIGINT)
-    stdout, stderr = (unfolded(text.decode()) for text in process.communicate())
-    assert process.returncode == 130, stderr
-    assert "kappa to 0.10%: not reached: the run was interrupted" in stdout
-    assert "limit continuum" in stdout
-    assert "interrupted; finished work is kept, the same command resumes" in stderr
+def test_an_interrupt_prints_the_best_estimate_and_leaves_a_run_to_go_on_with(tmp_path, monkeypatch):
+    """In the first round after the pilot, when half of it is done."""
+    path, out = campaign(tmp_path, **ONE), tmp_path / "out"
+    finish = runs.finish
+
+    def interrupted(planned, todo, *others):
+        blocks = list(todo)
+        if len(rounds.read(out).rounds) < 2:
+            return finish(planned, blocks, *others)
+        finish(planned, blocks[: len(blocks) // 2], *others)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(runs, "finish", interrupted)
+    done = gfmd("run", path, "-o", out, "--workers=0", "--until=kappa=2%")
+    assert done.exit_code == 130, done.output
+    said = unfolded(done.stdout)
+    assert "kappa to 2.00%: not reached: the run was interrupted" in said
+    assert "limit continuum" in said
+    assert "interrupted; finished work is kept, the same command resumes" in unfolded(done.stderr)
     results = gfmd_numba.open_campaign(out)
     assert not (results["status"] == Ending.unfinished).any()
     assert (results["realisations"].values > FEWEST).any()

@@ -3,9 +3,12 @@
 import doctest
 import inspect
 
+import pytest
+
 import gfmd_numba
 
 
+@pytest.mark.long
 def test_every_public_function_has_an_example_that_gives_what_it_prints(undrawn, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     functions = [getattr(gfmd_numba, name) for name in gfmd_numba.__all__]

@@ -12,7 +12,7 @@ import yaml
 from gfmd_numba.scene import InputError
 from support import mutants
 
-MANY, FEW = 25, 30  # of each kind
+MANY, FEW = 12, 30  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 
@@ -27,6 +27,7 @@ def tried(folder, kind, seed):
     return None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kind", mutants.TEXTS)
 @pytest.mark.filterwarnings("ignore:steps_used_up:UserWarning")
 def test_what_the_mutants_were_made_from_is_good(tmp_path, kind):

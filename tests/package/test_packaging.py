@@ -50,6 +50,7 @@ def _recipe():
     return yaml.safe_load("\n".join(lines).replace("{{ version }}", "0").replace("{{ PYTHON }}", "python"))
 
 
+@pytest.mark.long
 def test_a_plain_installation_brings_what_is_imported_and_no_more():
     distributions = packages_distributions()
     imported = {

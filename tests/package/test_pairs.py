@@ -150,11 +150,16 @@ def pairs_of(choice):
 def covering(choices):
     """A few of the choices that hold every pair that any of them holds."""
     held = {choice: set(pairs_of(choice)) for choice in choices}
-    left = set().union(*held.values())
-    while left:
-        best = max(choices, key=lambda choice: len(held[choice] & left))
-        left -= held[best]
-        yield best
+    holding = defaultdict(list)
+    for choice, pairs in held.items():
+        for pair in pairs:
+            holding[pair].append(choice)
+    left = set(holding)
+    for pair in sorted(holding, key=lambda pair: len(holding[pair])):  # what few hold first
+        if pair in left:
+            best = max(holding[pair][:300], key=lambda choice: len(held[choice] & left))
+            left -= held[best]
+            yield best
 
 
 @pytest.mark.filterwarnings("ignore:.*of the energy that the path seems to lose")

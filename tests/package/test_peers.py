@@ -30,6 +30,7 @@ def test_the_page_is_written_where_no_peer_is_installed(no_peers, tmp_path, caps
     assert "{" not in page
 
 
+@pytest.mark.long
 def test_the_table_of_the_page_is_at_most_80_columns_wide(monkeypatch, tmp_path):
     monkeypatch.setattr(peers, "PEERS", dict.fromkeys(("Tamaas", "ContactMechanics", "ASPHER"), lambda: peers.here))
     monkeypatch.setattr(peers.peers_page, "versions", ", ".join)

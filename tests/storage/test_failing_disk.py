@@ -60,8 +60,14 @@ def test_a_write_that_fails_at_any_call_leaves_the_old_file_or_the_new_one(tmp_p
         assert file.read_bytes() == new
 
 
-@pytest.mark.parametrize("every", [pytest.param(1, marks=pytest.mark.long), 13])
-@pytest.mark.parametrize(("start", "full"), [("nothing", False), ("half", True)])
+@pytest.mark.parametrize(
+    ("start", "full", "every"),
+    [
+        pytest.param("nothing", False, 2, marks=pytest.mark.long),
+        pytest.param("half", True, 2, marks=pytest.mark.long),
+        ("half", True, 13),
+    ],
+)
 def test_a_run_on_a_disk_that_fails_at_any_call_resumes(begun, tmp_path, start, full, every):
     path, half, digest = begun
     at, refused, said = 0, "yes", set()

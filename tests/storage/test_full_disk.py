@@ -73,7 +73,7 @@ def contents(folder):
 
 @pytest.mark.parametrize(
     "command",
-    [pytest.param(name, marks=() if name in ("solve", "collect", "init") else pytest.mark.long) for name in COMMANDS],
+    [pytest.param(name, marks=() if name in ("solve", "init") else pytest.mark.long) for name in COMMANDS],
 )
 def test_a_full_disk_is_one_message_and_harms_no_file(folder, monkeypatch, command):
     monkeypatch.chdir(folder)

@@ -55,6 +55,7 @@ def files(folder):
     return [path for path in folder.rglob("*") if path.is_file()]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("damage", ["altered", "cut", "emptied", "zeroed"])
 def test_a_damaged_kernel_is_not_found(compiled, tmp_path, monkeypatch, damage):
     (code,) = files(copied(compiled, tmp_path / "own" / "cache"))
@@ -71,6 +72,7 @@ def test_a_damaged_kernel_is_not_found(compiled, tmp_path, monkeypatch, damage):
     assert kernel_cache.load(code.name) is None
 
 
+@pytest.mark.long
 def test_a_damaged_kernel_is_compiled_again(compiled, tmp_path):
     cache = copied(compiled, tmp_path / "own" / "cache")
     (code,) = files(cache)
@@ -81,6 +83,7 @@ def test_a_damaged_kernel_is_compiled_again(compiled, tmp_path):
     assert again.read_bytes() == kernel_cache._seal(again.name, code) + code
 
 
+@pytest.mark.long
 def test_kernels_are_compiled_once(compiled):
     assert compile_in(compiled) == (1, "")
 
@@ -177,6 +180,7 @@ def test_a_link_to_a_cache_is_followed_once(tmp_path):
     assert done.stdout.strip() == str(own.resolve())
 
 
+@pytest.mark.long
 def test_no_cache_is_no_failure(tmp_path):
     """A file where the folder should be: not even root can write there."""
     (tmp_path / "file").touch()

@@ -1,6 +1,7 @@
 """Datasets written without a cluster are those that xarray writes."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
 import gfmd_numba
@@ -60,7 +61,7 @@ import xarray as xr
 from gfmd_numba.storage.atomic_file import write_dataset
 from gfmd_numba.storage.netcdf_file import content_of, read_dataset
 
-numbers = xr.Dataset({f"v{i}": ("x", [1.0] * 100, {"units": "1"}) for i in range(40)})
+numbers = xr.Dataset({f"v{i}": ("x", [1.0] * 100, {"units": "1"}) for i in range(10)})
 write_dataset(Path(sys.argv[1]), numbers)
 failed = []
 
@@ -79,6 +80,7 @@ assert not failed, failed
 """
 
 
+@pytest.mark.long
 def test_threads_write_and_read_at_once(tmp_path):
     """The HDF5 library ends the process in a segmentation fault where two threads are in it."""
     python(_THREADS, tmp_path / "numbers.nc")

@@ -12,12 +12,6 @@ MUTANTS = [
     ),
     (
         "laws.py",
-        "hursts[0] <= STEEPEST",
-        "hursts[0] < STEEPEST",
-        "test_laws.py::test_the_law_from_theory_is_one_for_kappa_where_no_exponent_is_imposed",
-    ),
-    (
-        "laws.py",
         "np.exp(alpha[:, :1] * np.log(eps))",
         "np.exp(alpha[:, :1] * eps)",
         "test_laws.py::test_a_power_is_that_of_thesis_4_3",
@@ -29,12 +23,6 @@ MUTANTS = [
         "test_exponent_ranges.py::test_a_range_as_wide_as_what_is_searched_is_a_range",
     ),
     # the quadrature
-    (
-        "exponent_posterior.py",
-        "_UNLIKELY = 25.0",
-        "_UNLIKELY = 2.0",
-        "test_posterior.py::test_groups_that_share_exponents_weigh_them_together",
-    ),
     (
         "exponent_posterior.py",
         "log_volume - chi2 / 2.0",
@@ -49,18 +37,6 @@ MUTANTS = [
     ),
     (
         "exponent_posterior.py",
-        "_SCATTER = 0.5",
-        "_SCATTER = 1.0",
-        "test_posterior.py::test_at_exact_exponents_a_fit_is_generalised_least_squares",
-    ),
-    (
-        "exponent_posterior.py",
-        "wanes = {waning, by} <=",
-        "wanes = {waning} <=",
-        "test_posterior.py::test_results_without_scatter_have_the_limit_that_was_planted_whatever_their_weights",
-    ),
-    (
-        "exponent_posterior.py",
         "* each + means.of_pairs(limit, each, coefficients)",
         "* each",
         "test_posterior.py::test_a_curve_passes_through_the_fit_of_each_case",
@@ -71,12 +47,6 @@ MUTANTS = [
         "coefficients[:, 1 + row] * scale**power",
         "coefficients[:, 1 + row] * scale",
         "test_tfc.py::test_a_huge_offset_common_to_all_levels_leaves_the_coefficients_alone",
-    ),
-    (
-        "extrapolation.py",
-        'group.reference[name] ** -fit.exponents[:, row]\n        found["C"]',
-        'group.reference[name] ** fit.exponents[:, row]\n        found["C"]',
-        "test_tfc.py::test_planted_parameters_are_recovered_exactly",
     ),
     (
         "extrapolation.py",
@@ -99,12 +69,6 @@ MUTANTS = [
     ),
     (
         "gauss_markov.py",
-        "weight = n / (n + 2 * n_cases)",
-        "weight = n / (n + n_cases)",
-        "test_hard_fits.py::test_the_covariance_is_shrunk_towards_a_common_offset_with_independent_residuals",
-    ),
-    (
-        "gauss_markov.py",
         "unexplained = 1 - correlation[order[1:], closest] ** 2",
         "unexplained = 1 - correlation[order[1:], closest]",
         "test_ragged_designs.py::test_the_order_of_a_ragged_design_does_not_matter",
@@ -115,18 +79,6 @@ MUTANTS = [
         "np.sqrt(scale * effect)",
         "np.sqrt(effect)",
         "test_error_budget.py::test_the_parts_in_quadrature_are_the_whole_error",
-    ),
-    (
-        "limit_errors.py",
-        "np.sqrt(variance - sampling)",
-        "np.sqrt(variance)",
-        "test_error_budget.py::test_with_a_single_limit_there_is_no_interaction",
-    ),
-    (
-        "limit_errors.py",
-        "if parameter.limit == limit]",
-        "if parameter.limit != limit]",
-        "test_error_budget.py::test_a_limit_that_is_not_varied_has_an_unknown_part",
     ),
     (
         "limit_errors.py",
@@ -142,36 +94,12 @@ MUTANTS = [
     ),
     # whether any law fits
     (
-        "exponent_posterior.py",
-        "means.whitener.T @ left @ left",
-        "means.whitener.T @ left",
-        "test_goodness_of_fit.py::test_interactions_far_larger_than_expected_are_no_misfit_where_cross_levels_tell_them",
-    ),
-    (
         "gauss_markov.py",
         "form = weights @ scatter",
         "form = weights @ weights",
         "test_goodness_of_fit.py::test_chi2_is_judged_by_the_scatter_of_the_means",
     ),
-    (
-        "gauss_markov.py",
-        "min(ratios, default",
-        "max(ratios, default",
-        "test_goodness_of_fit.py::test_one_right_law_among_wrong_ones_is_enough",
-    ),
     # designs
-    (
-        "allocation.py",
-        "FEWEST = 20",
-        "FEWEST = 2",
-        "test_cross_designs.py::test_a_cross_level_is_one_whatever_eps_the_grid_varies",
-    ),
-    (
-        "allocation.py",
-        "len(left) > 2)",
-        "len(left) > 0)",
-        "test_cross_designs.py::test_a_limit_keeps_its_own_levels_next_to_cross_ones",
-    ),
     (
         "allocation.py",
         "known = np.diag(ensemble.known[: columns.shape[1]])",
@@ -196,23 +124,5 @@ MUTANTS = [
         "(present | ~asked).all(axis=1) & present.any(axis=1)",
         "present.any(axis=1)",
         "test_failed_cases.py::test_a_group_without_a_complete_realisation_is_refused",
-    ),
-    (
-        "selection.py",
-        "axis=0).argmin()]",
-        "axis=0).argmax()]",
-        "test_tfc.py::test_of_several_references_the_finest_counts",
-    ),
-    (
-        "selection.py",
-        "return eps_c >= 1 - 1e-9",
-        "return eps_c > 1 + 1e-9",
-        "test_tfc.py::test_a_reference_at_nyquist_is_fitted_and_said",
-    ),
-    (
-        "selection.py",
-        "dropped = some.sum() - complete.sum()",
-        "dropped = complete.sum()",
-        "test_failed_cases.py::test_only_complete_realisations_are_fitted",
     ),
 ]

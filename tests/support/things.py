@@ -32,7 +32,7 @@ CAMPAIGN = {
 TINY = {key: CAMPAIGN[key] for key in ("name", "seed", "scene", "reference")} | {"realisations": 2}
 EXPONENTS = {"eps_c": 1.0, "eps_f": [0.5, 1.0]}
 SECONDS = 60.0  # netCDF files that may be damaged are tried by another process, for up to 10 s of processor time
-FEW, MANY = 2, 5
+MANY = 4
 
 
 class Things:

@@ -20,7 +20,7 @@ def march(stiffness, eta, dt, start, tolerance, steps):
     return last + 1
 
 
-@pytest.mark.parametrize("dt", [0.05, 0.5])
+@pytest.mark.parametrize("dt", [pytest.param(0.05, marks=pytest.mark.long), 0.5])
 @pytest.mark.parametrize("ratio", [0.3, 0.99, 1.0, 1.5])
 def test_steps_are_counted_as_marched(dt, ratio):
     rng = np.random.default_rng(3)
@@ -129,7 +129,7 @@ def test_the_fastest_damping_of_a_half_space_is_found_by_marching():
         assert slope(values, times) == pytest.approx(of_time, abs=0.06)
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.49])
+@pytest.mark.parametrize("nu", [0.3, pytest.param(0.49, marks=pytest.mark.long)])
 def test_the_fastest_damping_of_a_slab_is_found_by_marching(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
     k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5

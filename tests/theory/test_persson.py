@@ -88,7 +88,7 @@ KNOWN = {0.3: (1.77, 1.46, 1.11, 1.013, 1.0), 0.8: (1.52, 1.26, 1.085, 1.011, 1.
 
 
 @pytest.mark.parametrize("body", [HALF_SPACE, pytest.param(SLAB, marks=pytest.mark.long)])
-@pytest.mark.parametrize("hurst", [0.3, 0.8])
+@pytest.mark.parametrize("hurst", [pytest.param(0.3, marks=pytest.mark.long), 0.8])
 def test_simulated_area_is_perssons_times_a_known_ratio(hurst, body):
     for load, known in zip((0.007, 0.1, 0.5, 1.0, 3.0), KNOWN[hurst], strict=True):
         _, values = press(hurst, body, load)
@@ -98,7 +98,7 @@ def test_simulated_area_is_perssons_times_a_known_ratio(hurst, body):
         assert ratio.mean() >= 1.0 - 1e-9
 
 
-@pytest.mark.parametrize(("hurst", "body"), [(0.3, HALF_SPACE), (0.8, SLAB)])
+@pytest.mark.parametrize(("hurst", "body"), [pytest.param(0.3, HALF_SPACE, marks=pytest.mark.long), (0.8, SLAB)])
 def test_simulated_pressures_are_distributed_nearly_as_perssons(hurst, body):
     """Half the integral of |difference|: 0.04 to 0.06 at p* = 0.5, and no more than scatter near full contact."""
     levels = np.linspace(0.0, 9.0, 91)

@@ -76,9 +76,11 @@ def git_commit() -> str:
     """Return the commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
     if not any((folder / ".git").exists() for folder in list(Path(__file__).parents)[:3]):
         return ""
-    command = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty=-modified", "--abbrev=40"]
+    # without its lock, which a full disk would leave behind
+    git = ["git", "--no-optional-locks", "-C", str(Path(__file__).parent)]
+    describe = [*git, "describe", "--always", "--dirty=-modified", "--abbrev=40"]
     try:
-        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+        return subprocess.run(describe, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
     except (OSError, subprocess.SubprocessError):
         return ""
 

@@ -76,11 +76,15 @@ def git_commit() -> str:
     """Return the commit of the sources if they lie in a git repository, with `-modified` if they differ; else empty."""
     if not any((folder / ".git").exists() for folder in list(Path(__file__).parents)[:3]):
         return ""
-    # without its lock, which a full disk would leave behind
-    git = ["git", "--no-optional-locks", "-C", str(Path(__file__).parent)]
-    describe = [*git, "describe", "--always", "--dirty=-modified", "--abbrev=40"]
+
+    def git(*words: str) -> str:
+        # `describe --dirty` would write the index, and with a full disk leave its lock behind
+        command = ["git", "--no-optional-locks", "-C", str(Path(__file__).parent), *words]
+        return subprocess.run(command, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+
     try:
-        return subprocess.run(describe, capture_output=True, text=True, check=True, timeout=10).stdout.strip()
+        differs = git("status", "--porcelain", "--untracked-files=no")
+        return git("describe", "--always", "--abbrev=40") + ("-modified" if differs else "")
     except (OSError, subprocess.SubprocessError):
         return ""
 

@@ -13,6 +13,7 @@ from gfmd_numba.arrays import Reals
 PAIRS = tuple(combinations(LIMITS, 2))
 SOURCES = (*LIMITS, "interaction", "sampling", "extrapolation", "rivals", "residual")  # of the error of a TFC limit
 STEPS = 48  # of the curve through the levels of a limit
+UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
 
 
 # what a fit finds of one group, by the names of `_VARIABLES`; what is not there is unknown

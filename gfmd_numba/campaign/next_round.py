@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.analysis import UnusableDataError
 from gfmd_numba.analysis.allocation import Pilot, Prediction
-from gfmd_numba.analysis.fit_dataset import in_the_limit
+from gfmd_numba.analysis.fit_dataset import UNKNOWN, in_the_limit
 from gfmd_numba.analysis.limit_errors import expected_doubts
 from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, groups
 from gfmd_numba.arrays import Reals
@@ -250,7 +250,6 @@ _SHARE_OF_DOUBTS = 0.7  # of the target, beyond which laws leave so much open th
 _SHARE_OF_PRICE = 0.5  # of more surfaces, below which finer levels come first
 _MISFIT = 1.5  # factor on the errors of the means, beyond which their laws may not be those of the levels
 _FUTILE = 2  # rounds with finer levels, after which a law should describe the means
-UNKNOWN = 0.5  # relative error, beyond which a limit is 0 within two standard errors
 _CLOSER = 0.8  # times the relative error of _SOME rounds before: such a limit comes out of the errors
 _GROWING = 1.5  # stretches of contact in a period, that finer eps_t make enough
 _SOME = 2  # rounds after the pilot that do not tell a limit from 0, after which others hardly would

@@ -321,8 +321,7 @@ def of_goal(dataset: xr.Dataset, fitted: xr.Dataset) -> Told:
 
 
 def _of_rounds(dataset: xr.Dataset, fitted: xr.Dataset, targets: dict[str, float]) -> Told:
-    from gfmd_numba.analysis.fit_dataset import in_the_limit
-    from gfmd_numba.campaign.next_round import UNKNOWN
+    from gfmd_numba.analysis.fit_dataset import UNKNOWN, in_the_limit
 
     known = {name: dataset.sel(target=name) if "target" in dataset.dims else dataset for name in targets}
     for number in dataset["round"].values.tolist():

@@ -12,7 +12,7 @@ from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.analysis.forms import CONTACT, check_fields, goes_around
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.arrays.regions import closed, regions
+from gfmd_numba.arrays.regions import on_wall, regions
 from gfmd_numba.text.recorded_scene import asked, has_form
 from gfmd_numba.theory import persson
 
@@ -38,7 +38,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     """
     creeps = "relaxed_pressure" in dataset
     nodes = check_fields(dataset, (*_NEEDED, *["relaxed_pressure"] * creeps))
-    touching = closed(dataset["gap"])
+    touching = on_wall(dataset["gap"])
     rms_height = dataset["height"].std(nodes)
     full_contact = dataset["full_contact_pressure"]
     if creeps:  # of the modulus with which the body has crept so far

@@ -1,4 +1,4 @@
-"""Nodes that touch, and regions of flagged nodes of a map."""
+"""Nodes that touch or have no gap, and regions of flagged nodes of a map."""
 
 from typing import Any
 
@@ -9,12 +9,17 @@ import scipy  # its modules load with their first use
 from gfmd_numba.arrays import Flags
 
 
-def closed(gap: Any) -> Any:
-    """Nodes of a solved contact that touch, by its gap in an array of any kind.
+def on_wall(gap: Any) -> Any:
+    """Nodes on which the hard wall presses, by the gap of a solved contact in an array of any kind.
 
-    Solvers call nodes `touching` where the hard wall presses, and put the displacement there, and nowhere else, on the
-    wall. The pressure of a dataset does not tell these nodes, as it is that of laws too.
+    Solvers put the displacement there, and nowhere else, on the wall. The pressure of a dataset does not tell these
+    nodes, as it is that of laws too.
     """
+    return gap == 0.0
+
+
+def closed(gap: Any) -> Any:
+    """Nodes without a gap: those on the hard wall, and those where surfaces without a hard wall overlap."""
     return gap <= 0.0
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from gfmd_numba.arrays import Flags, Indices, Reals
-from gfmd_numba.arrays.regions import regions
+from gfmd_numba.arrays.regions import closed, regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
 from gfmd_numba.contact.state import Contact
@@ -324,7 +324,7 @@ def approach(contact: Contact) -> Reals:
 
 def edge_contact(contact: Contact) -> Reals:
     """Touching nodes at the ends of a window over all nodes there `[realisation]`."""
-    touches = touching(contact)
+    touches = closed(gap(contact))
     outermost = np.zeros(touches.shape, dtype=np.bool_)
     for axis, ends in enumerate(contact.ends, 1):
         np.moveaxis(outermost, axis, 0)[[0, -1]] |= ends
@@ -341,7 +341,7 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
     along = tuple(range(1, contact.heights.ndim))
     m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
     way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
-    touches = touching(contact)
+    touches = closed(gap(contact))
     counts = touches | ~touches.any(axis=along, keepdims=True)
     distance = statistics.distance_of_peaks(m0, m2, nayak(contact))
     return np.asarray(np.max(way, axis=along, where=counts, initial=0.0) / distance)

@@ -51,7 +51,7 @@ class Equilibrium:
     """Displacement and pressure `[realisation, (y,) x]` (L_x, E*), and per realisation how they were reached.
 
     The pressure is what the interface transmits, of the hard wall and of the law. Nodes are `touching` where the wall
-    presses; afterwards their gap tells (`arrays.regions.closed`).
+    presses; afterwards their gap tells (`arrays.regions.on_wall`).
 
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 

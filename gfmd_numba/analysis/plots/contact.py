@@ -19,7 +19,7 @@ from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
 from gfmd_numba.analysis.plots.style import COLOURS, Width
 from gfmd_numba.arrays import Flags
-from gfmd_numba.arrays.regions import closed
+from gfmd_numba.arrays.regions import on_wall
 
 _BEYOND = 2e-3
 _DENSITY_DIMS = ("pressure", "gap", "length", "area")
@@ -189,7 +189,7 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
         statistics = contact_statistics(dataset)
     except UnusableDataError:  # a run that is not ok, or a part of a map
         statistics = None
-    touching = closed(dataset["gap"].values)
+    touching = on_wall(dataset["gap"].values)
     drags = "tangential_traction_y" in dataset
     added = 0 if statistics is None else _panels(statistics)
     count = 3 * (1 + drags) + added
@@ -235,7 +235,7 @@ _SLIP = ListedColormap(mpl.colormaps["viridis"](np.linspace(0.8, 0.0, 256)))  # 
 
 def draw_friction(axes: list[Axes], dataset: xr.Dataset) -> None:
     """Draw stick and slip, the size and the direction of the tangential traction, and the way slid in the last step."""
-    touching, slip = closed(dataset["gap"].values), dataset["slip"].values
+    touching, slip = on_wall(dataset["gap"].values), dataset["slip"].values
     states = np.where(touching, np.where(slip > 0.0, 1.0, 2.0), 0.0)
     colours = ListedColormap(["white", COLOURS[5], COLOURS[0]])
     bar = draw_image(axes[0], dataset, states, "Nodes", cmap=colours, norm=BoundaryNorm([-0.5, 0.5, 1.5, 2.5], 3))

@@ -13,7 +13,7 @@ import time
 from pathlib import Path
 
 import gfmd_numba
-from gfmd_numba.campaign.cluster import OF_WORKERS
+from gfmd_numba.campaign.workers import OF_WORKERS
 
 REPEATS = 2
 CAMPAIGN = """

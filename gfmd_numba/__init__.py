@@ -269,8 +269,8 @@ def run(
     >>> round(results["kappa"].where(results["is_reference"]).mean().item(), 2)
     2.6
     """
-    from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import run as run_campaign
+    from gfmd_numba.campaign.workers import workers_of
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:
@@ -316,8 +316,8 @@ def rounds(
     ...     print(results.sizes["round"], results.attrs["ended"])
     1 reached
     """
-    from gfmd_numba.campaign.execution import workers_of
     from gfmd_numba.campaign.run import each_round
+    from gfmd_numba.campaign.workers import workers_of
 
     goal = _goal(campaign, output, until, budget)
     if goal is None:

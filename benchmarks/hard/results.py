@@ -8,9 +8,9 @@ from collections import Counter
 import numpy as np
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
+from gfmd_numba.campaign.workers import Workers
 from hard.rows import refused, row
 
 CAMPAIGN = """

@@ -1,15 +1,11 @@
-"""The dask workers of a run: local processes that speak TLS, an existing cluster, which is checked first, or jobs.
+"""The dask workers of a cluster: that of a scheduler, which is checked first, or jobs of a queueing system.
 
-The cluster file says which jobs of a queueing system do the work.
+The cluster file says which jobs do the work.
 """
 
-import os
-import signal
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from ipaddress import ip_address
-from multiprocessing import resource_tracker
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
@@ -27,21 +23,6 @@ NO_JOBQUEUE = (
 )
 _MOST_CORES, _MOST_JOBS = 4096, 100_000
 _OF_A_LINE = r"[^\x00-\x08\x0A-\x1F\x7F\x{85}\x{2028}\x{2029}]"  # nothing that ends a line, or that no script can hold
-_LONGEST_START = "1h"  # of a worker in place of another that died, on a machine with much else to do
-OF_WORKERS = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1") | {
-    # bytes of freed memory that the C library keeps: dask's 64 KiB would make nearly every array of new pages
-    "MALLOC_TRIM_THRESHOLD_": str(2**30),
-    "MALLOC_MMAP_THRESHOLD_": str(2**25),  # the most that glibc allows
-}
-OF_A_RUN = {
-    "distributed.scheduler.allowed-failures": 0,  # who died with its worker is told at once
-    # a worker that says nothing is replaced; kernels and transforms let it speak, so that only a frozen one is silent
-    "distributed.scheduler.worker-ttl": os.environ.get("DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL", "2 minutes"),
-    # the web servers of scheduler and workers cannot be switched off, but they need not say anything
-    "distributed.scheduler.http.routes": [],
-    "distributed.worker.http.routes": [],
-    "distributed.worker.profile.enabled": False,  # of which nobody sees anything, a hundred times a second
-}
 
 
 def _text(pattern: str, most: int, allowed: str) -> Any:
@@ -116,37 +97,6 @@ def load_cluster(source: Source) -> Cluster:
 
 
 @contextmanager
-def local(count: int) -> Iterator[Any]:
-    """Yield a client of `count` local workers of one thread each.
-
-    Scheduler and workers listen on loopback, where every user of the machine can connect. They accept only a process
-    that has the TLS key of this run, and the key never leaves the memory of these processes.
-    """
-    import dask
-    from distributed import Client, LocalCluster
-    from distributed.security import Security
-
-    os.environ.update(OF_WORKERS)  # inherited: two workers never compete for a core
-    with (
-        # one that takes longer to start again would be given up for good: by default after 15 s
-        dask.config.set(OF_A_RUN | {"distributed.deploy.lost-worker-timeout": _LONGEST_START}),
-        _interrupts(False),  # inherited, too: Ctrl-C reaches every process, but only this one acts on it
-        LocalCluster(
-            n_workers=count,
-            threads_per_worker=1,
-            host="127.0.0.1",
-            security=Security.temporary(),
-            scheduler_kwargs={"dashboard": False},
-            dashboard_address="127.0.0.1:0",  # any free port: None means 8787, which another run may hold
-            silence_logs="CRITICAL",
-        ) as cluster,
-        Client(cluster) as client,
-        _interrupts(True),
-    ):
-        yield client
-
-
-@contextmanager
 def connected(address: str | None, client: Any, insecure: bool) -> Iterator[Any]:
     """Yield a client of the scheduler at an address, or without an address the given client; raises InputError."""
     if address is None:
@@ -188,18 +138,3 @@ def check_workers(client: Any, option: str) -> None:
     for worker, installed in theirs.items():
         if wrong := difference(installed, ours):
             raise InputError(f"{option}: you gave {worker} with {wrong}")
-
-
-@contextmanager
-def _interrupts(allowed: bool) -> Iterator[None]:
-    """Let Ctrl-C interrupt this thread, or make it wait; threads and processes begun inside inherit that."""
-    if sys.platform == "win32":
-        yield
-        return
-    resource_tracker.ensure_running()  # multiprocessing starts it on demand, and would let Ctrl-C through after that
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
-    try:
-        signal.pthread_sigmask(signal.SIG_UNBLOCK if allowed else signal.SIG_BLOCK, {signal.SIGINT})
-        yield
-    finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)

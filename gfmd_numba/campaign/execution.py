@@ -5,7 +5,6 @@ A task is done by one process: its blocks are solved one after another, and stor
 
 import faulthandler
 import signal
-import sys
 import threading
 import time
 from collections.abc import Generator, Iterable, Iterator, Mapping
@@ -14,21 +13,20 @@ from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import islice
 from math import inf
-from numbers import Integral
 from pathlib import Path
 from tempfile import gettempdir
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import Any
 from uuid import uuid4
 
 import numpy as np
 
 from gfmd_numba.arrays.threads import shared_by
-from gfmd_numba.campaign import cluster, shards
+from gfmd_numba.campaign import shards
 from gfmd_numba.campaign.cases import Block
-from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.provenance import difference, versions
+from gfmd_numba.campaign.workers import Workers, started
 from gfmd_numba.contact import load_path
 from gfmd_numba.contact.load_path import measured
 from gfmd_numba.contact.problem import Problem
@@ -37,7 +35,6 @@ from gfmd_numba.roughness.self_affine import SelfAffineWaves
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from gfmd_numba.storage.atomic_file import make_folder
-from gfmd_numba.text.input_error import brief
 
 _AGAIN = 1.0  # s after which the alarm repeats: Python swallows an exception that is raised as it collects garbage
 SECONDS = "seconds"  # what each realisation of a block took, stored with its measures
@@ -174,87 +171,7 @@ def expired(trace: Path) -> bool:
         trace.unlink(missing_ok=True)
 
 
-if TYPE_CHECKING:
-    from gfmd_numba.campaign.job_queue import QueueTold
-
 Ended = Generator[tuple[int, Failures]]  # numbers of blocks that ended, with those that failed
-
-
-@dataclass(frozen=True)
-class Workers:
-    """Who does the work: `count` local dask workers (0: this process), or a dask cluster.
-
-    The cluster is that of a scheduler at `address`, of a dask `client`, or of the jobs that a `cluster` file describes.
-    A scheduler on another machine must use TLS, unless `insecure` allows it not to. `queue_told` is called with the
-    state of the jobs in the queue.
-    """
-
-    count: int = 2
-    address: str | None = None
-    insecure: bool = False
-    client: Any = None
-    cluster: Cluster | None = None
-    queue_told: "QueueTold | None" = None
-
-    @property
-    def in_this_process(self) -> bool:
-        """Whether this process does all the work."""
-        return self.count == 0 and not self.elsewhere
-
-    @property
-    def elsewhere(self) -> bool:
-        """Whether the work is done by a dask cluster that this run did not start on this machine."""
-        return not (self.address is None and self.client is None and self.cluster is None)
-
-    @property
-    def most(self) -> int:
-        """Number of workers to divide the work for."""
-        return self.count if self.cluster is None else self.cluster.most_workers
-
-
-def workers_of(given: object) -> Workers:
-    """Return the workers meant by a number, a dask client, or a cluster file or its content; raises InputError."""
-    if isinstance(given, Integral) and not isinstance(given, bool) and int(given) >= 0:
-        return Workers(int(given))
-    distributed = sys.modules.get("distributed")  # without it nobody has a client
-    if distributed is not None and isinstance(given, distributed.Client):
-        return Workers(client=given)
-    if isinstance(given, str | Path | Mapping) and not str(given).isdecimal():
-        return Workers(cluster=cluster.load_cluster(given))
-    raise InputError.of(
-        "workers", brief(given), "a number of processes from 0, a dask.distributed.Client, or a cluster file"
-    )
-
-
-def check(workers: Workers, directory: Path) -> None:
-    """Raise InputError unless workers can do their work for an output directory, which need not exist yet."""
-    if workers.cluster is not None:
-        try:
-            from gfmd_numba.campaign.job_queue import check_queue
-        except ImportError:
-            raise InputError(f"--cluster: {cluster.NO_JOBQUEUE}") from None
-        check_queue(workers.cluster, directory)
-    elif workers.elsewhere:
-        with cluster.connected(workers.address, workers.client, workers.insecure) as client:
-            cluster.check_workers(client, "workers" if workers.address is None else "--scheduler")
-
-
-@contextmanager
-def started(workers: Workers, directory: Path) -> Iterator[Workers]:
-    """Yield the workers with a client for as long as they are needed: start them, or connect to a cluster."""
-    if workers.client is not None or workers.in_this_process:
-        yield workers
-        return
-    if workers.cluster is not None:
-        from gfmd_numba.campaign.job_queue import jobs
-
-        begun = jobs(workers.cluster, directory.resolve(), workers.queue_told)
-    elif workers.address is not None:
-        begun = cluster.connected(workers.address, None, workers.insecure)
-    else:
-        begun = cluster.local(workers.count)
-    with begun as client:
-        yield replace(workers, client=client)
 
 
 def execute(tasks: list[Task], directory: Path, workers: Workers, timeout: float | None) -> Ended:

@@ -25,7 +25,8 @@ from distributed.deploy.adaptive import Adaptive
 from distributed.diagnostics.plugin import SchedulerPlugin
 from distributed.security import Security
 
-from gfmd_numba.campaign.cluster import OF_A_RUN, OF_WORKERS, Cluster
+from gfmd_numba.campaign.cluster import Cluster
+from gfmd_numba.campaign.workers import OF_A_RUN, OF_WORKERS
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from gfmd_numba.text.input_error import brief

@@ -17,7 +17,7 @@ from gfmd_numba.campaign import failures, rounds, shards
 from gfmd_numba.campaign.cases import Block, groups
 from gfmd_numba.campaign.collection import NOTES, collect, described, note, results_path
 from gfmd_numba.campaign.coordinates import meeting
-from gfmd_numba.campaign.execution import Failures, Workers, check, compile_kernels, execute, started, unfinished
+from gfmd_numba.campaign.execution import Failures, compile_kernels, execute, unfinished
 from gfmd_numba.campaign.file import Campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.next_round import REACHED, Known, after
@@ -26,6 +26,7 @@ from gfmd_numba.campaign.plan import Plan, check_memory, check_memory_of_jobs, p
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.rounds import Round, Rounds, in_round, levels_of, with_realisations
 from gfmd_numba.campaign.status import finished, seconds_per_price
+from gfmd_numba.campaign.workers import Workers, begin_loading, check, started
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import Source
 from gfmd_numba.storage import mark
@@ -71,6 +72,7 @@ def run(
     Returns the file and the blocks that failed. Raises InputError for a bad campaign, for workers that cannot do it, or
     for a directory that holds something else or another run, and StoppedError if the disk or the cluster gives up.
     """
+    begin_loading(workers)
     planned = plan(source)
     cases = meeting(planned.cases, choice.only) if choice.only else planned.cases
     directory = Path(planned.campaign.name if output is None else output)
@@ -226,6 +228,7 @@ def _prepared(
     source: Source | Campaign, goal: Goal, output: str | Path | None, workers: Workers, **others: Any
 ) -> "_Run":
     """Return a run with `others` of its fields; raises InputError for a goal, a budget or workers that cannot be."""
+    begin_loading(workers)
     planned = rounds.pilot_plan(plan(source, goal.targets), goal)
     directory = Path(planned.campaign.name if output is None else output)
     if all(case.limit == "reference" for case in planned.cases):

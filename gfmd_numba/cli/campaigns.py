@@ -23,11 +23,12 @@ from gfmd_numba.text.printable import printable, word
 if TYPE_CHECKING:
     import xarray as xr
 
-    from gfmd_numba.campaign.execution import Failures, Workers
+    from gfmd_numba.campaign.execution import Failures
     from gfmd_numba.campaign.goal import Goal
     from gfmd_numba.campaign.plan import Plan
     from gfmd_numba.campaign.rounds import Round, Rounds
-    from gfmd_numba.campaign.run import Choice, Told, Watch
+    from gfmd_numba.campaign.run import Told, Watch
+    from gfmd_numba.campaign.workers import Workers
 
 
 @main.command()
@@ -62,16 +63,20 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
     says that the limit has the error you want.
     """
     from gfmd_numba.campaign.file import load_campaign, replaced, target_of_run
-    from gfmd_numba.campaign.run import Choice, InterruptedRunError, StoppedError, run_until
-    from gfmd_numba.campaign.run import run as run_campaign
+    from gfmd_numba.campaign.workers import begin_loading
 
     who = _workers(options)
-    choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     until = until or target_of_run(file) or {}
-    _check_options(until, budget, choice)
+    _check_options(until, budget, options)
     goal = goal_in(file, until, budget, "--until") if until else None
     of_goal = None if goal is None else goal.targets
     campaign, _ = load_campaign(file, of_goal)
+    begin_loading(who)  # while this process loads what it needs itself
+
+    from gfmd_numba.campaign.run import Choice, InterruptedRunError, StoppedError, run_until
+    from gfmd_numba.campaign.run import run as run_campaign
+
+    choice = Choice(dict(options["only"]), *(options[name] for name in ("limit", "retry_failed", "fail_fast")))
     if note := replaced(output or Path(campaign.name), campaign, of_goal):
         say("note", printable(note))
     try:
@@ -96,7 +101,7 @@ def run(file: Path, output: Path | None, until: dict[str, Any], budget: str | No
 def _workers(options: dict[str, Any]) -> Workers:
     """Return the workers that the options name; raises a usage error for workers of two kinds."""
     from gfmd_numba.campaign.cluster import load_cluster
-    from gfmd_numba.campaign.execution import Workers
+    from gfmd_numba.campaign.workers import Workers
 
     given = [name for name in ("workers", "scheduler", "cluster") if arguments.is_given(name)]
     if len(given) > 1:
@@ -166,14 +171,14 @@ def _draw(dataset: xr.Dataset, fitted: xr.Dataset, picture: Path) -> bool:
     return True
 
 
-def _check_options(until: object, budget: str | None, choice: Choice) -> None:
+def _check_options(until: object, budget: str | None, options: dict[str, Any]) -> None:
     """Raise a usage error for options that do not go together."""
     if not until and budget is not None:
         raise click.UsageError(
             "--budget: you gave no --until, whose processor time it bounds, and FILE has no target; give both, or none"
         )
-    if until and (choice.only or choice.limit):
-        name = "--only" if choice.only else "--limit"
+    if until and (options["only"] or options["limit"]):
+        name = "--only" if options["only"] else "--limit"
         allowed = "one of the two, as the error of a limit needs all cases"
         raise click.UsageError(f"{name}: you gave --until, or a target in FILE, as well; gfmd allows {allowed}")
 

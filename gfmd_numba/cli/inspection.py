@@ -275,7 +275,7 @@ def _examine_contact() -> str:
 
 def _examine_workers() -> str:
     from gfmd_numba.campaign import provenance
-    from gfmd_numba.campaign.cluster import local
+    from gfmd_numba.campaign.workers import local
 
     with local(2) as client:
         if client.submit(provenance.versions).result(timeout=60) != provenance.versions():

@@ -53,12 +53,12 @@ def plan(file: Path, workers: int, pilot: float, target: dict[str, str], budget:
     next: the levels, the realisations and the processor time of the next round. What the target takes in all depends
     on the results of later rounds, and is told only where the pilot can tell.
     """
-    from gfmd_numba.campaign.execution import Workers
     from gfmd_numba.campaign.file import target_of_run
     from gfmd_numba.campaign.plan import plan as plan_campaign
     from gfmd_numba.campaign.plan import refused_limits
     from gfmd_numba.campaign.rounds import pilot_plan
     from gfmd_numba.campaign.run import first_decision
+    from gfmd_numba.campaign.workers import Workers
 
     _check_options(target, budget)
     goal = goal_in(file, target, budget, "--target") if target else None

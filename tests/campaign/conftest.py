@@ -3,8 +3,8 @@
 import pytest
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import Workers
 from support.campaigns import campaign
 
 

@@ -8,11 +8,11 @@ from pydantic import TypeAdapter
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.axes import OF_THE_SCENE, with_values
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice, run
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError, Scene
 from support.campaigns import numbers
 from support.command_line import gfmd

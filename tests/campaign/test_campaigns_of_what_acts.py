@@ -5,9 +5,9 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign.axes import present
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice, run
+from gfmd_numba.campaign.workers import Workers
 from support.campaigns import numbers
 from support.realisations import assert_as_solved
 

@@ -9,7 +9,6 @@ import yaml
 import gfmd_numba
 from gfmd_numba.campaign import next_round
 from gfmd_numba.campaign import run as runs
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import STEP, finer_levels, first_levels, first_realisations, limit_of, limits_around
@@ -17,6 +16,7 @@ from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.rounds import pilot_plan
 from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, verify
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 
 SCENE = {

@@ -6,10 +6,10 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
 from support.campaigns import campaign

@@ -7,10 +7,10 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign import execution, next_round, rounds
 from gfmd_numba.campaign import run as runs
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Ending, Failure
 from gfmd_numba.campaign.goal import Goal, goal_of
 from gfmd_numba.campaign.run import Choice, InterruptedRunError, run_until
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from support.campaigns import TINY, campaign
 from support.command_line import gfmd

@@ -16,9 +16,10 @@ from distributed import LocalCluster
 
 from gfmd_numba.campaign.cases import Block
 from gfmd_numba.campaign.cluster import connected
-from gfmd_numba.campaign.execution import Workers, check, execute
+from gfmd_numba.campaign.execution import execute
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.workers import Workers, check
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign
 from support.command_line import gfmd, unfolded

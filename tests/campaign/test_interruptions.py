@@ -14,12 +14,12 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.campaign import execution
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Ending, Failure
 from gfmd_numba.campaign.output_directory import claimed
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.shards import Finished
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage.atomic_file import temporary
 from support.campaigns import TINY, campaign, numbers

@@ -10,9 +10,9 @@ import xarray as xr
 import yaml
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import check, workers_of
 from gfmd_numba.campaign.run import StoppedError
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import check, workers_of
 from gfmd_numba.cli.terminal import show_queue
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers

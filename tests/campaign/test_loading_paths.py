@@ -9,12 +9,13 @@ import yaml
 import gfmd_numba
 import gfmd_numba.analysis
 from gfmd_numba.analysis.plots.path import plot_path
-from gfmd_numba.campaign.execution import Workers, perform
+from gfmd_numba.campaign.execution import perform
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import Choice
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.status import verify
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.contact import load_path
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from support.campaigns import TINY, campaign

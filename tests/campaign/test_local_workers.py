@@ -3,6 +3,7 @@
 import asyncio
 import os
 import platform
+import re
 import resource
 import signal
 import subprocess
@@ -18,8 +19,8 @@ import pytest
 from distributed.comm import connect
 from distributed.security import Security
 
-from gfmd_numba.campaign import cluster
 from gfmd_numba.campaign.plan import plan
+from gfmd_numba.campaign.workers import local
 from support.campaigns import campaign
 
 
@@ -67,7 +68,7 @@ def says_nothing(port):
 
 @pytest.fixture(scope="module")
 def client():
-    with cluster.local(1) as client:
+    with local(1) as client:
         yield client
 
 
@@ -114,7 +115,7 @@ def test_arrays_of_a_worker_are_made_of_kept_pages(client):
 @pytest.mark.filterwarnings("ignore")
 def test_a_worker_that_takes_long_to_start_again_is_waited_for():
     """Dask would close its nanny meanwhile, and a run without workers waits for ever."""
-    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}), cluster.local(1) as client:
+    with dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}), local(1) as client:
         (first,) = client.run(os.getpid).values()
         os.kill(first, signal.SIGKILL)
         deadline = time.monotonic() + 120.0
@@ -127,7 +128,7 @@ def test_a_worker_that_takes_long_to_start_again_is_waited_for():
 
 def is_worker(child):
     try:
-        return not child.children() and "spawn_main" in str(child.cmdline())
+        return not child.children() and re.search("forkserver|spawn_main", str(child.cmdline()))
     except psutil.NoSuchProcess:  # one that has just ended
         return False
 

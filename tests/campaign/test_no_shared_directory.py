@@ -10,9 +10,10 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import TooLongError, Workers, compute, expired_here
+from gfmd_numba.campaign.execution import TooLongError, compute, expired_here
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 

@@ -7,9 +7,9 @@ import time
 
 import pytest
 
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.status import progress
+from gfmd_numba.campaign.workers import Workers
 from support.campaigns import TINY, campaign
 
 

@@ -8,9 +8,9 @@ import xarray as xr
 from distributed import Client, LocalCluster
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.scene.document import read_document
 from support.campaigns import TINY, campaign, numbers

@@ -9,10 +9,10 @@ import gfmd_numba
 from gfmd_numba.analysis import fit_tfc, plot_rounds
 from gfmd_numba.campaign import rounds
 from gfmd_numba.campaign import run as runs
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import fitted_variable, load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.run import run_until
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.theory.exponent_ranges import exponent_ranges
 from support.campaigns import campaign

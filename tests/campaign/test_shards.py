@@ -10,11 +10,12 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign import execution
-from gfmd_numba.campaign.execution import Workers, perform
+from gfmd_numba.campaign.execution import perform
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.run import run
 from gfmd_numba.campaign.shards import Finished, path_of, store
 from gfmd_numba.campaign.status import verify
+from gfmd_numba.campaign.workers import Workers
 from support.campaigns import campaign
 
 ARRAYS = {"kappa": np.array([1.0, np.nan]), "status": np.array([0, 1], dtype=np.int8)}

@@ -8,13 +8,13 @@ import xarray as xr
 
 import gfmd_numba
 from gfmd_numba.analysis import fit_tfc
-from gfmd_numba.campaign import execution, rounds
+from gfmd_numba.campaign import rounds, workers
 from gfmd_numba.campaign import run as runs
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.limits import FEWEST
 from gfmd_numba.campaign.run import run_until
 from gfmd_numba.campaign.status import campaign_in, progress, verify
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import atomic_file
 from support.campaigns import campaign, numbers
@@ -218,8 +218,8 @@ def test_every_group_has_numbers_of_its_own(tmp_path):
 @pytest.mark.long
 def test_local_workers_start_once(reached, tmp_path, monkeypatch):
     started = []
-    local = execution.cluster.local
-    monkeypatch.setattr(execution.cluster, "local", lambda count: (started.append(count), local(count))[1])
+    local = workers.local
+    monkeypatch.setattr(workers, "local", lambda count: (started.append(count), local(count))[1])
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1))
     assert len(outcome.rounds.rounds) > 1
     assert started == [1]
@@ -229,6 +229,6 @@ def test_local_workers_start_once(reached, tmp_path, monkeypatch):
 
 
 def test_no_worker_starts_before_the_memory_is_looked_at(tmp_path, monkeypatch):
-    monkeypatch.setattr(execution.cluster, "local", lambda count: pytest.fail("started"))
+    monkeypatch.setattr(workers, "local", lambda count: pytest.fail("started"))
     with pytest.raises(InputError, match=r"--workers: you gave 1000000, .* gfmd allows at most \d+"):
         run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", Workers(1_000_000))

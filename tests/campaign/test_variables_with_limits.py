@@ -6,10 +6,10 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign import goal
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.run import run_until
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.contact.observables import LIMITED, OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.scene import InputError
 from gfmd_numba.theory.exponent_ranges import exponent_ranges

@@ -8,8 +8,8 @@ import xarray as xr
 from distributed import LocalCluster
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError
 from support.campaigns import campaign, numbers
 

@@ -2,8 +2,8 @@
 
 import pytest
 
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.run import run as run_campaign
+from gfmd_numba.campaign.workers import Workers
 from support.campaigns import campaign
 
 

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.run import run
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.contact import boundary_values, solution
 from gfmd_numba.contact.evaluation import finite_status
 from gfmd_numba.scene import InputError, load_scene

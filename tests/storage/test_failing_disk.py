@@ -7,11 +7,11 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.campaign import collection, failures
-from gfmd_numba.campaign.execution import Workers
 from gfmd_numba.campaign.failures import Failure
 from gfmd_numba.campaign.run import Choice, StoppedError, run
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.status import verify
+from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.storage.atomic_file import replace
 from gfmd_numba.storage.mark import begins_with
 from support.campaigns import TINY, campaign

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from gfmd_numba.campaign import cluster
 from gfmd_numba.campaign.cluster import Cluster
 from gfmd_numba.scene import InputError
+from gfmd_numba.storage import cache
 from gfmd_numba.text.input_error import brief
 
 if TYPE_CHECKING:
@@ -104,6 +105,7 @@ def begin_loading(workers: Workers) -> None:
     if workers.in_this_process or workers.elsewhere:
         return
     os.environ.update(OF_WORKERS)  # inherited: two workers never compete for a core
+    cache.directory()  # inherited, too, if it is a temporary one
     if _COPIED:
         with _interrupts(False):
             forkserver.set_forkserver_preload(["distributed.nanny", "gfmd_numba.campaign.execution"])

@@ -22,6 +22,7 @@ from distributed.security import Security
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.workers import local
 from support.campaigns import campaign
+from support.command_line import python
 
 
 def family(process):
@@ -147,3 +148,23 @@ def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path
     said = process.communicate(timeout=300)[0]
     assert process.returncode == 0, said
     assert len(list(out.glob("shards/*.shard"))) == len(list(plan(path).blocks))
+
+
+@pytest.mark.long
+@pytest.mark.skipif(sys.platform != "linux", reason="no copies of processes")
+def test_workers_are_born_with_the_package(client):
+    assert set(client.run(eval, "'gfmd_numba.campaign.execution' in __import__('sys').modules").values()) == {True}
+
+
+def test_workers_share_a_temporary_cache(tmp_path, monkeypatch):
+    """Where there is no home, it is found before the process begins of which workers are copies."""
+    (tmp_path / "file").touch()
+    script = """import os
+from multiprocessing import forkserver
+from gfmd_numba.campaign.workers import Workers, begin_loading
+forkserver.ensure_running = lambda: print("GFMD_CACHE_DIR" in os.environ)
+begin_loading(Workers(1))"""
+    for name in ("HOME", "XDG_CACHE_HOME"):
+        monkeypatch.setenv(name, str(tmp_path / "file" / "home"))
+    monkeypatch.delenv("GFMD_CACHE_DIR", raising=False)
+    assert python(script) == ("True\n" if sys.platform == "linux" else "")

@@ -265,7 +265,8 @@ def violations(contacts, heights, loads, plasticity):
         flow.body.surface_displacement(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
         added, size = flow.strain - before, plastic_measures.equivalent(stress)
-        bears = plasticity.hardening.at(flow.equivalent)
+        stress, slope, rise, strain = plasticity.hardening
+        bears = stress + slope * flow.equivalent - rise * np.expm1(-flow.equivalent / strain)
         worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
         flows = plastic_measures.equivalent(added) / 1.5
         rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)

@@ -39,10 +39,6 @@ class Conditions(NamedTuple):
         bound[bears] = friction_bound(pressure[bears], self.friction, self.limit, self.rise)
         return bound
 
-    def coulomb_bound(self, pressure: Reals) -> Reals:
-        """What friction would hold without a limit."""
-        return self._replace(limit=np.inf).friction_bound(pressure)
-
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
         """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
         limited = (self.friction - self.rise) * pressure > self.limit

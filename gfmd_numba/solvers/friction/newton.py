@@ -146,7 +146,7 @@ class FrictionalNewton:
         sure, strongest = active[stands], np.zeros(active.size)
         self._products.restore(sure)
         if self._law is not None:
-            self._law.pull(u[:, -1], ku[:, -1], wall, sure, n)
+            ku[sure, -1, :n] -= self._law.traction(wall[sure, :n] - u[sure, -1, :n])
             gap = wall[active, :n] - u[active, -1, :n]
             strongest = np.abs(self._law.traction(gap)).max(axis=1)
         for i in active[~stands]:

@@ -1,6 +1,5 @@
 """Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import ceil, dist, inf, nan, pi, sqrt
@@ -75,11 +74,6 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     steps = ((line, steps_told(np.atleast_1d(affected).tolist(), last)) for affected, line in told if np.any(affected))
     lines = [f"{line} (in {where})" if where else line for line, where in steps]
     return "\n".join([*input_warnings(given), *lines, *filter(None, [_coarse_steps(given, found)])])
-
-
-def wording(line: str) -> str:
-    """Sentence without its numbers and their units."""
-    return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:

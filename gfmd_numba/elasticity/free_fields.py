@@ -20,7 +20,7 @@ from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import Inside, Surface
-from gfmd_numba.elasticity.free_body import displaced_by_layers
+from gfmd_numba.elasticity.free_body import beyond_half_space
 from gfmd_numba.fourier import grid
 
 _PERIOD = 2.0  # of the first sum, in windows
@@ -80,5 +80,5 @@ def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float)
     nodes, weights = np.polynomial.hermite.hermgauss(12)
     of_share = float(weights @ np.log(_FALLS + _WITHIN * nodes)) / np.sqrt(np.pi) - np.log(period - 1.0)
     softness = np.array([along, across, along] if ends[1] else [across, along, along])
-    by_layers = np.array([0.0, 0.0, displaced_by_layers(body)])
+    by_layers = np.array([0.0, 0.0, 0.0 if body.stack is None else beyond_half_space(body, np.ones(1))[0]])
     return np.asarray((2.0 / np.pi * (np.euler_gamma + of_share) * softness - by_layers) * force)

@@ -418,7 +418,8 @@ def read_rows(path: Path) -> Rows:
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
     _check_groups(rows, layout, columns)
-    cut = next((i for i, row in zip(numbers, rows, strict=False) if _hides(lines[i - 1], row, layout, columns)), None)
+    shorter = ((i, row) for i, row in zip(numbers, rows, strict=False) if layout.columns(row) < columns)
+    cut = next((i for i, row in shorter if "#" in lines[i - 1] and row.strip() not in ("", lines[i - 1].strip())), None)
     if cut is not None:
         raise ValueError(f"a comment in line {cut} before its last column: what is missing is an empty cell, or nan")
     corner = layout.cells(header[-1].rstrip()) if header and layout.separator else []
@@ -441,11 +442,6 @@ def _without_empty_cells(line: str, columns: int) -> str:
     while cut[-1:] in (*";\t,",) and cut.count(cut[-1]) >= columns:
         cut = cut[:-1].rstrip(" ")
     return cut
-
-
-def _hides(line: str, row: str, layout: Layout, columns: int) -> bool:
-    """Whether a comment in a line hides columns of its row."""
-    return "#" in line and bool(row.strip()) and row.strip() != line.strip() and layout.columns(row) < columns
 
 
 def _in_order(cells: list[str], layout: Layout) -> bool:

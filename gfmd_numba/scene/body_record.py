@@ -129,11 +129,6 @@ class Body(BaseModel):
         return self.youngs_modulus if self.layers is None else self.layers[0].youngs_modulus
 
     @property
-    def has_modulus(self) -> bool:
-        """Whether a modulus is in Pa; layers with 1 for the topmost are ratios, as no material is as soft as 1 Pa."""
-        return self.surface_modulus is not None and not (self.layers is not None and self.surface_modulus == 1.0)
-
-    @property
     def surface_poissons_ratio(self) -> float:
         """Poisson's ratio at the surface (dimensionless)."""
         nu = self.poissons_ratio if self.layers is None else self.layers[0].poissons_ratio

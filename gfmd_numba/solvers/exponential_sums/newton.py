@@ -290,8 +290,10 @@ class DecayNewton:
             return False
         level.displacement[: self.field.n] = self.wall[i]
         level.field.read(level.displacement)
-        if self._free_mean and self.field.n > _SMALL and self._would_be_dense(float(self.load[i])):
-            return True
+        if self._free_mean and self.field.n > _SMALL:
+            scale = sqrt(2.0 * kernels.power(level.field.waves[0], self._model.stiffness))
+            if self.load[i] > _HEAVY * scale:  # for the wall whose spectrum the grid holds
+                return True
         levels = [level]
         while levels[-1].coarser is not None:
             levels.append(levels[-1].coarser)
@@ -323,10 +325,6 @@ class DecayNewton:
             )
         self._transforms[i] += cost
         return False
-
-    def _would_be_dense(self, load: float) -> bool:
-        """Whether a load is heavy for the wall whose spectrum the grid holds."""
-        return load > _HEAVY * sqrt(2.0 * kernels.power(self._level.field.waves[0], self._model.stiffness))
 
 
 def _rows(batch: Batch, some: list[int]) -> Batch:

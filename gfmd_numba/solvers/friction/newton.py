@@ -67,11 +67,6 @@ class _Progress:
         self.changed, self.fewest = changed, min(changed, self.fewest)
         self.nearest = min(self.moved, self.nearest)
 
-    @property
-    def changes_one_node(self) -> bool:
-        """Whether the next step changes one node alone: out of patience, or in every third try with a law."""
-        return self.patience < 0 or (self.tries > 0 and self.tries % 3 == 0)
-
 
 class FrictionalNewton:
     """Tractions of a batch, found by guessing which nodes touch, stick and slip which way (Alart & Curnier 1991).
@@ -282,7 +277,7 @@ class FrictionalNewton:
         revision = guess.revision(found, self._bound, self._rounding[i], unsure)
         nears = not self._is_linear and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
-        if progress.changes_one_node:
+        if progress.patience < 0 or (progress.tries > 0 and progress.tries % 3 == 0):  # every third try with a law
             revision.keep(guess, revision.wrong[:-1])
         if np.isinf(self.certificate.conditions.friction):
             guess.released |= revision.leaves

@@ -8,7 +8,7 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SAMPLED, SOFTEST, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, Measured, Numerics, Scene
-from gfmd_numba.scene.body_record import Layer, Material
+from gfmd_numba.scene.body_record import Layer, MaterialRecord
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.interface_records import Friction, LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
@@ -278,8 +278,8 @@ def _soft_below_stiff(body: Body) -> dict[Location, tuple[float, float]]:
 
     The least modulus that is allowed, and the one that is given.
     """
-    parts: dict[Location, Layer | Material] = {("layers", i): each for i, each in enumerate(body.layers or ())}
-    if isinstance(body.base, Material):
+    parts: dict[Location, Layer | MaterialRecord] = {("layers", i): each for i, each in enumerate(body.layers or ())}
+    if isinstance(body.base, MaterialRecord):
         parts["base",] = body.base
     stiffest, found = 0.0, {}
     for at, part in parts.items():

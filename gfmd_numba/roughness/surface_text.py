@@ -330,7 +330,7 @@ def stated_scale(header: list[str]) -> str | None:
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
@@ -359,7 +359,7 @@ class Rows(NamedTuple):
     lines: list[int]
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> TextTable:
     """Positions and heights, or a map, of a text file; raises ValueError, with the line, for anything else."""
     header, values, layout, lines = read_rows(path)
     header = [line.rstrip() for line in header]
@@ -382,12 +382,12 @@ def read_table(path: Path) -> Table:
         )
     if chosen == list(range(columns)):
         about = next((_short(line) for line in begins if _speaks_of_a_length(line)), None)
-        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
+        return TextTable(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
     if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     elif len(chosen) < columns:
         done += (f"took {len(chosen)} of {columns} columns, those that the header calls positions and heights",)
-    return Table(values[:, chosen], units, done, line=lines[0])
+    return TextTable(values[:, chosen], units, done, line=lines[0])
 
 
 def read_rows(path: Path) -> Rows:

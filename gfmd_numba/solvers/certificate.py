@@ -75,7 +75,7 @@ class Certificate:
         self.conditions, self.rigid_mean = conditions, rigid_mean
         self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
-    def look(self, state: kernels.State, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
+    def look(self, state: kernels.SurfaceState, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
         """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
         kernels.wall_violation(state, self.conditions, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:

@@ -225,7 +225,7 @@ class TruncatedNewton:
         self._floats, self._level = batch.load is not None and not interface.hard_wall, np.zeros(rows)
         anchor = np.full_like(u[:, :-1], np.nan)
         found = u.copy() if self._floats else u
-        self.state = kernels.State(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
+        self.state = kernels.SurfaceState(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts, self._is_summed = np.zeros((2, rows), dtype=np.bool_)
         self._largest_summed = np.zeros(rows)  # restoring traction since one was made anew

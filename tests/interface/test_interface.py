@@ -19,7 +19,7 @@ from gfmd_numba.scene.interface_records import (
     Exponential,
     LennardJones,
     MaugisDugdale,
-    PowerLaw,
+    PowerLawOfTheGap,
     SquaredExponential,
 )
 from gfmd_numba.solvers.equilibrium import equilibrate
@@ -33,8 +33,8 @@ LAWS = {
     "squared": SquaredExponentialLaw(0.3, 0.2),
     "maugis": MaugisDugdaleLaw(0.3, 0.2, 0.2),
     "lennard-jones": LennardJonesLaw.of(LennardJones(**ASKED)),
-    "van der waals": ShiftedPowerLaw.of(PowerLaw(**ASKED)),
-    "power repulsion": ShiftedPowerLaw.of(PowerLaw(work_of_adhesion=-0.3, range=0.2, exponent=3.5)),
+    "van der waals": ShiftedPowerLaw.of(PowerLawOfTheGap(**ASKED)),
+    "power repulsion": ShiftedPowerLaw.of(PowerLawOfTheGap(work_of_adhesion=-0.3, range=0.2, exponent=3.5)),
 }
 of_each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
@@ -82,15 +82,15 @@ def test_the_record_of_a_law_knows_what_it_pulls_at_no_gap(name):
     record = {
         "squared": SquaredExponential(**ASKED),
         "maugis": MaugisDugdale(**ASKED),
-        "van der waals": PowerLaw(**ASKED),
-        "power repulsion": PowerLaw(**ASKED, exponent=3.5),
+        "van der waals": PowerLawOfTheGap(**ASKED),
+        "power repulsion": PowerLawOfTheGap(**ASKED, exponent=3.5),
     }.get(name, Exponential(**ASKED))
     assert record.pull * work / law.length == pytest.approx(abs(float(law.traction(np.zeros(1))[0])))
 
 
 @pytest.mark.filterwarnings("error")
 def test_the_pole_of_a_law_is_cut_off_where_its_record_says():
-    for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLaw)):
+    for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLawOfTheGap)):
         found, kink = law.of(record(work_of_adhesion=0.3, range=0.2)), 0.2 * record.known_from
         inside, outside = found.stiffness(np.array([kink - 1e-3, kink + 1e-3]))
         assert inside == found.stiffness(np.array(kink - 0.05)) != outside
@@ -108,7 +108,7 @@ def test_a_pressure_bounds_how_stiff_a_law_gets():
 
 def test_a_law_reaches_over_its_range_if_it_attracts():
     asked = {"work_of_adhesion": 0.3, "range": 0.2}
-    assert ShiftedPowerLaw.of(PowerLaw(**asked | {"work_of_adhesion": -0.3})).reach == 0.0
+    assert ShiftedPowerLaw.of(PowerLawOfTheGap(**asked | {"work_of_adhesion": -0.3})).reach == 0.0
     assert MaugisDugdaleLaw(0.3, 0.2, 0.2).reach == LennardJonesLaw.of(LennardJones(**asked)).reach == 0.2
 
 

@@ -195,7 +195,7 @@ class DecayNewton:
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
         self.pressure, self._u, self._restoring = (aligned_rows(rows, n) for _ in range(3))
-        self.state = kernels.State.of_normal(self._u, self._restoring, self.wall, self.load)
+        self.state = kernels.SurfaceState.of_normal(self._u, self._restoring, self.wall, self.load)
         self.certificate = batch.certificate()
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
@@ -352,7 +352,7 @@ class _Level:
         self.at_zero = float(model.compliance[0]) * n
         near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
         near[:POWERS] = model.powers[:POWERS]
-        level = kernels.Level(
+        level = kernels.DecayLevel(
             kernels.DecaySum(model.powers, near, model.weights, model.white, model.mean),
             model.preconditioner.decays,
             model.preconditioner.room(n),

@@ -17,7 +17,7 @@ from gfmd_numba.solvers.friction.coulomb_cone import (
     median_slip_node,
     on_coarser_grid,
 )
-from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.friction.linear_problem import CoupledBody, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin, leave_pressures
 from gfmd_numba.solvers.preconditioners import PRECONDITIONERS
 from gfmd_numba.solvers.products import Products
@@ -103,7 +103,7 @@ class FrictionalNewton:
         anchor, wall = np.zeros_like(u[:, :-1]), np.zeros_like(u[:, -1])
         wall[:, :n] = punch.reshape(rows, n)
         anchor[..., :n] = start.anchor.reshape(rows, -1, n)
-        self.state = kernels.State(u, ku, wall, batch.loads.copy(), anchor)
+        self.state = kernels.SurfaceState(u, ku, wall, batch.loads.copy(), anchor)
         self.certificate = batch.certificate()
         self._condensed = response.condensed()
         self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
@@ -227,7 +227,7 @@ class FrictionalNewton:
     def _step(self, i: int) -> None:
         guess, progress, n = self._guesses[i], self._progress[i], self.field.n
         total = None if self._batch.load is None else self.state.load[i] * n
-        body = Body(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
+        body = CoupledBody(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
         wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)

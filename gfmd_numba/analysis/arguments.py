@@ -18,7 +18,6 @@ Result = TypeVar("Result")
 
 _STEEPEST = 100  # exponent: beyond, powers of eps underflow
 
-
 _STRICT = ConfigDict(strict=True, allow_inf_nan=False)
 
 
@@ -60,7 +59,6 @@ _FIXED = (
     f"a mapping of {_NAMES} to exponents above 0 and up to {_STEEPEST}, or to ranges of them as (low, high), like "
     "{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}"
 )
-
 
 Limit = Annotated[str, Kind(_Limit, _NAMES)]
 Variable = Annotated[str, Kind(str, "the name of a variable of the dataset, like 'kappa'")]

@@ -296,7 +296,6 @@ ROUNDS = DatasetForm(
     attributes=("target",),
 )
 
-
 _INTERFACE = 1e-8  # of their depth, up to which two levels are the sides of an interface
 _FIELDS = ("height", "pressure", "gap", "relaxed_pressure")
 _POINTS, _POINTS_OF_WINDOW = "points_per_period", "points_per_window"

@@ -22,7 +22,6 @@ OF_TOUCHING = {  # observables, and statistics of a contact, that there are only
     *("perimeter", "contact_connects", "largest_contact_fraction"),
 }
 
-
 Unit = Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
 
 

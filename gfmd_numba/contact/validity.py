@@ -45,7 +45,6 @@ _UNKNOWN_EDGES = 0.05  # of the contact area
 _HIGHEST_ORDER = 3
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
-
 Found = Mapping[Any, Any]  # values of a dataset, whose last axes are those of the nodes
 Told = tuple[Any, str]  # which of the steps, or of other axes before the nodes, have a sentence
 

@@ -64,7 +64,6 @@ _METHOD = (
 )
 _SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
 
-
 _TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
 Over = Literal["loads", "times", "speeds"]
 _OF_VISCOELASTIC = "nothing without a relaxation of the body: give loads, or one that `gfmd relaxation` finds from DMA"

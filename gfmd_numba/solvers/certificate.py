@@ -90,15 +90,6 @@ class Certificate:
         self.violation[i], self.peak[i], self.imbalance[i] = bound * peak, peak, imbalance
         return float(self.residual(load, np.array([i]))[0])
 
-    def with_surroundings(self, i: int, load: Reals, largest: float, mean: float, share: float) -> float:
-        """Residual of a row last looked at in a corner, a `share` of the grid, with tractions around that may not be.
-
-        These have the size of the `largest`, and a `mean` over the grid.
-        """
-        self.violation[i] = max(self.violation[i], largest)
-        self.imbalance[i] = share * self.imbalance[i] + abs(mean)
-        return float(self.residual(load, np.array([i]))[0])
-
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 

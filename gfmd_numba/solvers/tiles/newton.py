@@ -517,9 +517,11 @@ class TileNewton:
             self.load[i] = mean
         largest, total = kernels.tractions_around(memory, ny, nx, transform.shape[1], float(self.load[i]) - shift)
         kernels.restore_map(contact.pressure, contact.tiles, contact.rows, shift, borne)
-        self.certificate.look(self.state, np.array([i]), self.field.n)
-        share = self.field.n / transform.n
-        return self.certificate.with_surroundings(i, self.load, largest, total / transform.n, share)
+        look, row = self.certificate, np.array([i])
+        look.look(self.state, row, self.field.n)  # in the corner, which is a share of the grid
+        look.violation[i] = max(look.violation[i], largest)
+        look.imbalance[i] = (self.field.n * look.imbalance[i] + abs(total)) / transform.n
+        return float(look.residual(self.load, row)[0])
 
 
 class Held(NamedTuple):

@@ -267,8 +267,8 @@ def violations(contacts, heights, loads, plasticity):
         flow.body.surface_displacement(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
         added, size = flow.strain - before, plastic_measures.equivalent(stress)
-        stress, slope, rise, strain = plasticity.hardening
-        bears = stress + slope * flow.equivalent - rise * np.expm1(-flow.equivalent / strain)
+        law, e = plasticity.hardening, flow.equivalent
+        bears = law.stress + law.slope * e - law.rise * np.expm1(-e / law.strain)
         worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
         flows = plastic_measures.equivalent(added) / 1.5
         rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)

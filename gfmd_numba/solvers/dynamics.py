@@ -151,7 +151,9 @@ class Dynamics:
 
     def _tractions(self, active: Indices) -> list[Reals]:
         """Tractions `[component, active row, node]` of each law, of which the normal one comes last."""
-        n, u, found = self.field.n, self.state.u, []
+        n, u, found = self.field.n, self.state.u, list[Reals]()
+        if self._law is None and self._cohesive is None:
+            return found
         gap = self._punch[active, :n] - u[active, -1, :n]
         with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
             if self._law is not None:

@@ -156,6 +156,19 @@ def test_workers_are_born_with_the_package(client):
     assert set(client.run(eval, "'gfmd_numba.campaign.execution' in __import__('sys').modules").values()) == {True}
 
 
+@pytest.mark.long
+def test_workers_work_where_the_temporary_folder_has_a_long_name(tmp_path, monkeypatch):
+    folder = tmp_path / ("x" * 120)  # no socket has a path of more than 108 characters
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    script = """from gfmd_numba.campaign.workers import local
+if __name__ == "__main__":
+    with local(1) as client:
+        print(client.submit(sum, [1, 2]).result())"""
+    (tmp_path / "script.py").write_text(script)
+    assert python(f"import runpy; runpy.run_path({str(tmp_path / 'script.py')!r}, run_name='__main__')") == "3\n"
+
+
 def test_workers_share_a_temporary_cache(tmp_path, monkeypatch):
     """Where there is no home, it is found before the process begins of which workers are copies."""
     (tmp_path / "file").touch()

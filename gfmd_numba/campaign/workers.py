@@ -112,7 +112,7 @@ def _start_method() -> str:
     if sys.platform != "linux":
         return "spawn"
     try:
-        with _interrupts(False):
+        with _imports_as_here(), _interrupts(False):
             forkserver.set_forkserver_preload(["distributed.nanny", "gfmd_numba.campaign.execution"])
             forkserver.ensure_running()
     except OSError:  # no socket, as in a temporary folder with a long name
@@ -170,6 +170,22 @@ def local(count: int) -> Iterator[Any]:
         _interrupts(True),
     ):
         yield client
+
+
+@contextmanager
+def _imports_as_here() -> Iterator[None]:
+    """Have processes begun inside import from where this one does, and not from the working directory."""
+    here = {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
+    before = {name: os.environ.get(name) for name in here}
+    os.environ.update(here)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 @contextmanager

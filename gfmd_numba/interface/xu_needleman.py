@@ -7,7 +7,8 @@ from typing import Self
 import numpy as np
 import scipy  # its modules load with their first use
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba import kernels
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.scene.interface_records import Cohesive
 
 
@@ -87,6 +88,13 @@ class XuNeedlemanLaw:
         # the coupling is largest at gap = normal, slip = tangential / sqrt 2
         coupling = self.work / (self.normal * self.tangential) * np.sqrt(2.0) * np.exp(-1.5)
         return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
+
+    def pull(self, state: kernels.SurfaceState, punch: Reals, sliding: Reals, active: Indices, n: int) -> None:
+        """Take the tractions of the law off the restoring tractions of a state in the active rows.
+
+        `sliding` `[component, x]` is how far the punch has moved over each of the n nodes: in x, and on maps in y.
+        """
+        kernels.xu_needleman_pull(state, punch, sliding, active, n, self.work, self.normal, self.tangential)
 
     def _decay(self, g: Reals, slip: Reals) -> Reals:
         return np.asarray(np.exp(-g - (slip / self.tangential) ** 2))

@@ -143,26 +143,19 @@ class Dynamics:
 
     def _strongest(self, active: Indices) -> Reals:
         """Largest traction of a law on each active row."""
-        strongest = np.zeros(active.size)
-        for traction in self._tractions(active):
-            size = np.maximum(np.abs(traction[-1]), vector_slip.length(traction[:-1]))
-            strongest = np.maximum(strongest, size.max(axis=1))
-        return strongest
-
-    def _tractions(self, active: Indices) -> list[Reals]:
-        """Tractions `[component, active row, node]` of each law, of which the normal one comes last."""
-        n, u, found = self.field.n, self.state.u, list[Reals]()
+        n, u, strongest = self.field.n, self.state.u, np.zeros(active.size)
         if self._law is None and self._cohesive is None:
-            return found
-        gap = self._punch[active, :n] - u[active, -1, :n]
-        with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
-            if self._law is not None:
-                found.append(self._law.traction(gap)[np.newaxis])
-            if self._cohesive is not None:
-                slip = self._sliding[:, np.newaxis] - u[active, :-1, :n].swapaxes(0, 1)
-                normal = self._cohesive.normal_traction(gap, vector_slip.length(slip))
-                found.append(np.stack((*vector_slip.tangential_traction(self._cohesive, gap, slip), normal)))
-        return found
+            return strongest
+        gap, tractions = self._punch[active, :n] - u[active, -1, :n], []
+        if self._law is not None:
+            tractions.append(self._law.traction(gap))
+        if self._cohesive is not None:
+            slip = vector_slip.length(self._sliding[:, np.newaxis] - u[active, :-1, :n].swapaxes(0, 1))
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
+                tractions += [self._cohesive.normal_traction(gap, slip), self._cohesive.tangential_traction(gap, slip)]
+        for traction in tractions:
+            strongest = np.maximum(strongest, np.abs(traction).max(axis=1))
+        return strongest
 
     def _without_overlap(self, batch: Batch) -> Reals:
         """Normal displacement to begin with: not beyond a wall, nor where the law repels by more than any pressure."""
@@ -173,5 +166,9 @@ class Dynamics:
 
     def _restore(self, active: Indices) -> None:
         self._products.restore(active)
-        for traction in self._tractions(active):
-            self.state.ku[active, -len(traction) :, : self.field.n] -= traction.swapaxes(0, 1)
+        u, ku, n = self.state.u, self.state.ku, self.field.n
+        if self._law is not None:
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
+                ku[active, -1, :n] -= self._law.traction(self._punch[active, :n] - u[active, -1, :n])
+        if self._cohesive is not None:
+            self._cohesive.pull(self.state, self._punch, self._sliding, active, n)

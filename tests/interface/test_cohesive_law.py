@@ -5,6 +5,7 @@ import pytest
 from mpmath import exp, mpf, workdps
 from scipy.special import lambertw
 
+from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -12,6 +13,7 @@ from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
+from support.kernel_twins import both
 from support.laws import nearly_flat, surface
 
 COHESION = XuNeedlemanLaw(0.3, 0.2, 0.4)
@@ -101,6 +103,19 @@ def test_a_law_that_resists_slip_most_is_as_stiff_as_its_tractions_at_rest_and_t
     at_rest = law.tangential_traction(0.0, h) / h
     coupling = abs(law.tangential_traction(gap + h, slip) - law.tangential_traction(gap - h, slip)).max() / (2 * h)
     assert law.stiffest(0.0, hard_wall=True) == pytest.approx(at_rest + coupling, rel=1e-4)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.xu_needleman_pull))
+def test_the_cohesive_kernel_is_the_law(kernel):
+    rng = np.random.default_rng(0)
+    (u, ku), punch = rng.normal(size=(2, 3, 2, 16)), rng.normal(size=(3, 16))
+    expected, rows = ku.copy(), [0, 2]
+    dragged = np.linspace(-0.1, 0.2, 13)[np.newaxis]
+    gap, slip = (punch - u[:, 1])[rows, :13], dragged - u[rows, 0, :13]
+    expected[rows, 0, :13] -= COHESION.tangential_traction(gap, slip)
+    expected[rows, 1, :13] -= COHESION.normal_traction(gap, slip)
+    kernel(kernels.SurfaceState(u, ku, punch, np.zeros(3), u[:, :1]), punch, dragged, np.array(rows), 13, 0.3, 0.2, 0.4)
+    np.testing.assert_allclose(ku, expected, rtol=1e-12)
 
 
 def test_a_cohesive_contact_is_sheared_off(tmp_path):

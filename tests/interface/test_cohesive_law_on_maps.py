@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from mpmath import exp, mpf, workdps
 
+from gfmd_numba import kernels
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
+from support.kernel_twins import both
 
 LAW = XuNeedlemanLaw(0.3, 0.2, 0.4)
 GAP, X, Y = (each.ravel() for each in np.meshgrid(np.linspace(-0.21, 1.0, 7), np.linspace(-0.8, 0.8, 7), [0.0, 0.3]))
@@ -64,3 +66,17 @@ def test_the_change_of_the_energy_does_not_cancel(step):
 
     found = vector_slip.energy_change(LAW, gap, slip, closing, dragged)
     np.testing.assert_allclose(found, [exact(i) for i in range(60)], rtol=1e-7, atol=1e-14 * step)
+
+
+@pytest.mark.parametrize("kernel", both(kernels.xu_needleman_pull))
+def test_the_kernel_of_maps_is_the_law(kernel):
+    rng = np.random.default_rng(0)
+    rows, active, n = 3, np.array([0, 2]), 13
+    u, ku = rng.normal(size=(2, rows, 3, 16))
+    punch, dragged = rng.normal(size=(rows, 16)), rng.normal(size=(2, n))
+    expected = ku.copy()
+    for i in active:
+        gap, slip = punch[i, :n] - u[i, 2, :n], dragged - u[i, :2, :n]
+        expected[i, :, :n] -= tractions(gap, *slip)
+    kernel(kernels.SurfaceState(u, ku, punch, np.zeros(rows), u[:, :2]), punch, dragged, active, n, 0.3, 0.2, 0.4)
+    np.testing.assert_allclose(ku, expected, rtol=1e-12)

@@ -96,7 +96,7 @@ class Mounded:
         The factor cos or J0 is the transform of two points or of a ring at q_m = 2 pi/lambda: the spectrum is that
         of the model averaged over them, a sum of positive terms where (3.18) is a difference of huge ones.
         """
-        return _ring(self.model, q, 2.0 * np.pi / self.separation)
+        return _AROUND[self.dimension](self.model, q, 2.0 * np.pi / self.separation)
 
 
 def matern(z: Reals, order: float) -> Reals:
@@ -176,10 +176,13 @@ def _k_correlation_peak(model: KCorrelationSpectrum) -> float:
     return float(scale**d * np.exp(scipy.special.gammaln(h + d / 2.0) - scipy.special.gammaln(h)) / np.pi ** (d / 2.0))
 
 
+def _pair(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
+    """Mean of a model over the two places so far from the origin."""
+    return 0.5 * (model.psd(abs(q - mound)) + model.psd(q + mound))
+
+
 def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: float) -> Reals:
-    """Mean of a model over the ring of all places so far from the origin; of a profile these are two."""
-    if model.dimension == 1:
-        return 0.5 * (model.psd(abs(q - mound)) + model.psd(q + mound))
+    """Mean of a model over the ring of all places so far from the origin."""
     if isinstance(model, KCorrelationSpectrum):
         # the hypergeometric series (3.20, 3.21), transformed to one that converges for every q
         h, a = model.hurst, model.correlation_length**2 / (2.0 * model.hurst)
@@ -198,6 +201,7 @@ def _ring(model: KCorrelationSpectrum | ExponentialSpectrum, q: Reals, mound: fl
     return np.asarray(model.psd(apart.ravel()).reshape(apart.shape) @ weights)
 
 
+_AROUND = {1: _pair, 2: _ring}
 # outgoing wave, by the dimension, of a phase
 _WAVE = {1: lambda phase: np.exp(1j * phase), 2: lambda phase: scipy.special.hankel1(0, phase)}
 _LOG_SIZE = {  # of the terms of the series, by the dimension, of alpha k and ln k!

@@ -131,6 +131,7 @@ def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, opti
         (["fit"], "gfmd: missing argument 'RESULTS'; `gfmd fit --help` says what it takes"),
         (["fit", "none.nc"], "gfmd: RESULTS: you gave none.nc, which does not exist; gfmd needs a path that does"),
         (["solve", ".", "-o", "a.nc"], "gfmd: FILE: you gave ., which is a directory; gfmd needs a file"),
+        (["status", __file__], f"gfmd: DIRECTORY: you gave {__file__}, which is a file; gfmd needs a directory"),
         (["run", "a.yaml", "--workers=x"], "gfmd: --workers: you gave 'x'; gfmd allows a number"),
         (["run", "a.yaml", "--limit=0"], "gfmd: --limit: you gave 0; gfmd allows x>=1"),
         (

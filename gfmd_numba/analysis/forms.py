@@ -4,7 +4,6 @@ import json
 from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from functools import cache
 
 import numpy as np
 import xarray as xr
@@ -123,8 +122,6 @@ def _attributes(variable: xr.Variable) -> str:
     for name in _TEXTS:
         if not isinstance(given.get(name, ""), str):
             return f"has {name} {brief(given[name])}"
-    if not _is_drawn(str(given.get("label", ""))) or not _is_drawn(str(given.get("units", ""))):
-        return f"has a label or a unit that is no formula, {brief(given.get('label', given.get('units')))}"
     if not str(given.get("rank", 0)).isdecimal():
         return f"has rank {brief(given['rank'])}"
     if "names" in given:
@@ -136,20 +133,6 @@ def _attributes(variable: xr.Variable) -> str:
             known = False
         return "" if known else "has names that are not those of its values"
     return ""
-
-
-@cache
-def _is_drawn(text: str) -> bool:
-    """Whether a text is one that figures can draw."""
-    if text.count("$") < 2:
-        return True
-    from matplotlib.mathtext import MathTextParser  # here: it takes long, and few texts have formulae
-
-    try:
-        MathTextParser("path").parse(text)
-    except ValueError:
-        return False
-    return True
 
 
 _CONTACTS = "case realisation [step] numbers"

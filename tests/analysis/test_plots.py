@@ -1,5 +1,7 @@
 """Pictures of campaigns and contacts: what is drawn, where, and how it is named."""
 
+import re
+
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -7,6 +9,7 @@ import xarray as xr
 from matplotlib.colors import to_hex
 
 from gfmd_numba.analysis import fit_tfc, plot_campaign, plot_contact
+from gfmd_numba.text.input_error import InputError
 from support.legible import faults
 from support.synthetic_campaigns import with_axes
 
@@ -285,3 +288,20 @@ def test_the_levels_of_a_limit_can_be_read(campaign, finest):
     figure = plot_campaign(campaign.assign_coords(eps_f=("case", 1 / levels, campaign["eps_f"].attrs)))
     assert faults(figure) == []
     assert figure.axes[1].get_xticklabels()[-1].get_text() == str(2**finest)
+
+
+@pytest.mark.parametrize(
+    ("attributes", "fault"),
+    [
+        ({"label": r"$\frac{1}$"}, r"in which height has a label or a unit that is no formula, '$\\frac{1}$'"),
+        ({"label": "fine", "units": "$a^$"}, r"that is no formula, '$a^$'"),
+        ({"label": "5 $^ only"}, ""),
+    ],
+)
+def test_labels_and_units_are_formulae_that_can_be_drawn(contact, attributes, fault):
+    contact["height"].attrs |= attributes
+    if not fault:
+        plt.close(plot_contact(contact))
+        return
+    with pytest.raises(InputError, match=re.escape(fault)):
+        plot_contact(contact)

@@ -70,6 +70,17 @@ def test_solve_loads_no_cluster_no_pictures_and_no_statistics_and_at_its_end_loo
 
 
 @pytest.mark.long
+def test_a_fit_loads_no_solvers_and_no_pictures(results):
+    names = ("distributed", "numba", "pyfftw", "matplotlib", "scipy.stats")
+    script = (
+        "import sys; from gfmd_numba.cli import main\n"
+        "try: main(sys.argv[1:])\n"
+        f"finally: print([name for name in {names} if name in sys.modules])"
+    )
+    assert python(script, "fit", results).endswith("[]\n")
+
+
+@pytest.mark.long
 def test_a_process_that_solves_loads_no_arrays_of_dask_and_does_not_prepare_to_compile(tmp_path):
     (tmp_path / "scene.yaml").write_text(SCENE)
     gfmd("solve", tmp_path / "scene.yaml", "-o", tmp_path / "compiled.nc")  # so that kernels are on the disk

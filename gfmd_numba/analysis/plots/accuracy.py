@@ -9,9 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.transforms import ScaledTranslation
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import ACCURACY
-from gfmd_numba.analysis.plots.style import MARKERS, Width, log_ticks, ordered_colours, sheet, small, symbol
+from gfmd_numba.analysis.plots.style import MARKERS, Width, drawn, log_ticks, ordered_colours, sheet, small, symbol
 
 TITLES = {
     "solver residual": "Solver and residual",
@@ -36,7 +35,7 @@ _COLUMNS = 3
 _LABELS = 3.4  # heights of notes that labels take below a panel
 
 
-@checked
+@drawn
 def plot_accuracy(dataset: Annotated[xr.Dataset, ACCURACY], width: Width | None = None) -> Figure:
     """Draw error in kappa against seconds for each study of `gfmd accuracy`; settings stand next to the points.
 

@@ -8,10 +8,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, FIELDS, LOADED_BODY, UnusableDataError, by_layer
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, draw_image, draw_pressure, panel_of
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, fill, last_step, prefix, scaled, sheet, told
+from gfmd_numba.analysis.plots.style import (
+    COLOURS,
+    Width,
+    add_legend,
+    drawn,
+    fill,
+    last_step,
+    prefix,
+    scaled,
+    sheet,
+    told,
+)
 from gfmd_numba.arrays import Reals
 
 _USUAL = 0.998  # of the stresses have colours of their own: those at edges of contacts are far above all others
@@ -28,7 +38,7 @@ _QUANTITIES = {"displacement": "L_x", "traction": "E^*"}  # and their units with
 _ZERO = 1e-6  # of the largest component: what is smaller is left by a residual
 
 
-@checked
+@drawn
 def plot_body(dataset: Annotated[xr.Dataset, FIELDS], width: Width | None = None) -> Figure:
     """Draw fields of `gfmd fields` in their units, of a path the last step; raises UnusableDataError."""
     step, dataset = last_step(dataset)
@@ -115,7 +125,7 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
     return figure
 
 
-@checked
+@drawn
 def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
     """Draw what has flowed below a contact over x and depth, of a map on the row where most has; of a path at its end.
 
@@ -160,7 +170,7 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
 _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
 
 
-@checked
+@drawn
 def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY], width: Width | None = None) -> Figure:
     """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
     return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, width)

@@ -17,11 +17,11 @@ from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis import selection
-from gfmd_numba.analysis.arguments import Variable, checked
+from gfmd_numba.analysis.arguments import Variable
 from gfmd_numba.analysis.fit_dataset import in_the_limit
 from gfmd_numba.analysis.forms import CAMPAIGN, FIT, UnusableDataError
 from gfmd_numba.analysis.plots import style
-from gfmd_numba.analysis.plots.style import MARKERS, Width
+from gfmd_numba.analysis.plots.style import MARKERS, Width, drawn
 from gfmd_numba.analysis.selection import groups, values_as_text
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import InputError
@@ -189,7 +189,7 @@ def _axis(panel: Axes, parameter: xr.DataArray) -> NDArray[np.float64]:
     return np.asarray(values, dtype=float)
 
 
-@checked
+@drawn
 def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Figure:
     """Draw the limits that `fit_tfc` found, with standard errors, against the parameter that has most values.
 
@@ -207,7 +207,7 @@ def plot_fit(fit: Annotated[xr.Dataset, FIT], width: Width | None = None) -> Fig
     return over_parameter(accepted, lambda each: (each[name].values, each[f"{name}_error"].values), label, width)
 
 
-@checked
+@drawn
 def plot_campaign(
     dataset: Annotated[xr.Dataset, CAMPAIGN],
     fit: Annotated[xr.Dataset, FIT] | None = None,

@@ -12,12 +12,11 @@ from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.contact_statistics import contact_statistics
 from gfmd_numba.analysis.forms import DRAWN_CONTACT, STATISTICS, UnusableDataError
 from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import OF_MAPS, decades, draw_image, draw_pressure, most, panel_of
-from gfmd_numba.analysis.plots.style import COLOURS, Width
+from gfmd_numba.analysis.plots.style import COLOURS, Width, drawn
 from gfmd_numba.arrays import Flags
 from gfmd_numba.arrays.regions import on_wall
 
@@ -35,7 +34,7 @@ _LEAST_PATCH = 6.0  # nodes across, below which an outline would hide what it su
 _ARROWS = 20  # along a side of the map, at most
 
 
-@checked
+@drawn
 def plot_statistics(statistics: Annotated[xr.Dataset, STATISTICS], width: Width | None = None) -> Figure:
     """Draw the distributions of `contact_statistics`, one colour a `step`, averaged over other dims."""
     if not any({counted, size} <= statistics.variables.keys() for counted, (size, _) in _CONTACTS.items()):
@@ -112,7 +111,7 @@ _TRACTIONS = {  # those drawn with the pressure: label, colour, dashes
 }
 
 
-@checked
+@drawn
 def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None = None) -> Figure:
     """Draw one contact in the dataset's units: punch and body over x, pressure below; or maps with their statistics.
 

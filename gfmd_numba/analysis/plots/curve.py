@@ -5,9 +5,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CURVES, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, least_span, log_ticks, prefix, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, drawn, least_span, log_ticks, prefix, sheet
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
 from gfmd_numba.text.recorded_scene import described, hardness
@@ -36,7 +35,7 @@ _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANEL
 _OVER = {"time": ("Time", "", _IN_TIME), "speed": ("Sliding speed", "L_x", _OVER_SPEED)}  # label, unit, panels
 
 
-@checked
+@drawn
 def plot_curve(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     """Draw a curve of `gfmd curve`: over the mean pressure or the load that was prescribed, the time, or the speed.
 

@@ -12,9 +12,8 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatter
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.style import COLOURS, Width, fill, last_step, scaled, sheet, usual
+from gfmd_numba.analysis.plots.style import COLOURS, Width, drawn, fill, last_step, scaled, sheet, usual
 from gfmd_numba.arrays import Reals
 
 _AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
@@ -115,7 +114,7 @@ def most(values: Reals) -> float | None:
     return float(np.quantile(values[values > 0.0], _SHARE)) if (values > 0.0).any() else None
 
 
-@checked
+@drawn
 def plot_leakage(dataset: Annotated[xr.Dataset, LEAKAGE], width: Width | None = None) -> Figure:
     """Draw the flow of `leakage` through each node, a panel for each direction that has any, of a path at its end."""
     title, last = last_step(dataset)
@@ -138,7 +137,7 @@ def _draw_flow(axis: Axes, dataset: xr.Dataset, flow: Reals, label: str) -> None
         bar.remove()
 
 
-@checked
+@drawn
 def plot_conductance(dataset: Annotated[xr.Dataset, CONDUCTANCE], width: Width | None = None) -> Figure:
     """Draw the current of `contact_conductance` through each node, of a path that of the last step."""
     title, last = last_step(dataset)

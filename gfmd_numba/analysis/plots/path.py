@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 
 from gfmd_numba.analysis.forms import CAMPAIGN, UnusableDataError
 from gfmd_numba.analysis.plots.campaign import Looks, draw_values, looks_of, most_varied
-from gfmd_numba.analysis.plots.style import Width, add_legend, few_ticks, prefix, sheet, small
+from gfmd_numba.analysis.plots.style import Width, add_legend, drawn, few_ticks, prefix, sheet, small
 from gfmd_numba.analysis.selection import axes, ensemble_mean, good, groups, key
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.numbers import typical
@@ -46,6 +46,7 @@ class _Panel(NamedTuple):
     natural: str
 
 
+@drawn
 def plot_path(dataset: xr.Dataset, width: Width | None = None) -> Figure:
     """Draw a contact or a campaign along a path: what came of each step, and of the path against a parameter.
 

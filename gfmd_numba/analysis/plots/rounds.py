@@ -8,15 +8,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullLocator
 
-from gfmd_numba.analysis.arguments import checked, targets_of
+from gfmd_numba.analysis.arguments import targets_of
 from gfmd_numba.analysis.forms import ROUNDS, UnusableDataError
-from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, log_ticks, sheet, symbol
+from gfmd_numba.analysis.plots.style import COLOURS, MARKERS, Width, add_legend, drawn, log_ticks, sheet, symbol
 
 _TARGET = COLOURS[2]
 _BARS = "rounds, bars to 90 % confidence"
 
 
-@checked
+@drawn
 def plot_rounds(dataset: Annotated[xr.Dataset, ROUNDS], width: Width | None = None) -> Figure:
     """Draw the error of the worst group after each round against processor time, and its target, of each variable.
 

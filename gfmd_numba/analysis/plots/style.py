@@ -4,8 +4,9 @@ import re
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache, wraps
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, ParamSpec
 
 import matplotlib as mpl
 import numpy as np
@@ -15,11 +16,14 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis, XAxis
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
+from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from gfmd_numba.analysis.arguments import Kind
+from gfmd_numba.analysis.arguments import Kind, checked
+from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.arrays import Reals
+from gfmd_numba.text.input_error import brief
 from gfmd_numba.text.numbers import si_prefix
 
 # Okabe and Ito: told apart with any colour vision. In grey the first two are alike: lines of both need a dash or marker
@@ -74,6 +78,42 @@ class _Picture(Figure):
 
 
 _Place = Literal["outside upper center", "outside lower center"]
+
+
+Given = ParamSpec("Given")
+
+
+def drawn(figure: Callable[Given, Figure]) -> Callable[Given, Figure]:
+    """Make a figure check what it is given, as `checked` does, and that it can draw the labels and units of datasets.
+
+    Raises InputError.
+    """
+    of_checked = checked(figure)
+
+    @wraps(figure)
+    def call(*args: Given.args, **kwargs: Given.kwargs) -> Figure:
+        for dataset in (each for each in (*args, *kwargs.values()) if isinstance(each, xr.Dataset)):
+            for name, variable in dataset.variables.items():
+                for text in (variable.attrs.get(key, "") for key in ("label", "units")):
+                    if not _is_formula(str(text)):
+                        raise UnusableDataError(
+                            f"you gave a dataset in which {name} has a label or a unit that is no formula, "
+                            f"{brief(text)}; gfmd allows text, and between two $ what matplotlib reads"
+                        )
+        return of_checked(*args, **kwargs)
+
+    return call
+
+
+@cache
+def _is_formula(text: str) -> bool:
+    """Whether matplotlib can draw a text, which may hold formulae."""
+    try:
+        if text.count("$") > 1:
+            MathTextParser("path").parse(text)
+    except ValueError:
+        return False
+    return True
 
 
 @contextmanager

@@ -8,13 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import gammaincinv
 
-from gfmd_numba.analysis.arguments import checked
 from gfmd_numba.analysis.forms import SURFACE
 from gfmd_numba.analysis.plots.map_image import draw_image
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, edges, log_ticks, prefix, scaled, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, drawn, edges, log_ticks, prefix, scaled, sheet
 
 
-@checked
+@drawn
 def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = None) -> Figure:
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
     with sheet(4, 2, (5.0, 3.6), width) as (figure, axes):

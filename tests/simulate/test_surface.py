@@ -44,12 +44,12 @@ SURFACES = [
 
 @pytest.mark.parametrize(("surface", "dimension"), SURFACES, ids=str)
 def test_every_method_and_model_makes_a_surface_of_the_scale_asked_for(surface, dimension):
-    file = {"surface": surface | {"rms_height": 3e-7, "points": 128}, "length": 1e-4, "dimension": dimension}
+    file = {"surface": surface | {"rms_height": 3e-7, "points": 256}, "length": 1e-4, "dimension": dimension}
     dataset = make_surface(file)
-    assert dataset["height"].shape == (128,) * dimension
+    assert dataset["height"].shape == (256,) * dimension
     assert dataset["height"].attrs["units"] == "m"
     assert float(dataset["rms_height"]) == pytest.approx(3e-7, rel=1e-9)
-    assert dataset["x"].values[1] == pytest.approx(1e-4 / 128)
+    assert dataset["x"].values[1] == pytest.approx(1e-4 / 256)
     assert {"y"} & set(dataset.coords) == ({"y"} if dimension == 2 else set())
     theory = dataset["spectral_density_theory"].values
     seen = theory > 1e-10 * theory.max()

@@ -27,9 +27,10 @@ def jumps(found, name):
     return at[jumped], found["energy_lost"].values[jumped]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("step", "wall"),
-    [(0.02, {"hard_wall": {}}), pytest.param(0.08, {}, marks=pytest.mark.long)],
+    [(0.02, {"hard_wall": {}}), (0.08, {})],
     ids=["wall", "law alone"],
 )
 def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):

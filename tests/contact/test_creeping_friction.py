@@ -128,7 +128,7 @@ def test_work_is_stored_dissipated_or_rubbed_away():
     assert float(found["stick_fraction"].min()) < 0.5 < float(found["stick_fraction"].max())
 
 
-@pytest.mark.parametrize("law", ["both", "cohesive"])
+@pytest.mark.parametrize("law", [pytest.param("both", marks=pytest.mark.long), "cohesive"])
 def test_random_histories_are_certified(law):
     draw = np.random.default_rng(len(law))
     attracts = {"work_of_adhesion": 1e-6}

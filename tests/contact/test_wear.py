@@ -200,6 +200,7 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
     assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.4  # of all divisions, less what the body follows
 
 
+@pytest.mark.long
 def test_long_steps_hold_their_tolerance():
     """As no wave of the grid swings to and fro; beside three times as many steps."""
     path = [{"sliding": 1e-3}, {"sliding": 0.02}]

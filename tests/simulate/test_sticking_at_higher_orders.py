@@ -66,6 +66,7 @@ def pressed_on_mesh(found, heights, depth, columns):
     return mesh, mesh.press(clearance, touching, friction=np.inf), over
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 def test_tractions_of_a_sinusoid_that_sticks_everywhere_are_those_of_finite_elements():
     heights = -0.02 * np.cos(2 * np.pi * np.arange(NX) / NX)

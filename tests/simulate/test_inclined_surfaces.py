@@ -126,7 +126,6 @@ def test_ridges_are_profiles(along, pair):
         np.testing.assert_allclose(of_map, profile[name], atol=1e-8 * scale, err_msg=name)
 
 
-@pytest.mark.long
 def test_a_law_of_the_gap_acts_at_the_places_that_nodes_have_moved_to():
     """Finite elements under the tractions found move as found, and the law of the gap gives the pressure found."""
     work, reach = 2e-5, 2e-3

@@ -48,7 +48,7 @@ def drawn_off(series, seconds=None, steps=4, modulus=1.0, highest=DEEPEST, **num
 
 
 def test_a_slow_path_is_that_of_the_relaxed_body():
-    slow, elastic = drawn_off(STANDARD, 1e7), drawn_off(None)
+    slow, elastic = drawn_off(STANDARD, 1e7, steps=2), drawn_off(None, steps=2)
     np.testing.assert_allclose(slow["mean_pressure"], elastic["mean_pressure"], atol=1e-3 * 6.7e-3)
     np.testing.assert_array_equal(slow["gap"] == 0.0, elastic["gap"] == 0.0)
 
@@ -76,8 +76,9 @@ def test_a_load_at_once_is_that_of_the_glassy_body():
     np.testing.assert_allclose(first["pressure"], pressure, atol=1e-6 * float(abs(pressure).max()))
 
 
+@pytest.mark.long
 def test_the_faster_it_is_drawn_off_the_more_it_sticks():
-    how = {"steps": 6, "highest": 3.0 * DEEPEST, "time_tolerance": 1e-2}
+    how = {"steps": 4, "highest": 3.0 * DEEPEST, "time_tolerance": 1e-2}
     slow, fast = (float(drawn_off(STANDARD, seconds, **how)["pull_off_pressure"]) for seconds in (1e7, 0.1))
     assert 0.0 < slow < 0.6 * fast
 
@@ -126,7 +127,7 @@ def test_a_random_history_is_certified():
     draw = np.random.default_rng(seed)
     series = tuple(zip(draw.uniform(0.2, 4.0, 2), 10.0 ** draw.uniform(-1.0, 0.0, 2), strict=True))
     loads, times = draw.uniform(-0.03, 0.1, 5), 10.0 ** draw.uniform(-1.5, 1.0, 5) * (draw.random(5) > 0.2)
-    steps = tuple(LoadStep(load, (0.0,), time) for load, time in zip(loads, times, strict=True))
+    steps = tuple(LoadStep(load, (0.0,), time) for load, time in zip(loads, times, strict=True))[:3]
     problem = adhesive_problem(steps, series, 0.05, 1e-2, seed=seed)
     for contact in solve_path(problem, 0):
         assert contact.equilibrium.status[0] == 0

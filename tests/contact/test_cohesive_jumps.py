@@ -27,9 +27,10 @@ def jumps(found, name):
     return at[jumped], found["energy_lost"].values[jumped]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("step", "wall"),
-    [(0.02, {"hard_wall": {}}), pytest.param(0.08, {}, marks=pytest.mark.long)],
+    [(0.02, {"hard_wall": {}}), (0.08, {})],
     ids=["wall", "law alone"],
 )
 def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):
@@ -43,7 +44,7 @@ def test_gaps_of_a_flat_punch_jump_where_a_spring_does(tmp_path, step, wall):
     (far, closes), (near, opens) = (
         fold(pull, k, between) for between in ((2 * NORMAL, 20 * NORMAL), (NORMAL, 2 * NORMAL))
     )
-    near_closing, near_opening = (np.arange(-1.3, 2.0) * step + position for position in (closes, opens))
+    near_closing, near_opening = (np.arange(-0.3, 1.0) * step + position for position in (closes, opens))
     path = -np.concatenate([near_closing[::-1], [0.0], near_opening])
     found = nearly_flat(tmp_path, path[1:].tolist(), path[0], cohesive=LAW, **wall)
     assert (found["status"] == 0).all()
@@ -63,7 +64,7 @@ def test_a_flat_punch_that_is_dragged_lets_go_where_a_spring_does(tmp_path, step
 
     k = BODY.elements[0][0]
     near, lets_go = fold(drag, k, (0.5 * TANGENTIAL, 1.2 * TANGENTIAL))
-    path = [{"sliding": float(sliding)} for sliding in np.arange(lets_go - 1.5 * step, lets_go + 2 * step, step)]
+    path = [{"sliding": float(sliding)} for sliding in np.arange(lets_go - 0.5 * step, lets_go + step, step)]
     found = nearly_flat(tmp_path, path, 0.02, hard_wall={}, cohesive=LAW)
     assert (found["status"] == 0).all()
     at, lost = jumps(found, "jump_sliding")

@@ -75,15 +75,14 @@ def test_full_contact_is_linear(solver):
 
 def test_all_solvers_find_the_same_contact():
     """Also the slab, and from light to nearly full contact."""
-    q = grid.wavenumbers(512)
-    for hurst in (0.3, 0.8):
-        heights = self_affine.SelfAffineWaves(hurst, 2, 128).heights((512,), 2, range(1))
-        for body in (stiffness.half_space(q), slab_stiffness.slab(q, 0.49, 0.05)):
-            for load in (0.007, 0.3, 1.0):
-                verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
-                for other in others:
-                    np.testing.assert_array_equal(other > 0, verlet > 0)
-                    np.testing.assert_allclose(other, verlet, atol=1e-6 * verlet.max())
+    q = grid.wavenumbers(256)
+    for hurst, body in ((0.3, stiffness.half_space(q)), (0.8, slab_stiffness.slab(q, 0.49, 0.05))):
+        heights = self_affine.SelfAffineWaves(hurst, 2, 64).heights((256,), 2, range(1))
+        for load in (0.007, 0.3, 1.0):
+            verlet, *others = (press(heights, load, solver, body).pressure for solver in SOLVERS)
+            for other in others:
+                np.testing.assert_array_equal(other > 0, verlet > 0)
+                np.testing.assert_allclose(other, verlet, atol=1e-6 * verlet.max())
 
 
 @pytest.mark.parametrize("nx", [16, 64])
@@ -165,8 +164,7 @@ def test_solve_returns_fields_in_equilibrium():
 
 
 @pytest.mark.filterwarnings("ignore:.*A number without a unit")
-@pytest.mark.parametrize("length", [1e-9, 1.0, 1e3])
-@pytest.mark.parametrize("modulus", [1e-3, 70e9, 1e15])
+@pytest.mark.parametrize(("length", "modulus"), [(1e-9, 1e15), (1e3, 1e-3)])
 def test_units_do_not_matter(length, modulus):
     plain, other = gfmd_numba.solve(scene_file()), gfmd_numba.solve(scene_file(length, modulus))
     for name in ("kappa", "kappa_r", "contact_area_fraction", "nayak", "residual"):

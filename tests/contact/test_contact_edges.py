@@ -172,13 +172,12 @@ def test_perimeter_bias_is_the_mean_over_the_edges_of_stretched_contacts(longer)
     assert found[0] == pytest.approx(reach / sides, rel=0.002)
 
 
-@pytest.mark.parametrize("longer", [1.001, 4.0])
-def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form(longer):
+def test_hertzian_contacts_on_a_map_have_the_area_of_the_closed_form():
     """Johnson, Contact Mechanics (4.26), of an ellipse along y, and the periodic images as a paraboloid."""
-    n, rng, left, excess = 96, np.random.default_rng(0), 0.0, 0.0
+    n, rng, longer, left, excess = 96, np.random.default_rng(0), 4.0, 0.0, 0.0
     images = 9.0336217  # sum of 1/r^3 over the square lattice
     x, stiff = np.arange(n) / n - 0.5, stiffness.half_space(grid.magnitudes((n, n)))
-    for _ in range(30):
+    for _ in range(16):
         b, (y0, x0) = rng.uniform(4.0, 7.0) / np.sqrt(longer) / n, rng.uniform(0.0, 1.0, 2) / n
         a, m = longer * b, 1.0 - longer**-2
         along_a = b / (m * a**2) * (ellipk(m) - ellipe(m))

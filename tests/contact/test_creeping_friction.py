@@ -128,12 +128,11 @@ def test_work_is_stored_dissipated_or_rubbed_away():
     assert float(found["stick_fraction"].min()) < 0.5 < float(found["stick_fraction"].max())
 
 
-@pytest.mark.parametrize("law", ["friction", "both", "cohesive"])
+@pytest.mark.parametrize("law", [pytest.param("both", marks=pytest.mark.long), "cohesive"])
 def test_random_histories_are_certified(law):
     draw = np.random.default_rng(len(law))
     attracts = {"work_of_adhesion": 1e-6}
     laws = {
-        "friction": {"friction": {"coefficient": 0.3}},
         "both": {"friction": {"coefficient": 0.3}, "exponential": attracts | {"range": 2e-3}},
         "cohesive": {"cohesive": attracts | {"normal_length": 2e-3, "tangential_length": 1e-3}},
     }[law]

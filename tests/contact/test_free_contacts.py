@@ -80,9 +80,7 @@ def dense(punch, pressure):
 
 
 @pytest.mark.filterwarnings("ignore")  # a parabola is no measurement
-@pytest.mark.parametrize(
-    ("dimension", "n", "error"), [(1, 256, 2e-5), (1, 1024, 3e-6), (2, 64, 6e-4), (2, 128, 8e-5), (2, 256, 1e-5)]
-)
+@pytest.mark.parametrize(("dimension", "n", "error"), [(1, 256, 2e-5), (1, 1024, 3e-6), (2, 64, 6e-4), (2, 128, 8e-5)])
 def test_a_cylinder_and_a_sphere_sink_in_and_press_as_hertz_has_it(dimension, n, error):
     """Of second order in the spacing: approach and peak pressure (Johnson, Contact Mechanics, 4.2 and 4.45)."""
     a = 0.2
@@ -97,7 +95,7 @@ def test_a_cylinder_and_a_sphere_sink_in_and_press_as_hertz_has_it(dimension, n,
     assert float(found["approach"]) == pytest.approx(approach, rel=error)
     assert float(found["pressure"].max()) == pytest.approx(peak * MODULUS, rel=error)
     area = 2.0 * a if dimension == 1 else np.pi * a**2
-    assert float(found["contact_area_fraction"]) == pytest.approx(area, rel=0.02 if n > 128 else 0.04)
+    assert float(found["contact_area_fraction"]) == pytest.approx(area, rel=0.02 if n >= 256 else 0.04)
     energy = 0.4 * loading["force"] * approach if dimension == 2 else None
     if energy is not None:
         assert float(found["elastic_energy"]) == pytest.approx(energy, rel=error)
@@ -203,7 +201,7 @@ def test_a_measured_patch_is_filtered_and_resampled_without_a_seam():
 
 
 def test_a_path_of_loads_comes_back_to_where_it_was():
-    file = scene_of(parabola(64, 2), {"force": 1e-3}, path=[{"force": 2e-3}, {"force": 1e-3}])
+    file = scene_of(parabola(32, 2), {"force": 1e-3}, path=[{"force": 2e-3}, {"force": 1e-3}])
     for solver in ("auto", "truncated_newton"):
         found = gfmd_numba.solve(file | {"numerics": {"solver": solver}})
         assert (found["status"] == 0).all()
@@ -342,7 +340,7 @@ def test_friction_holds_what_coulomb_lets_it_hold_and_the_body_is_displaced_by_t
     np.testing.assert_allclose(tractions[:-1, slid & touching], against[:, slid & touching], atol=1e-6 * pressure.max())
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.5])
+@pytest.mark.parametrize("nu", [pytest.param(0.3, marks=pytest.mark.long), 0.5])
 def test_a_sphere_slips_partly_as_cattaneo_and_mindlin_and_a_dense_matrix_of_cells_have_it(nu):
     """Pressed to a depth under friction, then dragged to where closed forms have 0.6 of the force of full slip.
 
@@ -432,7 +430,7 @@ def test_the_radius_of_a_rough_roller_has_a_limit_with_an_error(tmp_path):
     scene = {name: value for name, value in CAMPAIGN["scene"].items() if name != "loading"}
     scene |= {"form": {"radius": 4.0}, "loading": {"reduced_pressure": 0.05}}
     campaign = {name: value for name, value in CAMPAIGN.items() if name != "grid"} | limits
-    found = gfmd_numba.run(campaign | {"scene": scene, "realisations": 4}, tmp_path / "rollers")
+    found = gfmd_numba.run(campaign | {"scene": scene, "realisations": 3}, tmp_path / "rollers")
     fit = gfmd_numba.fit_tfc(found, "contact_radius", fixed={"eps_c": (1.0, 3.0)}).squeeze()
     finest = found["contact_radius"].isel(case=int(found["eps_c"].values.argmin())).mean()
     assert float(fit["contact_radius_tfc"]) == pytest.approx(float(finest), rel=0.02)
@@ -504,7 +502,7 @@ def test_a_profile_takes_no_more_transforms_than_a_periodic_one(pressure):
     assert taken[1] <= taken[0]
 
 
-@pytest.mark.parametrize(("shape", "most"), [((2**15,), 2.1), ((256, 256), 4.0)])
+@pytest.mark.parametrize(("shape", "most"), [((2**14,), 2.1), ((128, 128), 4.0)])
 def test_a_contact_takes_twice_the_memory_of_a_periodic_one_on_profiles_and_less_than_four_times_on_maps(shape, most):
     heights, peaks = rough(shape[0], len(shape)), []
     for periodic in (True, False):

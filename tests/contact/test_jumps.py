@@ -22,7 +22,7 @@ def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_however_long_the_ste
     step, body = 0.08, slab_stiffness.uniform(0.3, 0.1)
     gap = LENGTH * np.log(WORK / (LENGTH**2 * body))
     jump_in, pull_off = -(gap + LENGTH), -WORK / (LENGTH * body)
-    path = np.concatenate([np.arange(jump_in - 2.5 * step, 0.0, step), np.arange(0.0, pull_off - 2.5 * step, -step)])
+    path = np.concatenate([np.arange(jump_in - 1.5 * step, 0.0, step), np.arange(0.0, pull_off - step, -step)])
     found = nearly_flat(tmp_path, path[1:].tolist(), path[0], hard_wall={}, exponential=LAW)
     assert (found["status"] == 0).all()
     at = found["jump_displacement"].values

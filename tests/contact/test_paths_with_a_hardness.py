@@ -21,7 +21,7 @@ SLAB = ElasticBody(0.3, 0.3)
 EPS = {"eps_c": 1 / 8, "eps_f": 1 / 8, "eps_t": 1 / 2}
 
 
-def rough(shape=(64,), hurst=0.8, seed=3):
+def rough(shape=(32,), hurst=0.8, seed=3):
     """Heights of rms gradient 1."""
     waves = self_affine.SelfAffineWaves(hurst, 2, shape[0] // 4)
     return given_surface(waves.heights(shape, seed, range(1))[0])[0].heights
@@ -67,14 +67,13 @@ def dense(wall, load, hardness, displaced):
     ("displaced", "hardness", "loads"),
     [
         (False, 0.1, (0.03, 0.07, 0.01, 0.05, 0.085, 0.04)),
-        (False, 0.4, (0.1, 0.05, 0.3, 0.02)),
         (True, 0.2, (0.05, 0.2, 0.12, 0.02, 0.25, 0.22)),
     ],
 )
 def test_each_step_is_bounded_least_squares_on_the_punch_that_the_last_one_left(displaced, hardness, loads):
     heights = rough()
     _, found = steps(heights, loads, hardness, displaced=displaced)
-    depth = np.zeros(64)
+    depth = np.zeros(32)
     for load, contact in zip(loads, found, strict=True):
         pressure, u, wall = dense(heights.max() - heights + depth, load, hardness, displaced)
         depth = depth + np.where(pressure > hardness * (1.0 - 1e-7), np.maximum(u - wall, 0.0), 0.0)
@@ -136,13 +135,13 @@ def test_an_unloaded_punch_presses_as_the_elastic_one_that_has_its_shape(make, l
 
 def test_the_loop_of_force_and_displacement_encloses_the_plastic_work():
     """From first touch to a depth and back to an open gap: the work of the punch is what its flattening took."""
-    depths = 0.25 * np.concatenate([np.linspace(0.0, 1.0, 80), np.linspace(1.0, 0.0, 80)[1:]])
+    depths = 0.25 * np.concatenate([np.linspace(0.0, 1.0, 40), np.linspace(1.0, 0.0, 40)[1:]])
     problems, found = steps(rough(), depths, 0.2, displaced=True)
     forces = [each.equilibrium.pressure.mean() for each in found]
     lost, hysteresis = losses(problems, found)
     assert forces[-1] == 0.0
     assert np.trapezoid(forces, depths) == pytest.approx(hysteresis, rel=1e-3)
-    assert (lost[80:] == 0.0).all()
+    assert (lost[40:] == 0.0).all()
     assert evaluation.gap(found[-1]).min() > 0.0
 
 

@@ -49,7 +49,7 @@ def complex_modulus(series, frequency):
     return 1.0 + sum(m * 1j * frequency * tau / (1.0 + 1j * frequency * tau) for m, tau in series)
 
 
-@pytest.mark.parametrize("speed", np.geomspace(1e-4, 1e2, 7))
+@pytest.mark.parametrize("speed", np.geomspace(1e-4, 1e2, 3))
 def test_friction_of_a_wave_in_full_contact_is_the_loss_modulus(speed):
     """q^2 A^2 Im E(q v) / 4 on a half-space; on a slab times what it is stiffer by."""
     waves, amplitude, x = 3, 1e-3, np.arange(64) / 64
@@ -92,9 +92,9 @@ def rolling(load, radius, modulus, lag):
     return width, shift, moment / (radius * load)
 
 
-@pytest.mark.parametrize("lag", [2e-4, 2e-3, 1e-2])
+@pytest.mark.parametrize("lag", [2e-4, 1e-2])
 def test_a_cylinder_rolls_as_hunter_says(lag):
-    """In a period of 140 half-widths; lags are 0.03 to 2 of these."""
+    """In a period of 140 half-widths; lags are 0.03 and 1.4 of these."""
     radius, modulus, width = 1.0, 3.0, 1.0 / 140.0
     load = np.pi * width**2 / (4.0 * radius)
     found = gfmd_numba.solve(
@@ -207,16 +207,15 @@ def test_friction_is_what_the_dashpots_take():
     np.testing.assert_allclose(springs.traction.sum(axis=0)[:, 0], -found.equilibrium.pressure, atol=1e-12)
 
 
-BRANCHES = {  # whose compliance lags behind by up to 1.1, 5, 16 and 3 times what is in phase
+BRANCHES = {  # whose compliance lags behind by up to 1.1, 16 and 3 times what is in phase
     "standard": STANDARD,
-    "one": ((100.0, 1.0),),
     "stiff": ((1000.0, 1.0),),
     "three": ((10.0, 1.0), (10.0, 0.1), (10.0, 0.01)),
 }
 
 
 @pytest.mark.parametrize("name", BRANCHES)
-@pytest.mark.parametrize("load", [0.005, 0.05, 0.3])
+@pytest.mark.parametrize("load", [0.005, 0.3])
 def test_bodies_that_lag_far_behind_are_solved_too(name, load):
     path = rough_problem(BRANCHES[name], 1e-5, load).at_each_load
     for speed in (1e-5, 1e-3, 0.1):

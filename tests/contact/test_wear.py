@@ -39,9 +39,7 @@ def solved(scene, path, **more):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
-@pytest.mark.parametrize(
-    ("dimension", "periodic", "body"), [(1, True, SLAB), (1, False, {}), (2, True, {}), (2, False, SLAB)]
-)
+@pytest.mark.parametrize(("dimension", "periodic", "body"), [(1, False, SLAB), (2, True, {})])
 def test_the_worn_volume_is_rate_times_load_times_way(dimension, periodic, body):
     """However the way is divided, whichever way it goes, and under a load that changes evenly with the way."""
     path = [{"sliding": 0.05}, {"sliding": 0.07, "reduced_pressure": 0.08}, {"sliding": 0.01}]
@@ -87,17 +85,18 @@ def test_a_sine_wears_to_its_flat():
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 def test_a_body_that_creeps_wears_the_same_volume():
     whole = scene(periodic=False, relaxation=[{"modulus": 3.0, "time": 1.0}])
-    path = [{"sliding": 0.3, "duration": 1.0}, {"sliding": 0.3, "duration": 5.0}, {"sliding": 0.5}]
+    path = [{"sliding": 0.1, "duration": 1.0}, {"sliding": 0.2}]
     found = solved(whole, path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
-    expected = 2.0 * 0.02 * 0.05 * np.array([0.3, 0.3, 0.5])
+    expected = 2.0 * 0.02 * 0.05 * np.array([0.1, 0.2])
     np.testing.assert_allclose(found["mean_worn_depth"][1:], expected, rtol=1e-8)
 
 
-@pytest.mark.parametrize("relaxation", [None, [{"modulus": 3.0, "time": 1.0}]])
-def test_full_contact_is_that_of_the_relaxed_body_and_the_punch_as_worn(relaxation):
+def test_full_contact_is_that_of_the_relaxed_body_and_the_punch_as_worn():
     """By Parseval for a half-space: how a step is divided makes no difference."""
-    path = [{"sliding": way} | ({"duration": 1.0} if relaxation else {}) for way in (0.1, 0.2)]
-    found = solved(scene(relaxation=relaxation), path, numerics={"time_tolerance": 0.1, "residual": 1e-10})
+    path = [{"sliding": way, "duration": 1.0} for way in (0.1, 0.2)]
+    found = solved(
+        scene(relaxation=[{"modulus": 3.0, "time": 1.0}]), path, numerics={"time_tolerance": 0.1, "residual": 1e-10}
+    )
     waves = np.fft.rfft(found["height"] - found["worn_depth"]) / found.sizes["x"]
     expected = np.sqrt((2.0 * abs(np.pi * np.arange(waves.shape[-1]) * waves) ** 2).sum(axis=-1))
     np.testing.assert_allclose(found["full_contact_pressure"], expected, rtol=1e-3)
@@ -180,6 +179,7 @@ def test_divisions_of_short_steps_are_of_second_order(coefficient):
     assert changes[0] / changes[1] > 3.0  # 4 of second order, 2 of first
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the punch has slid")
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 def test_a_punch_that_slides_far_wears_as_without_friction():
@@ -200,14 +200,14 @@ def test_a_punch_that_slides_far_wears_as_without_friction():
     assert float(found["slip"][-1].values[touches].max()) > 0.98 * 0.4  # of all divisions, less what the body follows
 
 
-@pytest.mark.parametrize("coefficient", [None, 0.3])
-def test_long_steps_hold_their_tolerance(coefficient):
-    """As no wave of the grid swings to and fro; beside four times as many steps."""
+@pytest.mark.long
+def test_long_steps_hold_their_tolerance():
+    """As no wave of the grid swings to and fro; beside three times as many steps."""
     path = [{"sliding": 1e-3}, {"sliding": 0.02}]
-    found = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=5e-2))
-    ways = [*np.linspace(0.0, 1e-3, 5)[1:], *np.linspace(1e-3, 0.02, 5)[1:]]
+    found = gfmd_numba.solve(rubbing(path, time_tolerance=5e-2))
+    ways = [*np.linspace(0.0, 1e-3, 4)[1:], *np.linspace(1e-3, 0.02, 4)[1:]]
     path = [{"sliding": float(way)} for way in ways]
-    fine = gfmd_numba.solve(rubbing(path, coefficient=coefficient, time_tolerance=5e-2))
+    fine = gfmd_numba.solve(rubbing(path, time_tolerance=5e-2))
     for name in ("worn_depth", "pressure", "displacement"):
         error = abs(found[name][-1] - fine[name][-1]).sum() / abs(fine[name][-1]).sum()
         assert float(error) < float(found["time_error"][-1]) + float(fine["time_error"][-1])

@@ -97,7 +97,7 @@ def test_sandwiches_of_unequal_layers_are_those_of_the_reference():
 
 @pytest.mark.parametrize("contrast", [1e-8, 1e8])
 def test_the_largest_contrast_that_scenes_allow_costs_few_digits(contrast):
-    q = np.geomspace(1e-3, 10, 13)
+    q = np.geomspace(1e-3, 10, 7)
     assert largest_error([(1.0, 1.0, 0.3), (1.5, contrast, 0.5)], None, q) < 1e-11
     assert largest_error([(1.0, 1.0, 0.5)], (contrast, 0.2), q) < 1e-11
 

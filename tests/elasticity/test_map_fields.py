@@ -178,7 +178,7 @@ def test_below_hertzs_pressure_the_largest_shear_is_0_31_of_it_at_0_48_radii():
     n, radius = 256, 0.06
     x = np.arange(n) / n - 0.5
     pressure = np.sqrt(np.maximum(1.0 - (x**2 + x[:, np.newaxis] ** 2) / radius**2, 0.0))
-    body, z = ElasticBody(0.3, None), -radius * np.linspace(0.02, 1.5, 75)
+    body, z = ElasticBody(0.3, None), -radius * np.linspace(0.3, 0.9, 31)
     surface = fields.surface_under_tractions(np.stack([0 * pressure, 0 * pressure, -pressure]), body)
     s1, s2, s3, *_ = fields.Inside((surface,), body).section(z, STRESSES, "y", 0.5)[:, :, n // 2]
     shear = 0.5 * abs(s3 - s1)

@@ -51,10 +51,9 @@ def test_a_uniform_topography_is_a_higher_slab(order):
 
 
 @pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("order", [0, 1, 2, 3])
-def test_the_true_surface_bears_the_pressure(body, order):
+def test_the_true_surface_bears_the_pressure_at_the_highest_order(body):
     """(sigma_13, sigma_33) - h' (sigma_11, sigma_13) = (0, -p) at z = h, to the next order in the slope."""
-    errors = []
+    order, errors = 3, []
     for size in (0.02, 0.01, 0.005):
         heights = size * BUMPY
         surface = topography.rough_surface(np.stack((0 * X, -PRESSURE)), heights, body, order)

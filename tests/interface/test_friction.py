@@ -156,9 +156,9 @@ def test_a_frictionless_flat_punch_has_its_closed_form():
     assert np.log(errors[0] / errors[1]) / np.log(4) == pytest.approx(1.0, abs=0.2)  # order 1
 
 
-@pytest.mark.parametrize("nu", [0.0, 0.3])
-def test_a_sticking_flat_punch_has_its_closed_form(nu):
+def test_a_sticking_flat_punch_has_its_closed_form():
     """Johnson (1985), 2.69 for one punch; these stand in a row, 32 punch widths apart."""
+    nu = 0.3
     kappa = 3 - 4 * nu
     eta = np.log(kappa) / (2 * np.pi)
 

@@ -77,7 +77,7 @@ def test_partial_slip_and_its_reversal_have_their_closed_form():
 
 def test_less_load_makes_a_sticking_contact_slip_from_its_edge():
     """Unloaded at a constant drag, the contact slips where it is lost; the dynamics finds the same."""
-    nx, drag = 256, 0.3 * FRICTION * LOAD / ElasticBody(0.5, 4.0).response((256,)).elements[0][0]
+    nx, drag = 128, 0.3 * FRICTION * LOAD / ElasticBody(0.5, 4.0).response((128,)).elements[0][0]
     found = {}
     for solver in ("frictional_newton", "verlet"):
         before = None

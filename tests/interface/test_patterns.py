@@ -10,7 +10,7 @@ from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.power_laws import LennardJonesLaw
 from gfmd_numba.scene import InputError
 
-N = 128
+N = 64
 LAW = {"work_of_adhesion": 1e-4, "range": 0.01}
 
 
@@ -38,7 +38,7 @@ def solve(folder, pattern, shape, path=(), **changes):
 @pytest.mark.parametrize("axis", [-1, 0])
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_each_half_is_as_if_it_were_everywhere(tmp_path, dimension, axis):
-    shape = (N,) if dimension == 1 else (64, 64)
+    shape = (N,) if dimension == 1 else (32, 32)
     halves = np.moveaxis(np.ones(shape), axis, -1)
     halves[..., halves.shape[-1] // 2 :] = 0.25
     pattern = np.moveaxis(halves, -1, axis)
@@ -56,7 +56,7 @@ def test_each_half_is_as_if_it_were_everywhere(tmp_path, dimension, axis):
 
 
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
-@pytest.mark.parametrize(("shape", "periodic"), [((N,), True), ((24, 24), False)])
+@pytest.mark.parametrize(("shape", "periodic"), [((N,), True), ((16, 16), False)])
 def test_a_uniform_pattern_is_another_work_of_adhesion(tmp_path, shape, periodic):
     changes = {"periodic": periodic, "body": {"poissons_ratio": 0.3, "aspect_ratio": 0.5}}
     half = solve(tmp_path, np.full(shape, 0.5), shape, (0.0, -1e-3), **changes)
@@ -99,10 +99,10 @@ def test_the_weakest_node_stiffens_most_under_a_pressure_where_repulsion_grows_f
 @pytest.mark.parametrize(
     ("pattern", "message"),
     [
-        (np.ones(5), r"pattern.npy \(5 values\)'?; gfmd allows one value for each of the 128 nodes"),
+        (np.ones(5), r"pattern.npy \(5 values\)'?; gfmd allows one value for each of the 64 nodes"),
         (-np.ones(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
         (np.zeros(N), "gfmd allows a number of at least 0 for every node, of which some are above 0"),
-        (np.append(np.ones(N - 1), np.nan), r"nan at index 127\)'?; gfmd allows finite numbers of at most"),
+        (np.append(np.ones(N - 1), np.nan), r"nan at index 63\)'?; gfmd allows finite numbers of at most"),
     ],
 )
 def test_a_pattern_that_is_no_share_is_refused(tmp_path, pattern, message):

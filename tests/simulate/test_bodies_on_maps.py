@@ -14,7 +14,7 @@ from gfmd_numba.roughness import self_affine
 ROUGH = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.01}
 BODY = {"youngs_modulus": 1.0, "poissons_ratio": 0.33, "aspect_ratio": 0.5}
 HALF = {"youngs_modulus": 1.0, "poissons_ratio": 0.2}
-MAP = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}
+MAP = {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}
 NX = 32
 LAYERED = ElasticBody.layered((0.05, 0.3), (Material(1.0, 0.3), Material(5.0, 0.1)), None)
 
@@ -29,7 +29,7 @@ def heights(values):
     return {"method": "measured", "heights": values, "units": {"z": "L_x"}}
 
 
-@pytest.mark.parametrize("loading", [{"reduced_pressure": 0.05}, {"displacement": 2e-3}])
+@pytest.mark.parametrize("loading", [{"displacement": 2e-3}])
 def test_a_rough_map_is_pressed_like_its_mapped_punch(loading):
     mapped = solved(body=BODY, roughness=ROUGH, loading=loading)
     own = solved(body=BODY | {"roughness": ROUGH}, loading=loading)
@@ -95,7 +95,7 @@ def test_a_path_of_two_bodies_returns_to_where_it_was():
         np.testing.assert_allclose(found["pressure"].values[step], path["pressure"].values, atol=1e-8 * scale)
 
 
-@pytest.mark.parametrize(("order", "along"), [(1, "y"), (2, "x")])
+@pytest.mark.parametrize(("order", "along"), [pytest.param(1, "y", marks=pytest.mark.long), (2, "x")])
 def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
     first, second = (0.025 * each for each in self_affine.SelfAffineWaves(0.8, 2, 8).heights((NX,), 1, range(2)))
     expected, found = (

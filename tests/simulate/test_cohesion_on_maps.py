@@ -77,19 +77,19 @@ def test_a_campaign_of_maps_drags_a_cohesive_contact(tmp_path):
     file = {
         "name": "cohesion-on-maps",
         "seed": 1,
-        "realisations": 2,
+        "realisations": 1,
         "scene": scene()["scene"],
-        "path": [*drag(2), drag(2)[0], {"sliding": 0.0, "sliding_y": 0.0}],
+        "path": [*drag(1), {"sliding": 0.0, "sliding_y": 0.0}],
         "grid": {"aspect_ratio": [0.2, 0.4]},
         "reference": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 0.5},
     }
     result = gfmd_numba.run(file, tmp_path / "out")
     assert (result["status"] == 0).all()
     along, across = result["mean_tangential_traction"], result["mean_tangential_traction_y"]
-    np.testing.assert_allclose(across[..., 2] / along[..., 2], 0.5, atol=0.02)
-    assert (along[0, :, 2] > along[1, :, 2]).all()  # the thinner slab is the stiffer spring
-    np.testing.assert_allclose(along[..., 4], along[..., 0], atol=1e-6 * float(along.max()))
-    work = abs(along[..., 2]) * 4e-8
+    np.testing.assert_allclose(across[..., 1] / along[..., 1], 0.5, atol=0.02)
+    assert (along[0, :, 1] > along[1, :, 1]).all()  # the thinner slab is the stiffer spring
+    np.testing.assert_allclose(along[..., 2], along[..., 0], atol=1e-6 * float(along.max()))
+    work = abs(along[..., 1]) * 4e-8
     assert (abs(result["hysteresis"]) < 1e-6 * work).all()
 
 

@@ -83,7 +83,7 @@ def test_parallel_ridges_conduct_as_a_row_of_strips(ridges, nodes):
 def test_a_pressed_ridge_conducts_as_westergaard_says_to_a_node():
     """The conductance is that of sin^2(pi w / 2) = p / p_full, and changes with the load by steps of two nodes."""
     n = 256
-    for share in (0.02, 0.3, 0.9):
+    for share in (0.02, 0.3):
         dataset = pressed(wave(n, 0.01), share * np.pi * 0.01)
         half = np.arcsin(np.sqrt(share)) / np.pi
         lower, upper = (-np.pi / (2.0 * np.log(np.sin(np.pi * (half + off / n)))) for off in (-1.0, 1.0))
@@ -117,7 +117,7 @@ def test_a_rough_map_conducts_as_it_is_stiff():
         "interface": {"hard_wall": {}},
         "loading": {"reduced_pressure": 0.1},
         "path": [{"reduced_pressure": 0.1 * (1.0 + 1e-5)}],
-        "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 16, "eps_t": 1 / 4},
+        "discretisation": {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2},
     }
     path = gfmd_numba.solve(scene | {"numerics": {"residual": 1e-12}})
     np.testing.assert_array_equal(path["pressure"][0] > 0.0, path["pressure"][1] > 0.0)

@@ -32,7 +32,7 @@ def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, l
     """Johnson, Contact Mechanics, 3.4 and 4.2: half the difference of the principal stresses on the axis."""
     a = 0.2
     scene, peak = pressed(a, dimension, points)
-    depth = np.linspace(0.2, 1.2, 26)
+    depth = np.linspace(0.4, 0.88, 13)
     inside = gfmd_numba.body_fields(gfmd_numba.solve(scene), -a * depth)
     axis = inside.isel(x=points // 2)
     shear = 0.5 * abs(axis["stress_3"] - axis["stress_1"]).values / peak
@@ -42,11 +42,10 @@ def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, l
         np.testing.assert_allclose(inside["peak_von_mises"] / peak, 2.0 * shear, rtol=3e-3)
 
 
-@pytest.mark.parametrize("nu", [0.3, 0.5])
-def test_at_the_surface_they_are_what_was_solved(nu):
+def test_at_the_surface_they_are_what_was_solved():
     """Of a cylinder dragged under friction, and of a ball: tractions, and displacements from the same reference."""
     friction = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}
-    cylinder, peak = pressed(0.2, 1, 256, nu, **friction)
+    cylinder, peak = pressed(0.2, 1, 256, **friction)
     contact = gfmd_numba.solve({"scene": cylinder, "path": [{"sliding": 0.002}]})
     found = gfmd_numba.body_fields(contact, [0.0]).isel(z=0)
     assert found.sizes["step"] == 2
@@ -55,7 +54,7 @@ def test_at_the_surface_they_are_what_was_solved(nu):
     depth = abs(contact["displacement"]).max().item()
     np.testing.assert_allclose(found["displacement_3"], contact["displacement"], atol=2e-4 * depth)
     np.testing.assert_allclose(found["displacement_1"], contact["tangential_displacement"], atol=2e-4 * depth)
-    ball, peak = pressed(0.2, 2, 64, nu)
+    ball, peak = pressed(0.2, 2, 64)
     contact = gfmd_numba.solve(ball)
     found = gfmd_numba.body_fields(contact, planes=[0.0]).isel(z=0)
     np.testing.assert_allclose(found["stress_3"], -contact["pressure"], atol=1e-6 * peak)

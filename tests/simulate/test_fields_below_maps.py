@@ -21,7 +21,7 @@ ROUGH = {
     "interface": {"hard_wall": {}},
     "loading": {"reduced_pressure": 0.05},
 }
-EPS = {"eps_c": 1 / 2, "eps_f": 1 / 8, "eps_t": 1 / 2}  # 64 x 64
+EPS = {"eps_c": 1 / 2, "eps_f": 1 / 4, "eps_t": 1 / 2}  # 32 x 32
 
 
 def scene(**changes):
@@ -45,8 +45,8 @@ LAYERS = {
 
 @pytest.mark.parametrize(
     "changes",
-    [{}, RUBBING, {"body": {"poissons_ratio": 0.5}}, RUBBING | {"body": LAYERS}],
-    ids=["slab", "friction", "incompressible half-space", "layers with friction"],
+    [RUBBING, {"body": {"poissons_ratio": 0.5}}, RUBBING | {"body": LAYERS}],
+    ids=["friction", "incompressible half-space", "layers with friction"],
 )
 def test_tractions_and_displacements_are_those_of_the_surface_and_the_base_is_held(changes):
     contact = gfmd_numba.solve(scene(**changes))
@@ -93,7 +93,7 @@ def test_a_pressed_paraboloid_has_the_largest_stress_of_hertz_below_its_centre()
     reduced = force / rms_gradient(heights, (1.0, 1.0))
     contact = gfmd_numba.solve({"scene": press | {"loading": {"reduced_pressure": reduced}}}, heights=heights)
     a, p0 = 0.12, 2.0 * 0.12 / (np.pi * radius)
-    fields = gfmd_numba.body_fields(contact, -a * np.linspace(0.0, 1.5, 61))
+    fields = gfmd_numba.body_fields(contact, -a * np.linspace(0.3, 0.9, 25))
     deepest = int(fields.peak_von_mises.values.argmax())
     assert float(fields.peak_von_mises[deepest]) / p0 == pytest.approx(0.62, rel=0.02)
     assert -float(fields.z[deepest]) / a == pytest.approx(0.48, abs=0.04)
@@ -183,9 +183,9 @@ def test_sections_that_cannot_be_are_refused(contact, asked, message):
 @pytest.mark.parametrize(
     ("total", "asked", "message"),
     [
-        (1e6, {}, "contact: you gave 64 x 64 nodes; gfmd allows a grid that fits in .* where a section below it needs"),
+        (2e5, {}, "contact: you gave 32 x 32 nodes; gfmd allows a grid that fits in .* where a section below it needs"),
         (
-            2e6,
+            5e5,
             {"planes": [0.0, -0.1]},
             "planes: you gave 2 heights; gfmd allows fewer, or a grid .* this stack of planes needs",
         ),
@@ -199,7 +199,7 @@ def test_fields_beyond_the_memory_are_refused_by_what_was_asked(contact, monkeyp
 
 @pytest.mark.parametrize("dim", ["x", "y"])
 def test_a_map_that_is_not_a_whole_period_any_more_has_no_fields(contact, dim):
-    for cut in (contact.isel({dim: slice(0, 40)}), contact.roll({dim: 5}, roll_coords=True)):
+    for cut in (contact.isel({dim: slice(0, 20)}), contact.roll({dim: 5}, roll_coords=True)):
         with pytest.raises(InputError, match=r"^contact: you gave .*nodes .*; gfmd allows all nodes of the period"):
             gfmd_numba.body_fields(cut)
     with pytest.raises(InputError, match="contact: you gave a contact that was altered"):
@@ -245,10 +245,8 @@ def test_places_on_the_command_line_that_are_none_are_refused(contact, tmp_path)
 def test_a_file_that_is_no_contact_is_named_and_not_doubted_for_its_length(contact, tmp_path):
     gfmd_numba.body_fields(contact, [-0.1]).to_netcdf(tmp_path / "fields.nc")
     contact.drop_vars(["x", "pressure"]).to_netcdf(tmp_path / "other.nc")
-    for name in ("fields.nc", "other.nc"):
-        said = gfmd(
-            "fields", tmp_path / name, "-o", tmp_path / "none.nc", "--x", "3um" if name == "other.nc" else "0.3"
-        )
+    for name, at in (("fields.nc", "0.3"), ("other.nc", "3um")):
+        said = gfmd("fields", tmp_path / name, "-o", tmp_path / "none.nc", "--x", at)
         assert f"gfmd: {tmp_path / name}: you gave no results of a contact" in said.output
 
 

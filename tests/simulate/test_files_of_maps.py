@@ -18,7 +18,7 @@ body: {youngs_modulus: 70e9, poissons_ratio: 0.33, aspect_ratio: 0.2}
 roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
 interface: {hard_wall: {}}
 loading: {reduced_pressure: 0.05}
-discretisation: {eps_c: 1/2, eps_f: 1/8, eps_t: 1/2}
+discretisation: {eps_c: 1/2, eps_f: 1/4, eps_t: 1/2}
 """
 
 
@@ -33,7 +33,7 @@ def test_a_file_of_a_map_gives_a_dataset_of_x_and_y(tmp_path):
     gfmd_numba.solve(scene(tmp_path)).to_netcdf(tmp_path / "map.nc")
     with xr.open_dataset(tmp_path / "map.nc") as dataset:
         assert dataset["pressure"].dims == ("y", "x")
-        assert dataset["y"].size == dataset["x"].size == 64
+        assert dataset["y"].size == dataset["x"].size == 32
         assert float(dataset["pressure"].mean()) == pytest.approx(float(dataset["mean_pressure"]), rel=1e-9)
         assert float(dataset["kappa"]) < float(dataset["kappa_counted"])
         assert np.isnan(dataset["kappa_edges"])
@@ -59,9 +59,9 @@ def test_what_maps_cannot_have_is_refused(tmp_path, old, new, where, allowed):
 
 
 def test_a_campaign_of_maps_gives_plausible_kappas(tmp_path):
-    text = MAPS + "reference: {eps_c: 1/2, eps_f: 1/8, eps_t: 1/2}\nlimits: {eps_c: [1, 1/4]}\n"
+    text = MAPS + "reference: {eps_c: 1/2, eps_f: 1/4, eps_t: 1/2}\nlimits: {eps_c: [1, 1/4]}\n"
     dataset = run(campaign(tmp_path, text), output=tmp_path / "out", workers=0)
-    assert dataset["nx"].values.tolist() == [64, 32, 128]
+    assert dataset["nx"].values.tolist() == [32, 16, 64]
     assert (dataset["status"] == Status.ok).all()
     assert ((dataset["kappa"] > 1.5) & (dataset["kappa"] < 3.0)).all()
     assert dataset["kappa_edges"].isnull().all()

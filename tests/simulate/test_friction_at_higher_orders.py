@@ -85,18 +85,17 @@ def test_each_order_is_off_by_what_the_next_one_adds():
 
 
 def test_friction_too_weak_to_matter_leaves_the_frictionless_contact():
-    """A coefficient of 1e-9 against the solution of each order without friction."""
-    for order in (0, 2):
-        rubbed = solved(order, ROUGH, {"displacement": 2e-4}, [{"sliding": 1e-3}], 1e-9).isel(step=1)
-        scene = {
-            "body": {"poissons_ratio": 0.33, "aspect_ratio": 1.0, "roughness": ROUGH},
-            "interface": {"hard_wall": {}},
-            "loading": {"displacement": 2e-4},
-        }
-        numerics = {"topography_order": order, "residual": 1e-9}
-        smooth = gfmd_numba.solve({"scene": scene, "numerics": numerics, "discretisation": EPS})
-        for name in ("pressure", "displacement", "tangential_displacement"):
-            np.testing.assert_allclose(rubbed[name], smooth[name], atol=1e-7 * float(abs(smooth[name]).max()))
+    """A coefficient of 1e-9 against the solution without friction."""
+    rubbed = solved(2, ROUGH, {"displacement": 2e-4}, [{"sliding": 1e-3}], 1e-9).isel(step=1)
+    scene = {
+        "body": {"poissons_ratio": 0.33, "aspect_ratio": 1.0, "roughness": ROUGH},
+        "interface": {"hard_wall": {}},
+        "loading": {"displacement": 2e-4},
+    }
+    numerics = {"topography_order": 2, "residual": 1e-9}
+    smooth = gfmd_numba.solve({"scene": scene, "numerics": numerics, "discretisation": EPS})
+    for name in ("pressure", "displacement", "tangential_displacement"):
+        np.testing.assert_allclose(rubbed[name], smooth[name], atol=1e-7 * float(abs(smooth[name]).max()))
 
 
 def test_friction_acts_on_the_slopes_of_an_incompressible_half_space():

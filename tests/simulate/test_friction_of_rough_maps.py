@@ -15,7 +15,7 @@ from support.legible import faults
 
 NX = 24
 PROFILE = 0.02 * self_affine.SelfAffineWaves(0.8, 2, 6).heights((NX,), 1, range(1))[0]
-PATH = [{"reduced_pressure": 0.1}, {"sliding": 1e-4}, {"sliding": 5e-5}]
+PATH = [{"reduced_pressure": 0.1, "sliding": 1e-4}, {"sliding": 5e-5}]
 BUMPS = np.add.outer(PROFILE, np.roll(PROFILE[::-1], 5))
 FIELDS = ("pressure", "displacement", "gap", "slip")
 
@@ -47,13 +47,8 @@ def close(found, expected, scale, name):
     np.testing.assert_allclose(found, expected, atol=1e-8 * float(abs(scale).max()), err_msg=name)
 
 
-@pytest.mark.parametrize(
-    ("order", "along"),
-    [
-        (1, "y"),
-        *(pytest.param(*each, marks=pytest.mark.long) for each in ((2, "x"), (3, "y"))),
-    ],
-)
+@pytest.mark.long
+@pytest.mark.parametrize(("order", "along"), [(2, "x"), (3, "y")])
 def test_a_rough_ridge_rubs_as_its_profile_does(order, along):
     ridge = np.tile(PROFILE, (NX, 1))
     expected = solved(1, PROFILE, PATH, order)
@@ -116,17 +111,13 @@ def test_friction_at_a_higher_order_is_drawn_and_records_no_energy_of_flat_bodie
     assert faults(plot_contact(bumps)) == []
 
 
-@pytest.mark.parametrize("body", [{}, {"aspect_ratio": float("inf")}])
-def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_surface(body):
-    contact = solved(2, BUMPS, [{"sliding": 1e-4, "sliding_y": 2e-4}] if "aspect_ratio" not in body else [], 2, **body)
+def test_fields_below_a_map_of_higher_order_begin_with_the_displacements_of_its_surface():
+    contact = solved(2, BUMPS, [])
     y = contact.y[7].item()
     fields = gfmd_numba.body_fields(contact, [0.0, -0.1], y=y)
     line = contact.sel(y=y)
     for number, name in (("1", "tangential_displacement"), ("2", "tangential_displacement_y"), ("3", "displacement")):
-        found, expected = fields[f"displacement_{number}"].isel(z=0), line[name]
-        close(found - found.mean("x"), expected - expected.mean("x"), contact["displacement"], name)
-        if "aspect_ratio" not in body:
-            close(found, expected, contact["displacement"], name)
+        close(fields[f"displacement_{number}"].isel(z=0), line[name], contact["displacement"], name)
     for field in fields.data_vars.values():
         assert np.isfinite(field).all()
 

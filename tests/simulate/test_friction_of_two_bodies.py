@@ -47,10 +47,9 @@ def slid(*ways):
 
 
 @pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
-@pytest.mark.parametrize(("one", "two"), [(SLAB, OTHER), (COATED, SLAB)])
-def test_nothing_changes_but_the_sign_of_the_traction_if_the_bodies_change_places(one, two):
-    below = solved(slid(2e-4, 1e-4), body=rough(one), counter_body=two)
-    above = solved(slid(-2e-4, -1e-4), body=two, counter_body=rough(one))
+def test_nothing_changes_but_the_sign_of_the_traction_if_the_bodies_change_places():
+    below = solved(slid(2e-4), body=rough(COATED), counter_body=OTHER)
+    above = solved(slid(-2e-4), body=OTHER, counter_body=rough(COATED))
     close(above["pressure"], below["pressure"])
     close(above["tangential_traction"], -below["tangential_traction"])
     for name in ("displacement", "tangential_displacement"):
@@ -133,14 +132,14 @@ def partial_slip_of_a_wave(nx):
 
 def test_partial_slip_of_a_wave_between_unlike_bodies_has_its_closed_form():
     """Ciavarella and Jaeger, as Cattaneo and Mindlin for spheres: without beta a difference of two normal solutions."""
-    (coarse, _), (fine, drags) = partial_slip_of_a_wave(256), partial_slip_of_a_wave(2048)
+    (coarse, _), (fine, drags) = partial_slip_of_a_wave(128), partial_slip_of_a_wave(1024)
     assert 0.2 < drags[0] < drags[1] < drags[2] < 0.98
-    assert fine < 0.013
+    assert fine < 0.018  # of order 1/2: edges lie between nodes
     assert fine < 0.5 * coarse
 
 
 @pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
-@pytest.mark.parametrize("counter", [OTHER, PULLED_SKIN])
+@pytest.mark.parametrize("counter", [OTHER, pytest.param(PULLED_SKIN, marks=pytest.mark.long)])
 def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(counter):
     """By the fields inside, which know nothing of the stiffness of both."""
     drags = "aspect_ratio" in counter or counter["base"] == "rigid"
@@ -165,10 +164,10 @@ def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(count
     np.testing.assert_allclose(moved, expected, atol=1e-7 * scale)
 
 
-MAP = 24
+MAP = 16
 
 
-@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("axis", [pytest.param("x", marks=pytest.mark.long), "y"])
 def test_two_bodies_of_a_ridge_rub_like_those_of_its_profile(axis):
     x = np.arange(MAP) / MAP
     heights = 0.003 * (np.cos(2 * np.pi * x) + 0.4 * np.sin(6 * np.pi * x))

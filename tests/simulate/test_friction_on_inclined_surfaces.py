@@ -204,7 +204,7 @@ def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())
     parts = above if facing == "punch" else {"counter_body": OTHER | above}
-    path = [{"sliding": 2e-4}, {"sliding": -2e-3, "reduced_pressure": 0.1}]
+    path = [{"sliding": -2e-3, "reduced_pressure": 0.1}]
     loading = {"reduced_pressure": 0.05}
     found = solved(1, path=path, loading=loading, body=SLAB | heights(CREST), **parts)
     load = found["reduced_pressure"].values / 0.05 * float(found["mean_pressure"][0])
@@ -214,9 +214,7 @@ def test_a_load_is_borne_along_z(facing):
     np.testing.assert_allclose(found["mean_tangential_traction"], found["tangential_traction"].mean("x"), rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    "interface", [FRICTION, COHESION, {"hard_wall": {}}], ids=["friction", "cohesion", "hard wall"]
-)
+@pytest.mark.parametrize("interface", [FRICTION, COHESION], ids=["friction", "cohesion"])
 def test_fields_inside_bear_each_traction_once(interface, tmp_path):
     np.save(tmp_path / "shear.npy", 1e-3 * np.cos(2 * np.pi * X))
     boundary = {"tangential_traction": str(tmp_path / "shear.npy")}

@@ -94,9 +94,8 @@ def test_without_friction_a_map_has_no_tangential_fields():
     assert not [name for name in result.variables if "tangential" in name or name in ("slip", "sliding", "sliding_y")]
 
 
-@pytest.mark.parametrize("coefficient", [0.4, float("inf")])
-def test_a_half_space_and_displacement_control_know_friction_on_maps(coefficient):
-    friction = {"hard_wall": {}, "friction": {"coefficient": coefficient}}
+def test_a_half_space_and_displacement_control_know_friction_on_maps():
+    friction = {"hard_wall": {}, "friction": {"coefficient": 0.4}}
     pressed = gfmd_numba.solve(
         scene([{"reduced_pressure": 0.05}], interface=friction, body={"youngs_modulus": 1e9, "poissons_ratio": 0.2})
     )
@@ -121,7 +120,7 @@ def test_a_campaign_of_maps_varies_friction(tmp_path):
     file = {
         "name": "friction-on-maps",
         "seed": 1,
-        "realisations": 2,
+        "realisations": 1,
         "scene": scene([])["scene"],
         "grid": {"friction_coefficient": [0.1, 0.5]},
         "reference": {"eps_c": 0.5, "eps_f": 0.25, "eps_t": 0.5},

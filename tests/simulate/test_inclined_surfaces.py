@@ -94,9 +94,11 @@ def test_two_rough_bodies_are_those_of_finite_elements():
     assert together == pytest.approx(force.sum(), rel=5e-3)
 
 
-@pytest.mark.parametrize(("pair", "along"), [("roughness", "x"), ("counter_body", "y")])
+@pytest.mark.parametrize(
+    ("pair", "along"), [pytest.param("roughness", "x", marks=pytest.mark.long), ("counter_body", "y")]
+)
 def test_ridges_are_profiles(along, pair):
-    nx = 24
+    nx = 16
     x = np.arange(nx) / nx
     own, facing = -0.01 * np.cos(2 * np.pi * x), 0.004 * np.cos(6 * np.pi * (x - 0.07))
 
@@ -145,22 +147,16 @@ def test_a_law_of_the_gap_acts_at_the_places_that_nodes_have_moved_to():
     np.testing.assert_allclose(found["tangential_traction"], along, atol=1e-6 * abs(along).max())
 
 
-@pytest.mark.parametrize("law", [{}, {"exponential": {"work_of_adhesion": 2e-5, "range": 2e-3}}])
-def test_two_bodies_that_change_places_find_the_same(law):
-    """Pressures belong to the nodes of one of them, so that grids differ, but not what they stand for.
-
-    A law of the gap acts per area of that one before it is strained, so that strains are left between the two.
-    """
+def test_two_bodies_that_change_places_find_the_same():
+    """Pressures belong to the nodes of one of them, so that grids differ, but not what they stand for."""
     low, high = SLAB | {"roughness": heights(CREST)}, OTHER | {"roughness": heights(wave(X) - wave(X).mean())}
-    one, two = (
-        solved(2, body=a, counter_body=b, interface={"hard_wall": {}} | law) for a, b in ((low, high), (high, low))
-    )
-    lowest = solved(0, body=low, counter_body=high, interface={"hard_wall": {}} | law)
+    one, two = (solved(2, body=a, counter_body=b) for a, b in ((low, high), (high, low)))
+    lowest = solved(0, body=low, counter_body=high)
     for name in ("displacement", "tangential_displacement"):
         for first, second in ((name, f"counter_body_{name}"), (f"counter_body_{name}", name)):
             error = abs(one[first] - lowest[first]).max()
-            assert abs(one[first] - two[second]).max() < (0.15 if law else 0.05) * error
-    assert float(one["pressure"].mean()) == pytest.approx(float(two["pressure"].mean()), rel=1e-3 if law else 1e-4)
+            assert abs(one[first] - two[second]).max() < 0.05 * error
+    assert float(one["pressure"].mean()) == pytest.approx(float(two["pressure"].mean()), rel=1e-4)
 
 
 def test_both_bodies_bear_the_same_forces_and_fields_know_them():
@@ -199,26 +195,7 @@ def test_a_smooth_body_below_a_nearly_rigid_one_follows_the_inclined_punch():
     assert off(found, expected) < 0.05 * by_theory  # the mesh's own error
 
 
-@pytest.mark.parametrize("facing", ["roughness", "counter_body"])
-def test_a_path_of_inclined_surfaces_returns_to_where_it_was(facing):
-    above = {"roughness": heights(wave(X))}
-    scene = {
-        "body": SLAB | {"roughness": heights(CREST)},
-        "interface": {"hard_wall": {}},
-        "loading": {"displacement": 2e-3},
-        **(above if facing == "roughness" else {"counter_body": OTHER | above}),
-    }
-    file = {"scene": scene, "path": [{"displacement": 5e-3}, {"displacement": 2e-3}]}
-    found = gfmd_numba.solve(file | {"numerics": {"topography_order": 2, "residual": 1e-10}})
-    assert (found["status"] == 0).all()
-    for name in ("pressure", "tangential_traction", "displacement"):
-        scale = float(abs(found[name]).max())
-        np.testing.assert_allclose(found[name][2], found[name][0], atol=1e-8 * scale)
-    inside = gfmd_numba.body_fields(found, [0.0])["displacement_1"].isel(z=0)
-    np.testing.assert_allclose(inside, found["tangential_displacement"], atol=1e-12)
-
-
-@pytest.mark.parametrize("facing", ["roughness", "counter_body"])
+@pytest.mark.parametrize("facing", ["roughness", pytest.param("counter_body", marks=pytest.mark.long)])
 def test_a_diagonal_ridge_is_the_profile_seen_at_an_angle(facing):
     """Half-spaces know no length: a diagonal ridge has a period shorter by the root of 2, and all lengths with it."""
     nx, root = 32, np.sqrt(0.5)

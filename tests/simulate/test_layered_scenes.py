@@ -38,7 +38,7 @@ roughness: {method: psd, hurst: 0.8, rms_gradient: 0.01}
 interface: {hard_wall: {}, friction: {coefficient: 0.3}}
 loading: {reduced_pressure: 0.05}
 length: 0.01
-discretisation: {eps_c: 1/4, eps_f: 1/16, eps_t: 1/2}
+discretisation: {eps_c: 1/4, eps_f: 1/8, eps_t: 1/2}
 """
 
 
@@ -53,6 +53,7 @@ def test_a_file_with_layers_is_checked_solved_and_looked_into(tmp_path, base):
     ):
         result = CliRunner().invoke(main, arguments)
         assert result.exit_code == 0, result.output
+    assert result.output.count("layer ") == (2 if base == "rigid" else 3)  # each has its largest stress printed
     with xr.open_dataset(contact) as solved, xr.open_dataset(inside) as fields:
         assert solved["status"] == 0
         modulus = 400e9 / (1 - 0.2**2)
@@ -80,8 +81,8 @@ def test_fields_of_a_python_contact_change_at_the_interface_where_they_may():
         gfmd_numba.body_fields(contact, [-0.13])
 
 
-def test_levels_show_both_sides_of_each_interface(tmp_path):
-    """Stresses jump there; each layer has its largest one printed, and is drawn on its own."""
+def test_levels_show_both_sides_of_each_interface():
+    """Stresses jump there; each layer is drawn on its own."""
     contact = gfmd_numba.solve(scene(HARD_ON_SOFT | {"base": SOFT_ON_HARD["base"]}))
     inside = gfmd_numba.body_fields(contact)
     layers = by_layer(inside["z"].values)
@@ -90,9 +91,6 @@ def test_levels_show_both_sides_of_each_interface(tmp_path):
     of_layers = [inside["von_mises"].isel(z=layer).max("x") for layer in layers]
     assert float(of_layers[0][-1]) > 2.0 * float(of_layers[1][0])
     assert plot_body(inside).axes
-    contact.to_netcdf(tmp_path / "contact.nc")
-    said = CliRunner().invoke(main, ["fields", str(tmp_path / "contact.nc"), "-o", str(tmp_path / "fields.nc")])
-    assert said.output.count("layer ") == len(layers)
 
 
 @pytest.mark.parametrize("nu", [0.3, 0.5])

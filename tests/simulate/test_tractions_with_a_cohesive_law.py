@@ -29,8 +29,8 @@ HEIGHTS = {
     2: 3e-3 * np.cos(2 * np.pi * X2) * np.cos(2 * np.pi * Y2) + 1e-3 * np.cos(2 * np.pi * (3 * X2 - 2 * Y2) + 1.0),
 }
 PATHS = {
-    "pressure": ({"pressure": 2e-3}, [{"sliding": 2e-3}, {"pressure": 8e-4}, {"sliding": -1e-3}]),
-    "displacement": ({"displacement": 5e-3}, [{"sliding": 2e-3}, {"displacement": -4e-3}, {"displacement": 1e-3}]),
+    "pressure": ({"pressure": 2e-3}, [{"sliding": 2e-3}, {"pressure": 8e-4}]),
+    "displacement": ({"displacement": 5e-3}, [{"sliding": 2e-3}, {"displacement": -4e-3}]),
 }
 OF_THE_PUNCH = ("pressure", "gap", "mean_pressure", "elastic_energy", "tangential_traction")
 FRICTION = {"hard_wall": {}, "friction": {"coefficient": 0.2}}
@@ -64,11 +64,9 @@ def close(found, expected, tolerance=1e-7):
 @pytest.mark.parametrize(
     ("dimension", "control", "interface"),
     [
-        (1, "pressure", COHESIVE),
         (1, "pressure", FRICTION),
         (1, "displacement", COHESIVE | {"hard_wall": {}}),
         (2, "pressure", COHESIVE),
-        (2, "displacement", FRICTION),
     ],
 )
 def test_the_punch_meets_the_shape_that_the_tractions_have_given_the_body(tmp_path, dimension, control, interface):

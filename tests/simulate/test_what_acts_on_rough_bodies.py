@@ -33,11 +33,8 @@ ACTING = {
         [],
     ),
     "cohesive law": ({"interface": COHESIVE, "loading": {"displacement": 3e-4}}, SLIDING),
-    "cohesive law and wall": ({"interface": WALL | COHESIVE, "loading": {"displacement": 3e-4}}, []),
     "hardness": ({"interface": {"hard_wall": {"hardness": 0.005}}}, []),
-    "layers": ({"body": LAYERED}, []),
     "layers and friction": ({"body": LAYERED, "interface": WALL | {"friction": {"coefficient": 0.3}}}, SLIDING),
-    "tractions": ({"boundary": True}, []),
     "tractions and friction": ({"boundary": True, "interface": WALL | {"friction": {"coefficient": 0.3}}}, SLIDING),
     "tractions and a cohesive law": (
         {"boundary": True, "interface": COHESIVE, "loading": {"displacement": 3e-4}},
@@ -94,10 +91,12 @@ def test_a_rough_body_and_a_nearly_rigid_one_feel_it_like_a_smooth_one_under_a_r
     assert (pair["next_order"] / own["next_order"] < 3.0).all()
 
 
-@pytest.mark.parametrize("law", [{}, {"friction": {"coefficient": 0.3}}])
-def test_tractions_on_one_of_two_bodies_move_that_one(law, tmp_path):
+def test_tractions_on_one_of_two_bodies_move_that_one(tmp_path):
     """The gap follows from the displacements of both, which the fields of each flat body give."""
-    other = {"youngs_modulus": 0.5, "poissons_ratio": 0.45, "aspect_ratio": 0.2}
+    other, law = (
+        {"youngs_modulus": 0.5, "poissons_ratio": 0.45, "aspect_ratio": 0.2},
+        {"friction": {"coefficient": 0.3}},
+    )
     found = solved(
         body=SLAB | {"roughness": ROUGH}, counter_body=other, interface=WALL | law, boundary=True, folder=tmp_path
     )
@@ -107,7 +106,7 @@ def test_tractions_on_one_of_two_bodies_move_that_one(law, tmp_path):
     close(found["mean_pressure"], found["pressure"].mean())
     bare = solved(body=SLAB | {"roughness": ROUGH}, counter_body=other, interface=WALL | law)
     assert abs(bare["pressure"] - found["pressure"]).max() > 0.1 * found["pressure"].max()
-    shear_modulus, held = 0.5 / 1.3, 1e-4 + float(found.get("tangential_traction", found["pressure"] * 0.0).mean())
+    shear_modulus, held = 0.5 / 1.3, 1e-4 + float(found["tangential_traction"].mean())
     assert float(found["tangential_displacement"].mean()) == pytest.approx(held * 0.5 / shear_modulus, rel=1e-8)
 
 

@@ -63,8 +63,7 @@ def test_an_exponential_sum_is_close_to_the_compliance_on_any_nodes(nu, aspect_r
         assert ratios.max() < 2.0 * ratios.min()  # conjugate gradients then gain a digit in 1.3 iterations
 
 
-@pytest.mark.parametrize("hurst", [0.0, 0.8])
-@pytest.mark.parametrize("load", [1e-6, 0.3, 3.0])
+@pytest.mark.parametrize(("hurst", "load"), [(0.8, 1e-6), (0.0, 0.3), (0.8, 3.0)])
 @pytest.mark.parametrize(("nu", "aspect_ratio"), [HALF_SPACE, (0.33, 0.05), (0.5, 0.01)])
 def test_contacts_are_those_of_conjugate_gradients(hurst, load, nu, aspect_ratio):
     for n in (1021, 1024):
@@ -92,7 +91,7 @@ def test_flat_punches_and_vertical_walls_are_solved_as_by_conjugate_gradients(lo
 
 
 @pytest.mark.parametrize(("nu", "aspect_ratio"), BODIES[1:5])
-@pytest.mark.parametrize("depth", [1e-3, 0.1, 0.5])
+@pytest.mark.parametrize("depth", [1e-3, 0.5])
 def test_a_prescribed_displacement_is_solved_as_by_conjugate_gradients(nu, aspect_ratio, depth):
     n = 512
     heights = self_affine.SelfAffineWaves(0.8, 2, 128).heights((n,), 1, range(2))
@@ -117,9 +116,8 @@ def test_an_incompressible_slab_has_no_room_below_the_mean_of_the_punch(solver):
         assert solve(punch - share * punch.mean(), body(256, 0.5, 0.3), None, solver).status[0] == status
 
 
-@pytest.mark.parametrize("hurst", [0.3, 0.8])
-def test_transforms_hardly_grow_with_the_grid(hurst):
-    medians = []
+def test_transforms_hardly_grow_with_the_grid():
+    hurst, medians = 0.3, []
     for n in (2**11, 2**13, 2**15, 2**17):
         heights = self_affine.SelfAffineWaves(hurst, 2, n // 4).heights((n,), 2018, range(max(1, 2**15 // n)))
         result = solve(heights.max(axis=1, keepdims=True) - heights, body(n, *HALF_SPACE), 0.007)

@@ -27,16 +27,15 @@ def press(punch, body, load, law, hard_wall=True, start=None, sliding=(0.0, 0.0)
     return found
 
 
-@pytest.mark.parametrize("along", ["x", "y"])
 @pytest.mark.parametrize(
-    ("body", "load", "hard_wall", "solver"),
+    ("body", "load", "hard_wall", "solver", "along"),
     [
-        (ElasticBody(0.3, None), 0.1, True, "truncated_newton"),
-        (ElasticBody(0.2, 0.3), 0.1, False, "truncated_newton"),
-        (ElasticBody(0.2, 0.3), None, True, "verlet"),
-        (ElasticBody(0.5, 0.3), None, False, "truncated_newton"),
-        (LAYERS, None, True, "truncated_newton"),
-        (LAYERS, 0.1, False, "verlet"),
+        (ElasticBody(0.3, None), 0.1, True, "truncated_newton", "x"),
+        (ElasticBody(0.2, 0.3), 0.1, False, "truncated_newton", "y"),
+        (ElasticBody(0.2, 0.3), None, True, "verlet", "x"),
+        (ElasticBody(0.5, 0.3), None, False, "truncated_newton", "x"),
+        (LAYERS, None, True, "truncated_newton", "y"),
+        (LAYERS, 0.1, False, "verlet", "y"),
     ],
 )
 def test_ridges_are_profiles(body, load, hard_wall, solver, along):

@@ -18,7 +18,6 @@ LAYERS = ElasticBody.layered((0.05, 0.2), (Material(1.0, 0.2), Material(0.1, 0.4
 @pytest.mark.parametrize(
     ("body", "friction", "along"),
     [
-        (ElasticBody(0.0, None), 0.2, "x"),
         (ElasticBody(0.3, None), 1.0, "y"),
         (ElasticBody(0.2, 0.3), 0.3, "x"),
         (ElasticBody(0.5, 0.3), 0.3, "y"),

@@ -53,7 +53,7 @@ def random_path(seed):
     return ElasticBody(nu, aspect_ratio).response((nx,)), friction, law, steps
 
 
-@pytest.mark.parametrize("seed", range(0, 24, 2))
+@pytest.mark.parametrize("seed", range(0, 24, 4))
 def test_every_step_of_a_random_path_holds_the_conditions_with_a_law(seed):
     stiffness, friction, law, steps = random_path(seed)
     before = None
@@ -64,9 +64,10 @@ def test_every_step_of_a_random_path_holds_the_conditions_with_a_law(seed):
         assert largest_violation(stiffness, punch, load, friction, before, start, law=law) < 2e-8
 
 
-@pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
-@pytest.mark.parametrize("nu", [0.0, 0.3, 0.5])
-@pytest.mark.parametrize("friction", [0.2, 0.7])
+@pytest.mark.parametrize(
+    ("nu", "friction", "law"),
+    [(0.0, 0.2, ATTRACTION), (0.3, 0.7, ATTRACTION), (0.3, 0.2, REPULSION), (0.5, 0.7, REPULSION)],
+)
 def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, friction, law):
     nx, load = 256, 0.1
     punch, stiffness = rough(nx, 3), ElasticBody(nu, 0.5).response((nx,))
@@ -89,10 +90,9 @@ def test_the_dynamics_with_a_law_has_the_same_nodes_sticking_and_slipping(nu, fr
     np.testing.assert_allclose(found.displacement[0], normal, atol=1e-8 * np.ptp(punch))
 
 
-@pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
-def test_a_law_without_strength_leaves_friction_as_it_is_alone(law):
+def test_a_law_without_strength_leaves_friction_as_it_is_alone():
     punch, stiffness, friction = rough(512, 4), ElasticBody(0.2, 0.4).response((512,)), 0.3
-    faint = ExponentialLaw(1e-14 * law.work, law.length)
+    faint = ExponentialLaw(1e-14 * ATTRACTION.work, ATTRACTION.length)
     alone, together = None, None
     for load, sliding in ((0.1, 0.0), (0.05, 2e-3)):
         first, second = (None if each is None else following(each, punch, sliding) for each in (alone, together))
@@ -104,8 +104,7 @@ def test_a_law_without_strength_leaves_friction_as_it_is_alone(law):
         np.testing.assert_array_equal(together.touching, alone.touching)
 
 
-@pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
-@pytest.mark.parametrize("friction", [0.3, np.inf])
+@pytest.mark.parametrize(("law", "friction"), [(ATTRACTION, np.inf), (REPULSION, 0.3)])
 def test_friction_leaves_the_pressure_of_a_law_on_an_incompressible_half_space(law, friction):
     """Shear does not lift its surface, so that Newton's method without friction finds the pressure."""
     punch, stiffness = rough(512, 5), ElasticBody(0.5, None).response((512,))
@@ -133,9 +132,8 @@ def test_a_rigid_mean_with_a_law_is_the_limit_of_one_that_is_nearly_rigid():
     np.testing.assert_allclose(rigid.tangential.traction, nearly.tangential.traction, atol=1e-5 * rigid.pressure.max())
 
 
-@pytest.mark.parametrize("law", [ATTRACTION, REPULSION], ids=["attraction", "repulsion"])
-def test_ridges_with_a_law_are_profiles(law):
-    n, across, body, friction = 64, 6, ElasticBody(0.2, 0.3), 0.3
+def test_ridges_with_a_law_are_profiles():
+    n, across, body, friction, law = 64, 6, ElasticBody(0.2, 0.3), 0.3, ATTRACTION
     punch = rough(n, 3, waves=16)
     ridges, stiffness = np.repeat(punch[:, np.newaxis], across, axis=1), body.response((across, n))
     of_map, of_profile = None, None
@@ -153,14 +151,14 @@ def test_ridges_with_a_law_are_profiles(law):
 
 
 def test_one_more_load_with_a_law_takes_less_than_a_quarter_of_the_transforms_of_the_dynamics():
-    nx, rows, law = 1024, 3, ExponentialLaw(2e-5, 3e-4)
+    nx, rows, law = 1024, 1, ExponentialLaw(2e-5, 3e-4)
     punch, stiffness = rough(nx, 7, 0.8, 128, rows), ElasticBody(0.3, None).response((nx,))
     first = press(punch, stiffness, 0.05, 0.3, law)
     start = following(first, punch, 0.0)
     found = press(punch, stiffness, 0.06, 0.3, law, start)
     assert (found.status == Status.ok).all()
     damped = press(punch, stiffness, 0.06, 0.3, law, start, options=Options("verlet"))
-    assert np.median(damped.n_transforms) > 4 * np.median(found.n_transforms)
+    assert damped.n_transforms[0] > 4 * found.n_transforms[0]
 
 
 def test_friction_without_a_wall_is_refused():

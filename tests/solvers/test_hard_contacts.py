@@ -17,16 +17,14 @@ from support.contacts import press, scene_file
 
 # numbers beyond what is plausible are what these tests are about
 pytestmark = pytest.mark.filterwarnings("ignore::UserWarning")
-X = np.arange(128) / 128
+X = np.arange(64) / 64
 WAVE = 0.01 * np.cos(2 * np.pi * X)
 SHAPES = {
-    "one wave": WAVE,
     "vertical walls": np.where(abs(X - 0.5) < 0.1, 0.0, -1.0),
-    "every other node": np.arange(128) % 2 * 1.0,
-    "a single node": np.eye(1, 128, 7)[0],
-    "a spike": WAVE + 1e6 * np.eye(1, 128, 7)[0],
-    "white noise": self_affine.SelfAffineWaves(0.0, 1, 64).heights((128,), 2, range(1))[0],
-    "nothing but Nyquist": (-1.0) ** np.arange(128),
+    "a single node": np.eye(1, 64, 7)[0],
+    "a spike": WAVE + 1e6 * np.eye(1, 64, 7)[0],
+    "white noise": self_affine.SelfAffineWaves(0.0, 1, 32).heights((64,), 2, range(1))[0],
+    "nothing but Nyquist": (-1.0) ** np.arange(64),
     "far from zero": WAVE + 1e4,
     "four nodes": np.array([0.0, 1.0, 0.3, -1.0]),
     "five nodes": np.array([0.0, 1.0, 0.3, -1.0, 0.2]),
@@ -232,9 +230,9 @@ def incompressible(nodes, room_left, mu=0.0, numerics=None):
     return gfmd_numba.solve({"scene": scene, "numerics": numerics or {}}), room_left * room
 
 
-@pytest.mark.parametrize("nodes", [8, 9, 13])
+@pytest.mark.parametrize("nodes", [8, 13])
 @pytest.mark.parametrize("mu", [0.0, 0.3])
-@pytest.mark.parametrize("room_left", [1e-2, 3e-3, 1e-4])
+@pytest.mark.parametrize("room_left", [1e-2, 1e-4])
 def test_an_incompressible_slab_that_hardly_has_room_left_keeps_its_volume(nodes, mu, room_left):
     """Of full contact, the first guess on so small a grid, the uniform pressure grows without bound."""
     found, room = incompressible(nodes, room_left, mu)

@@ -99,8 +99,7 @@ def assert_same_nodes(found, expected, hardness):
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("share", [0.1, 0.5, 0.95])
-@pytest.mark.parametrize("hardness", [0.02, 0.2, 1.0])
+@pytest.mark.parametrize(("share", "hardness"), [(0.1, 1.0), (0.5, 0.2), (0.95, 0.02)])
 def test_nodes_are_those_of_bounded_least_squares_under_a_load(solver, share, hardness):
     punch = rough((64,), realisations=range(1))
     found = press(punch, share * hardness, hardness, solver)
@@ -133,7 +132,7 @@ def test_a_sinusoid_flattens_as_bounded_least_squares_say(share):
 
 
 @pytest.mark.parametrize("solver", SOLVERS)
-@pytest.mark.parametrize("shape", [(512,), (33, 33), (64, 64)])
+@pytest.mark.parametrize("shape", [(512,), (33, 33)])
 @pytest.mark.parametrize("hardness", [0.003, 0.6])
 def test_conditions_hold_with_both_bounds(solver, shape, hardness):
     punch = rough(shape)
@@ -236,8 +235,7 @@ def test_solvers_without_a_second_bound_refuse_it():
             )
 
 
-@pytest.mark.parametrize("hurst", [0.3, 0.8])
-@pytest.mark.parametrize("hardness", [1e-3, 0.1, 1.0])
+@pytest.mark.parametrize(("hurst", "hardness"), [(0.3, 1e-3), (0.8, 0.1), (0.3, 1.0)])
 def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
     punch = rough((2**13,), hurst, realisations=range(1))
     for share in (0.01, 0.95):

@@ -11,7 +11,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import self_affine
 from support.contacts import press
 
-quick = settings(derandomize=True, deadline=None, max_examples=25)
+quick = settings(derandomize=True, deadline=None, max_examples=12)
 
 
 @st.composite

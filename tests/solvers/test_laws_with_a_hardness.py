@@ -59,7 +59,7 @@ def dense(wall, hardness, law):
 
 
 @pytest.mark.parametrize("law", [ATTRACTS, REPELS], ids=["attracts", "repels"])
-@pytest.mark.parametrize(("depth", "hardness"), [(0.1, 0.1), (0.1, 0.4), (0.2, 0.8)])
+@pytest.mark.parametrize(("depth", "hardness"), [(0.1, 0.1), (0.2, 0.8)])
 def test_a_profile_is_that_of_bounded_least_squares_under_the_pull_of_the_law(law, depth, hardness):
     heights = rough()
     wall = heights.max() - heights - depth
@@ -72,9 +72,8 @@ def test_a_profile_is_that_of_bounded_least_squares_under_the_pull_of_the_law(la
     assert 2 < found.plastic.sum() < 60
 
 
-@pytest.mark.parametrize("work", [-1e-3, 1e-9, 3e-4])
 @pytest.mark.parametrize("shape", [(512,), (32, 32)])
-@pytest.mark.parametrize("hardness", [0.01, 0.6])
+@pytest.mark.parametrize(("work", "hardness"), [(-1e-3, 0.01), (3e-4, 0.6)])
 def test_conditions_hold_under_loads_up_to_what_the_hardness_bears(work, shape, hardness):
     law = ExponentialLaw(work * hardness, 0.01)
     heights = rough(shape)
@@ -145,7 +144,7 @@ def loop(law, hardness, depths, solver="truncated_newton"):
 @pytest.mark.parametrize("law", [ATTRACTS, REPELS], ids=["attracts", "repels"])
 def test_the_loop_of_force_and_displacement_encloses_what_is_lost(law):
     """Plastic work, and under an attraction what its jumps take."""
-    there = np.linspace(-0.1, 0.25, 36)
+    there = np.linspace(-0.1, 0.25, 22)
     depths = np.concatenate([there, there[::-1][1:]])
     lost, found = loop(law, 0.2, depths)
     forces = np.array([each.equilibrium.pressure.mean() for each in found])
@@ -156,7 +155,7 @@ def test_the_loop_of_force_and_displacement_encloses_what_is_lost(law):
     assert yielded > 0.0
     if law is REPELS:
         assert lost.sum() == pytest.approx(yielded, rel=1e-9)
-        assert (lost[36:] == 0.0).all()
+        assert (lost[22:] == 0.0).all()
     else:
         assert lost.sum() >= yielded * (1.0 - 1e-3)
 

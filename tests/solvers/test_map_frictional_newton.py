@@ -36,7 +36,7 @@ def random_path(seed):
     return ElasticBody(nu, aspect_ratio).response(shape), friction, steps
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(5))
 def test_every_step_of_a_random_path_holds_the_conditions_of_signorini_and_coulomb(seed):
     stiffness, friction, steps = random_path(seed)
     for (punch, load, _), (result, start) in zip(steps, follow(steps, stiffness, friction), strict=True):
@@ -106,12 +106,12 @@ def dense_contact(stiffness, wall, anchor, friction, sweeps):
 
 @pytest.mark.parametrize("nu", [0.0, 0.49])
 def test_small_maps_are_those_of_dense_algebra(nu):
-    body, shape, friction = ElasticBody(nu, 0.3), (8, 9), 0.3
-    wall, stiffness = rough(shape, 5, waves=3) - 0.05, body.response((8, 9))
+    body, shape, friction = ElasticBody(nu, 0.3), (6, 7), 0.3
+    wall, stiffness = rough(shape, 5, waves=3) - 0.05, body.response(shape)
     drag = np.reshape([0.004, -0.007], (2, 1, 1))
     start = Start(np.minimum(wall, 0.0), np.zeros((1, 2, *shape)), drag)
     found = press(wall, stiffness, None, friction, start, drag)
-    dense = dense_contact(stiffness, wall[0], np.broadcast_to(drag, (2, *shape)), friction, sweeps=300)
+    dense = dense_contact(stiffness, wall[0], np.broadcast_to(drag, (2, *shape)), friction, sweeps=200)
     assert found.status[0] == Status.ok
     peak = found.pressure.max()
     np.testing.assert_allclose(found.pressure[0], -dense[2], atol=1e-7 * peak)
@@ -181,9 +181,8 @@ def test_a_punch_dragged_far_slides_against_its_way():
     assert np.hypot(*mean) == pytest.approx(friction * 0.2, rel=1e-3)
 
 
-@pytest.mark.parametrize("aspect_ratio", [0.1, 1.0])
-def test_a_rigid_mean_is_the_limit_of_one_that_is_nearly_rigid(aspect_ratio):
-    punch, friction, found = rough((20, 20), 2), 0.3, []
+def test_a_rigid_mean_is_the_limit_of_one_that_is_nearly_rigid():
+    punch, friction, aspect_ratio, found = rough((20, 20), 2), 0.3, 0.1, []
     punch -= 0.4 * punch.mean()
     ways = [(0.0, 0.0), (0.01 * aspect_ratio, 0.02 * aspect_ratio), (0.0, 0.0)]
     for nu in (0.5, 0.5 - 1e-9):

@@ -60,8 +60,9 @@ def test_the_compliance_between_tiles_is_nearly_exact(shape, slab, share, split,
 
 
 @pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.02)])
-@pytest.mark.parametrize("load", [1e-3, 0.3, 3.0])
-@pytest.mark.parametrize(("hurst", "shape"), [(0.3, (104, 64)), (0.5, (100, 100))])
+@pytest.mark.parametrize(
+    ("hurst", "shape", "load"), [(0.3, (104, 64), 1e-3), (0.5, (100, 100), 0.3), (0.3, (104, 64), 3.0)]
+)
 def test_contacts_are_those_of_conjugate_gradients(hurst, shape, load, slab):
     punch, stiff = oblong(shape, hurst), body(shape, slab)
     found, expected = (
@@ -128,8 +129,6 @@ def test_a_map_in_a_batch_is_what_it_is_alone():
     ("nx", "load", "depth"),
     [
         (128, 0.003, None),
-        (128, 1e-4, None),
-        (64, 0.1, None),
         (64, 5.0, None),
         (128, None, 0.2),
         (128, None, -1.0),
@@ -147,7 +146,7 @@ def test_threads_change_no_bit_and_pieces_no_node(monkeypatch, nx, load, depth, 
     monkeypatch.setattr(threads, "_PIECE", pieces)
     monkeypatch.setattr(transform, "_LARGE", large)
     found = []
-    for number in (1, 2, 3):
+    for number in (1, 3):
         with threads.shared_by(number):
             found.append(equilibrate(punch, SpectralResponse.of_normal(stiff), load, NEWTON))
     np.testing.assert_array_equal(found[0].touching, plain.touching)
@@ -261,8 +260,7 @@ def test_few_contacts_take_few_transforms_on_any_grid(hurst):
     assert max(taken) < 40
 
 
-@pytest.mark.parametrize("slab", [None, (0.33, 0.05), (0.5, 0.1)])
-@pytest.mark.parametrize("nx", [64, 72, 1024])
+@pytest.mark.parametrize(("nx", "slab"), [(64, None), (64, (0.5, 0.1)), (72, (0.33, 0.05)), (1024, (0.5, 0.1))])
 def test_the_pressure_of_full_contact_is_found_on_the_way(nx, slab):
     """At 1024 nodes a side transforms are made in pieces; a map of 64 is the coarsest one."""
     punch, response = rough(nx), SpectralResponse.of_normal(body((nx, nx), slab))
@@ -277,10 +275,10 @@ def test_the_pressure_of_full_contact_is_found_on_the_way(nx, slab):
 @pytest.mark.parametrize(("load", "most"), [(0.005, 64), (0.4, 106)])
 def test_a_map_takes_few_arrays(load, most):
     """Bytes a node besides the punch and its stiffness: the result has 17 of them, the stiffness without mean 4."""
-    punch, stiff = rough(512), body((512, 512))
-    press(punch[:, ::8, ::8], load)
+    punch, stiff = rough(256), body((256, 256))
+    press(punch[:, ::4, ::4], load)
     tracemalloc.start()
     equilibrate(punch, SpectralResponse.of_normal(stiff), load, NEWTON)
-    peak = tracemalloc.get_traced_memory()[1] / 512**2
+    peak = tracemalloc.get_traced_memory()[1] / 256**2
     tracemalloc.stop()
     assert peak < most

@@ -76,7 +76,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
 
 
 @pytest.mark.parametrize("interface", [REPULSION, WITH_A_WALL, WALL], ids=["repulsion", "both", "wall"])
-@pytest.mark.parametrize("load", [1e-3, 0.05, 1.0])
+@pytest.mark.parametrize("load", [1e-3, 1.0])
 def test_the_one_equilibrium_of_a_convex_energy_is_that_of_the_dynamics(interface, load):
     punch, body = surface(128)
     newton, verlet = (
@@ -145,7 +145,7 @@ def test_surfaces_far_beyond_the_range_of_a_law_are_in_equilibrium_apart(ranges)
 
 
 def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics():
-    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((512,), 4, range(6))
+    heights = self_affine.SelfAffineWaves(0.8, 2, 32).heights((512,), 4, range(2))
     punch, body = heights.max(axis=1, keepdims=True) - heights, stiffness.half_space(grid.wavenumbers(512))
     law = Interactions(True, ExponentialLaw(0.1 * np.pi * 256 * 3e-3**2, 3e-3))
     at_once, dynamics = (

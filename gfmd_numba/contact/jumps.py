@@ -26,6 +26,7 @@ _VECTORS, _ITERATIONS, _TOLERANCE = 3, 60, 1e-5
 _LOST = 2e-3  # energy lost in a step over the work of adhesion on the contact up to which it holds no jump to locate
 _HELD = 1e-2  # of the work of adhesion, which a node that a law of gap and slip holds has gained at least
 _CURVED = 1e-2  # energy that a step seems to lose, as forces between its ends are unknown, over the work of the step
+_BENT = 0.05  # of the difference of what the forces at its two ends would do, which bends of the force in a step hide
 _UNCERTAIN = 2e-3  # part of it that hangs on where in a step the jump was, up to which that is known well enough
 _DIVISIONS = 12  # halvings of a step at most
 _MOST_SOLUTIONS = 64  # in one step, which may hold a jump of each asperity
@@ -167,17 +168,19 @@ def _advance(
     least, most = sorted(start.work(end))  # of a branch of monotonic force: the work between them
     lost = 0.5 * (least + most) - gained
     if divisions == _DIVISIONS:
-        curved = _CURVED * 0.5 * abs(least + most)
+        curved = _CURVED * 0.5 * max(abs(least + most), most - least)
     negligible = _LOST * max(start.adhesion, end.adhesion)
     jumps = least - gained > (negligible or np.inf)
-    if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
+    hidden = _BENT * (most - least) * 0.5 ** (_DIVISIONS - divisions)  # which has the same limit at every level
+    is_known = max(abs(lost), hidden) <= max(negligible, curved)
+    if contact.equilibrium.status[0] != Status.ok or (is_known and not jumps):
         return end, [Followed(lost + yielded, np.nan, yielded=yielded)]
     halfway = start.problem.step.towards(problem.step, 0.5)
     is_located = 0.5 * (most - least) <= _UNCERTAIN * abs(lost)
     if is_located or divisions == 0 or len(spent) >= _MOST_SOLUTIONS:
         found = Followed(lost + yielded, np.nan, yielded=yielded)
         return end, [replace(found, jump_at=halfway.load, jump_sliding=halfway.sliding[0]) if jumps else found]
-    middle, first = _advance(start, problem.under(halfway), divisions - 1, curved, spent)
+    middle, first = _advance(start, problem.under(halfway), divisions - 1, 0.5 * curved, spent)
     rest = replace(problem, duration=problem.duration - halfway.duration)
-    end, second = _advance(middle, rest, divisions - 1, curved, spent)
+    end, second = _advance(middle, rest, divisions - 1, 0.5 * curved, spent)
     return end, first + second

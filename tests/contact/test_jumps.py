@@ -132,3 +132,25 @@ def test_a_wall_that_nothing_reaches_changes_no_jump():
     assert (without["energy_lost"].values[jumped] > 1e-10).all()
     for name in ("jump_displacement", "energy_lost"):
         np.testing.assert_allclose(with_a_wall[name], without[name], rtol=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.filterwarnings("ignore:the grid does not resolve")
+def test_one_step_from_contact_to_far_beyond_pull_off_loses_what_short_steps_lose():
+    """What bends of the force in a step hide of a jump is at most 1 % of the work of the step."""
+    scene = {
+        "dimension": 2,
+        "periodic": False,
+        "body": {"poissons_ratio": 0.3},
+        "form": {"radius": 1.0, "points": 48},
+        "interface": {"hard_wall": {}, "maugis_dugdale": {"work_of_adhesion": 0.0084, "range": 0.0466, "taper": 0.1}},
+        "loading": {"displacement": 0.0},
+    }
+    one, many = (
+        gfmd_numba.solve({"scene": scene, "path": [{"displacement": -0.0887 * i / n} for i in range(1, n + 1)]})
+        for n in (1, 24)
+    )
+    (at,), last = one["jump_displacement"].values[1:], np.nanmin(many["jump_displacement"])
+    assert at == pytest.approx(last, rel=2e-3)
+    work = -np.trapezoid(many["mean_pressure"], many["punch_displacement"])
+    assert float(one["hysteresis"]) == pytest.approx(float(many["hysteresis"]), abs=0.02 * abs(work))

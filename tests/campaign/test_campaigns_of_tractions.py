@@ -68,11 +68,8 @@ def test_a_file_is_found_next_to_the_campaign_and_by_whoever_resumes_it(wave, tm
     assert again.attrs["content_sha256"] == whole.attrs["content_sha256"]
 
 
-def test_tractions_are_part_of_the_identity_and_of_what_is_found(wave, tmp_path):
-    nothing = {"normal_traction": 0.0}
-    assert plan(of(wave)).problems[0].identity != plan(of(nothing)).problems[0].identity
-    pressed = [gfmd_numba.run(of(given), tmp_path / str(i), workers=0) for i, given in enumerate((wave, nothing))]
-    assert (abs(pressed[0]["kappa"] - pressed[1]["kappa"]) > 1e-3).all()
+def test_tractions_are_part_of_the_identity(wave):
+    assert plan(of(wave)).problems[0].identity != plan(of({"normal_traction": 0.0})).problems[0].identity
 
 
 @pytest.mark.long

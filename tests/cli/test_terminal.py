@@ -63,9 +63,8 @@ LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
 def folder(undrawn, tmp_path_factory):
     """Files of every kind under short names, for long ones are never folded."""
     folder = tmp_path_factory.mktemp("terminal")
-    campaign(folder, **{"grid:": "numerics: {max_iterations: 1}\ngrid:", "small": "broken"}).rename(
-        folder / "broken.yaml"
-    )
+    broken = {"grid:": "numerics: {max_iterations: 1}\ngrid:", "small": "broken", "limits:": "#"}
+    campaign(folder, **broken).rename(folder / "broken.yaml")
     slabs = "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], "
     campaign(folder, **{"limits:": "#", "grid: {": slabs, "small": "means"}).rename(folder / "means.yaml")
     campaign(folder, **{"grid:": "fit: {fixed: {eps_c: [1, 2], eps_f: [0.5, 1]}}\ngrid:"})

@@ -50,7 +50,7 @@ class Page(HTMLParser):
 def folder(undrawn, tmp_path_factory):
     """A campaign, scenes, and the results of the first of both."""
     folder = tmp_path_factory.mktemp("reports")
-    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: [1, 2], eps_f: [0.5, 1]}}\ngrid:"})
+    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: 1, eps_f: 0.75}}\ngrid:"})
     (folder / "scene.yaml").write_text(SCENE)
     (folder / "path.yaml").write_text(SCENE + "path: [{reduced_pressure: 0.2}, {reduced_pressure: 0.1}]\n")
     (folder / "broken.yaml").write_text(SCENE + "numerics: {max_iterations: 1}\n")

@@ -36,7 +36,7 @@ fit small --fixed eps_c=0.5:2 --exponents free --variable kappa_counted -o fit.n
 init new.yaml
 leakage map.nc -o leakage.nc
 leakage steps.nc
-plan campaign.yaml --pilot=0.1
+plan campaign.yaml --pilot=0.01
 plan campaign.yaml --target=3% --workers=0
 plot small
 relaxation dma.csv --unit=Pa
@@ -57,6 +57,7 @@ surface surface.yaml -o surface.nc
 verify small
 """
 LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
+RARE = ("accuracy", "doctor", "plan campaign.yaml --target", "statistics map", "curve one.yaml --loads 1e-3:1:2 --real")
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +68,7 @@ def folder(undrawn, tmp_path_factory):
     campaign(folder, **broken).rename(folder / "broken.yaml")
     slabs = "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], "
     campaign(folder, **{"limits:": "#", "grid: {": slabs, "small": "means"}).rename(folder / "means.yaml")
-    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: [1, 2], eps_f: [0.5, 1]}}\ngrid:"})
+    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: 1, eps_f: 0.75}}\ngrid:"})
     (folder / "scene.yaml").write_text(SCENE)
     friction = SCENE.replace("{hard_wall: {}}", "{hard_wall: {}, friction: {coefficient: 0.3}}")
     (folder / "broken-scene.yaml").write_text(friction + STEPS + "numerics: {max_iterations: 1}\n")
@@ -99,7 +100,7 @@ def folder(undrawn, tmp_path_factory):
     [
         *(
             pytest.param(
-                line, marks=LONG if line.startswith(("accuracy", "doctor", "plan campaign.yaml --target")) else ()
+                line, marks=LONG if line.startswith(RARE) else ()
             )
             for line in LINES
         ),

@@ -171,4 +171,3 @@ def test_isotropic_results_have_no_such_coordinate_and_are_fitted_and_paired(tmp
     assert "anisotropy" not in dataset.coords
     assert (fit_tfc(dataset, fixed={"eps_c": 1.0})["kappa_tfc"] > 0).all()
     assert (contact_stiffness(dataset)["stiffness"] > 0).all()
-    assert plot_campaign(dataset).axes

@@ -83,9 +83,7 @@ def test_a_stiffness_that_is_infinite_everywhere_is_called_so(found):
     assert [text.get_text() for text in plot_curve(full).axes[2].texts] == ["infinite"]
 
 
-@pytest.mark.parametrize(
-    ("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)")]
-)
+@pytest.mark.parametrize(("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)")])
 def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
     stiffness = plot_curve(load_curve(scene_file(length, modulus), [0.05, 0.5])).axes[2]
     assert unit in stiffness.get_ylabel()

@@ -36,9 +36,7 @@ def plain_fit():
 @quick
 def test_a_fit_knows_no_unit(seed, factor):
     dataset, scale = measured(seed), 10.0**factor
-    plain, other = (
-        fitted(each, fixed=RANGED) for each in (dataset, dataset.assign(kappa=scale * dataset["kappa"]))
-    )
+    plain, other = (fitted(each, fixed=RANGED) for each in (dataset, dataset.assign(kappa=scale * dataset["kappa"])))
     for name in ("kappa_tfc", "kappa_tfc_error", "correction", "reference"):
         np.testing.assert_allclose(other[name], scale * plain[name], rtol=1e-6)
 

@@ -1,7 +1,6 @@
 """Fits warn of contacts of too few nodes, on a profile and on a map, and of no others."""
 
 import numpy as np
-import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc

@@ -169,7 +169,7 @@ discretisation: {eps_c: 1/2, eps_f: 1/8, eps_t: 1}
 def test_a_page_shows_the_scene_as_its_user_wrote_it(no_pictures, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "scene.yaml").write_text(WRITTEN)
-    assert gfmd(*"curve scene.yaml --loads 20MPa:50MPa:2 -o curve.nc".split()).exit_code == 0
+    assert gfmd("curve", "scene.yaml", "--loads", "20MPa:50MPa:2", "-o", "curve.nc").exit_code == 0
     assert gfmd("report", "curve.nc").exit_code == 0
     page = (tmp_path / "curve.html").read_text()
     assert unescape(re.search(r"<pre>(.*?)</pre>", page, re.DOTALL)[1]) == WRITTEN

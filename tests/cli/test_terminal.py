@@ -98,12 +98,7 @@ def folder(undrawn, tmp_path_factory):
 @pytest.mark.parametrize(
     "command",
     [
-        *(
-            pytest.param(
-                line, marks=LONG if line.startswith(RARE) else ()
-            )
-            for line in LINES
-        ),
+        *(pytest.param(line, marks=LONG if line.startswith(RARE) else ()) for line in LINES),
         "-h",
         *(f"{name} -h" for name in main.commands),
     ],

@@ -7,7 +7,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc, run
-from gfmd_numba.analysis import contact_stiffness, plot_campaign
+from gfmd_numba.analysis import contact_stiffness
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem

@@ -56,8 +56,13 @@ def _no_pilot():
 
 @pytest.fixture(scope="module")
 def undrawn():
-    """Write an empty picture for every one: to draw takes longer than to solve, and other tests look at pictures."""
+    """Write an empty picture for every one: to draw takes longer than to solve, and other tests look at pictures.
+
+    What a command draws beside its results is not even made; `gfmd plot` makes its pictures, but draws none.
+    """
     from matplotlib.figure import Figure  # not before the threads are counted
+
+    from gfmd_numba.cli import outputs
 
     empty = io.BytesIO()
     Figure((0.1, 0.1)).savefig(empty, format="png")
@@ -65,8 +70,13 @@ def undrawn():
     def write(figure, file, **options):
         (file.write if hasattr(file, "write") else Path(file).write_bytes)(empty.getvalue())
 
+    def unmade(path, drawing, *, err=False):
+        outputs.write_picture(path, Figure, err=err)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(Figure, "savefig", write)
+        for commands in ("campaigns", "contacts", "planning"):
+            patch.setattr(f"gfmd_numba.cli.{commands}.write_picture", unmade)
         yield
 
 

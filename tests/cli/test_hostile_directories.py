@@ -16,7 +16,10 @@ from support.campaigns import TINY, campaign
 from support.hostile_files import KINDS, damage, is_ours, put, state
 from support.scenes import SCENE
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="no pipes and no alarm")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="no pipes and no alarm"),
+    pytest.mark.usefixtures("undrawn"),
+]
 SECONDS = 120  # in which nothing takes so long but what waits for a pipe
 COMMANDS = (
     "run {file} -o {out} --workers=0",

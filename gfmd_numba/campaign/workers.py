@@ -20,7 +20,6 @@ from gfmd_numba.text.input_error import brief
 if TYPE_CHECKING:
     from gfmd_numba.campaign.job_queue import QueueTold
 
-_COPIED = sys.platform == "linux"  # elsewhere, libraries of the system do not survive in a copy of a process
 _LONGEST_START = "1h"  # of a worker in place of another that died, on a machine with much else to do
 OF_WORKERS = dict.fromkeys(("OMP_NUM_THREADS", "MKL_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"), "1") | {
     # bytes of freed memory that the C library keeps: dask's 64 KiB would make nearly every array of new pages
@@ -98,18 +97,27 @@ def check(workers: Workers, directory: Path) -> None:
 
 
 def begin_loading(workers: Workers) -> None:
-    """Start the process of which local workers are copies, if there are any; it loads what they need meanwhile.
+    """Have local workers load what they need, if there are any, while this process does something else."""
+    if not workers.in_this_process and not workers.elsewhere:
+        _start_method()
 
-    Where processes are not copied, each worker loads it.
+
+def _start_method() -> str:
+    """Return how local workers start: as copies of a process that has loaded what they need, or each on its own.
+
+    That process is started unless it runs. Elsewhere than on Linux, libraries of the system do not survive in a copy.
     """
-    if workers.in_this_process or workers.elsewhere:
-        return
     os.environ.update(OF_WORKERS)  # inherited: two workers never compete for a core
     cache.directory()  # inherited, too, if it is a temporary one
-    if _COPIED:
-        with _interrupts(False):
+    if sys.platform != "linux":
+        return "spawn"
+    try:
+        with _imports_as_here(), _interrupts(False):
             forkserver.set_forkserver_preload(["distributed.nanny", "gfmd_numba.campaign.execution"])
             forkserver.ensure_running()
+    except OSError:  # no socket, as in a temporary folder with a long name
+        return "spawn"
+    return "forkserver"
 
 
 @contextmanager
@@ -141,9 +149,8 @@ def local(count: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
     from distributed.security import Security
 
-    begin_loading(Workers(count))
     of_local = {
-        "distributed.worker.multiprocessing-method": "forkserver" if _COPIED else "spawn",
+        "distributed.worker.multiprocessing-method": _start_method(),
         # one that takes longer to start again would be given up for good: by default after 15 s
         "distributed.deploy.lost-worker-timeout": _LONGEST_START,
     }
@@ -163,6 +170,22 @@ def local(count: int) -> Iterator[Any]:
         _interrupts(True),
     ):
         yield client
+
+
+@contextmanager
+def _imports_as_here() -> Iterator[None]:
+    """Have processes begun inside import from where this one does, and not from the working directory."""
+    here = {"PYTHONPATH": os.pathsep.join(sys.path), "PYTHONSAFEPATH": "1"}
+    before = {name: os.environ.get(name) for name in here}
+    os.environ.update(here)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 @contextmanager

@@ -156,6 +156,35 @@ def test_workers_are_born_with_the_package(client):
     assert set(client.run(eval, "'gfmd_numba.campaign.execution' in __import__('sys').modules").values()) == {True}
 
 
+def summed(folder):
+    """What a script in a folder prints, whose worker adds two numbers."""
+    script = """from gfmd_numba.campaign.workers import local
+if __name__ == "__main__":
+    with local(1) as client:
+        print(client.submit(sum, [1, 2]).result())"""
+    (folder / "script.py").write_text(script)
+    done = subprocess.run([sys.executable, folder / "script.py"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+@pytest.mark.long
+def test_workers_work_where_the_temporary_folder_has_a_long_name(tmp_path, monkeypatch):
+    folder = tmp_path / ("x" * 120)  # no socket has a path of more than 108 characters
+    folder.mkdir()
+    monkeypatch.setenv("TMPDIR", str(folder))
+    assert summed(tmp_path) == "3\n"
+
+
+@pytest.mark.long
+def test_workers_import_nothing_from_where_the_run_is_started(tmp_path, monkeypatch):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "statistics.py").write_text("from pathlib import Path; Path('imported').touch()")
+    monkeypatch.chdir(tmp_path / "data")
+    assert summed(tmp_path) == "3\n"
+    assert not (tmp_path / "data" / "imported").exists()
+
+
 def test_workers_share_a_temporary_cache(tmp_path, monkeypatch):
     """Where there is no home, it is found before the process begins of which workers are copies."""
     (tmp_path / "file").touch()

@@ -134,6 +134,7 @@ def test_pull_off_is_the_largest_tension_and_unknown_before_it_is_reached(pulled
         assert gfmd_numba.run(short, tmp_path / str(steps))["pull_off_pressure"].isnull().all()
 
 
+@pytest.mark.long
 def test_tension_that_falls_because_the_punch_comes_back_is_no_pull_off(tmp_path):
     back = PULLED | {"realisations": 1, "grid": {}, "path": [{"displacement": d} for d in (5e-4, -1e-3, 0.0)]}
     found = gfmd_numba.run(back, tmp_path / "back")

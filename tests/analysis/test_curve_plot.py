@@ -35,6 +35,7 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         assert not any("warning" in line.get_label() for line in axis.lines)
 
 
+@pytest.mark.long
 def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found):
     figure = plot_curve(found, "single")
     figure.draw_without_rendering()

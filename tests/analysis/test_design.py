@@ -70,6 +70,7 @@ def test_a_level_that_costs_much_and_tells_little_is_left_out():
     assert all(np.count_nonzero(of_limit(dataset, design, limit)) >= 2 for limit in ("eps_c", "eps_f", "eps_t"))
 
 
+@pytest.mark.long
 def test_half_the_error_costs_four_times_as_much():
     coarse, fine = (cheapest_design(*pilot(), target=target, fixed=ALPHA) for target in (0.01, 0.005))
     assert fine.seconds / coarse.seconds == pytest.approx(4.0, rel=0.1)

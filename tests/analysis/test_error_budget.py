@@ -104,7 +104,7 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
 @pytest.mark.parametrize(
     ("variable", "fixed"),
     [
-        pytest.param("kappa", ALPHA, id="exact"),
+        pytest.param("kappa", ALPHA, id="exact", marks=pytest.mark.long),
         pytest.param("kappa_r", ALPHA, id="another variable", marks=pytest.mark.long),
         pytest.param("kappa", RANGES, id="ranges", marks=pytest.mark.long),
     ],

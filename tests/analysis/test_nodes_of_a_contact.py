@@ -1,6 +1,7 @@
 """Fits warn of contacts of too few nodes, on a profile and on a map, and of no others."""
 
 import numpy as np
+import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc
@@ -56,6 +57,7 @@ def test_patches_of_a_map_are_counted_over_its_square():
     assert "nodes on average" not in message(81, 20, dimension=2)
 
 
+@pytest.mark.long
 def test_a_campaign_of_resolved_maps_is_not_warned_of(tmp_path):
     text = MAPS + "reference: {eps_c: 1/4, eps_f: 1/8, eps_t: 1/2}\nlimits: {eps_c: [1/2]}\n"
     dataset = gfmd_numba.run(campaign_file(tmp_path, text), tmp_path / "out")

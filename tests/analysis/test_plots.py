@@ -283,7 +283,8 @@ def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
     assert figure.axes[0].get_position().height * figure.get_figheight() > 2.5
 
 
-@pytest.mark.parametrize("finest", [pytest.param(14, marks=pytest.mark.long), 20])
+@pytest.mark.long
+@pytest.mark.parametrize("finest", [14, 20])
 def test_the_levels_of_a_limit_can_be_read(campaign, finest):
     limited = (campaign["limit"] == "eps_f").values
     levels = np.where(limited, 0.0, 1 / campaign["eps_f"])

@@ -174,6 +174,7 @@ def test_a_load_in_a_legend_has_four_digits(dragged):
     assert legend.get_texts()[0].get_text() == r"$\bar{p}^* = 0.01229$"
 
 
+@pytest.mark.long
 def test_the_energy_of_a_path_has_one_prefix_in_all_panels(tmp_path):
     campaign = {"name": "lost", "seed": 1, "realisations": 3, "scene": SCENE, "reference": GRID | {"eps_f": 1 / 4}}
     campaign |= {"grid": {"hurst": [0.3, 0.8]}, "path": [{"sliding": 4e-8}, {"sliding": 0.0}]}

@@ -51,7 +51,7 @@ def test_pressures_of_a_paraboloid_are_those_of_hertz():
     assert float(found["perimeter"]) == pytest.approx(2.0 * np.pi * a, rel=0.02)
 
 
-@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("axis", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_ridges_have_the_pressures_and_gaps_of_westergaard(axis):
     n, amplitude, load = 256, 0.01, 0.3 * np.pi * 0.01
     dataset = pressed(wave(n, amplitude, axis), load)

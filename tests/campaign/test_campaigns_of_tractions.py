@@ -55,6 +55,7 @@ def test_a_realisation_has_the_numbers_of_solve(wave, tmp_path, scene, more):
     assert_as_solved(found, 0, 1, scene | {"boundary": wave}, more | {"discretisation": REFERENCE})
 
 
+@pytest.mark.long
 def test_a_file_is_found_next_to_the_campaign_and_by_whoever_resumes_it(wave, tmp_path):
     campaign = of({"normal_traction": "wave.npy"}, grid={"hurst": [0.3, 0.8]})
     (tmp_path / "tractions.yaml").write_text(yaml.safe_dump(campaign))

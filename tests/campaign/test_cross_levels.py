@@ -69,6 +69,7 @@ def test_a_cross_case_is_on_no_axis(crossed):
     assert panels == ["Continuum limit", "Fractal limit"]
 
 
+@pytest.mark.long
 def test_a_campaign_with_nothing_but_cross_levels_shows_its_means(tmp_path):
     text = SMALL.replace("eps_c: [1/2, 1/4, 1/8], eps_f: [1/8, 1/16, 1/32]", CROSS)
     path = campaign(tmp_path, text, **{"realisations: 6": "realisations: 2"})

@@ -144,6 +144,7 @@ def test_tension_that_falls_because_the_punch_comes_back_is_no_pull_off(tmp_path
     assert found["pull_off_pressure"].isnull().all()
 
 
+@pytest.mark.long
 def test_a_path_resumes_with_one_digest(tmp_path):
     short = DRAGGED | {"realisations": 1, "path": DRAGGED["path"][:1]}
     whole = gfmd_numba.run(short, tmp_path / "whole")

@@ -75,6 +75,7 @@ def test_fewer_realisations_solve_nothing(tmp_path, ran, begun, solved):
     assert (verdict.sound, verdict.missing, verdict.foreign) == (2, 0, [])
 
 
+@pytest.mark.long
 def test_a_surplus_shard_is_not_foreign(tmp_path, begun):
     """A damaged one is not used, so nothing computes it again."""
     gfmd_numba.run(realisations(tmp_path, 6), begun)
@@ -85,6 +86,7 @@ def test_a_surplus_shard_is_not_foreign(tmp_path, begun):
     assert (verify(begun).sound, verify(begun).damaged, verify(begun).foreign) == (3, [], [surplus.stem])
 
 
+@pytest.mark.long
 def test_a_damaged_old_shard_is_computed_again(tmp_path, ran, begun):
     next(begun.glob("shards/*.shard")).write_bytes(b"")
     more = gfmd_numba.run(realisations(tmp_path, 6), begun)

@@ -158,7 +158,7 @@ NOTED = {"small.nc": "`gfmd collect", "run.json": "it is not used", "rounds.json
 
 
 @pytest.mark.parametrize("damage", [flipped, *(pytest.param(each, marks=pytest.mark.long) for each in (cut, another))])
-@pytest.mark.parametrize("name", ["rounds.json", ".gfmd-campaign", "small.nc"])
+@pytest.mark.parametrize("name", [pytest.param("rounds.json", marks=pytest.mark.long), ".gfmd-campaign", "small.nc"])
 def test_verify_finds_whatever_file_is_not_as_it_was_left(ran, name, damage):
     """One flipped bit of the mark locked its owner out, and `verify` called all sound."""
     out = ran

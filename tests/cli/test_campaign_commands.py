@@ -46,6 +46,7 @@ def test_a_fit_is_written_and_printed(results, tmp_path):
         np.testing.assert_array_equal(table[f"{name} (1)"], fitted[name])
 
 
+@pytest.mark.long
 def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, monkeypatch, undrawn):
     monkeypatch.chdir(tmp_path)
     first = gfmd("run", campaign(tmp_path, TINY), "--workers=0")

@@ -53,11 +53,12 @@ def test_bad_input_exits_with_2_though_nobody_can_be_told(tmp_path, stream):
     assert done.stderr == ""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param("run tiny.yaml -o out --workers 0", marks=pytest.mark.long),
-        pytest.param("solve scene.yaml -o out.nc", marks=pytest.mark.long),
+        "run tiny.yaml -o out --workers 0",
+        "solve scene.yaml -o out.nc",
         "check scene.yaml",
     ],
 )

@@ -119,6 +119,7 @@ def test_a_page_needs_no_other_file(page_of, name):
     assert "reloads itself" not in read.text
 
 
+@pytest.mark.long
 def test_a_phone_has_pictures_of_one_column(results_in, tmp_path, monkeypatch):
     def png(figure, dots=None):
         return base64.b64encode(f"{figure.get_figwidth():.1f} inches".encode()).decode()

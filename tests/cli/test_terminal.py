@@ -58,6 +58,7 @@ verify small
 """
 LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
 RARE = ("accuracy", "doctor", "plan campaign.yaml --target", "statistics map", "curve one.yaml --loads 1e-3:1:2 --real")
+RARE += ("curve broken", "leakage map", "run broken", "conductance steps")
 
 
 @pytest.fixture(scope="module")

@@ -165,6 +165,7 @@ def test_a_campaign_over_anisotropies_names_them(tmp_path):
     assert along_x > 4.0 * along_y
 
 
+@pytest.mark.long
 def test_isotropic_results_have_no_such_coordinate_and_are_fitted_and_paired(tmp_path):
     path = campaign(tmp_path, CAMPAIGN, **{"anisotropy: [1, 4]": "reduced_pressure: [0.02, 0.05]"})
     dataset = run(path, output=tmp_path / "out", workers=0)

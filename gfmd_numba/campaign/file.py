@@ -35,6 +35,7 @@ from gfmd_numba.scene.measured_record import Measured
 from gfmd_numba.scene.quantities import RECORD, SEED, Seed, broken_rule, check_scales
 from gfmd_numba.scene.records import Discretisation, Numerics, Scene, check_waves
 from gfmd_numba.scene.scene_file import located as located_files
+from gfmd_numba.scene.scene_file import refuse_other_kinds
 from gfmd_numba.scene.surfaces import Random
 from gfmd_numba.scene.units import TIME
 from gfmd_numba.text.input_error import ABSENT, InputError
@@ -231,12 +232,9 @@ def load_campaign(source: Source | Campaign, target: Mapping[str, float] | None 
 
     A `target` replaces that of the file. If the run chooses the levels, the campaign has those that it begins with.
     """
-    document = document_of(
-        source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source, "campaign"
-    )
+    document = _document(source)
     if document.path is not None:
         document = replace(document, home=home_of(document.path))
-    document = _with_a_file(document)
     changed: Any = document.data
     if target is not None and isinstance(changed, Mapping):
         changed = {**changed, "target": dict(target)}
@@ -308,8 +306,7 @@ def fitted_variable(source: Source) -> str:
 
 def target_of_run(source: Source | Campaign) -> dict[str, float] | None:
     """Return the target of a campaign whose run chooses the realisations; None for another. Raises InputError."""
-    data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
-    campaign = documents.validate(_with_a_file(document_of(data, "campaign")), Campaign)
+    campaign = documents.validate(_document(source), Campaign)
     return None if "realisations" in campaign.model_fields_set else campaign.target
 
 
@@ -355,6 +352,17 @@ def check_scene(document: Document, campaign: Campaign, scene: Scene) -> None:
         check_where(document, scene, "limits", campaign.numerics)
     if "eps_t" in campaign.limits.varied:
         check_where(document, scene, "thermodynamic limit", campaign.numerics)
+
+
+def _document(source: Source | Campaign) -> Document:
+    """Return the document of a campaign. The first file of the grid is in the scene, if the grid alone names files.
+
+    Raises InputError for the file of a scene or a surface.
+    """
+    data = source.model_dump(exclude_unset=True) if isinstance(source, Campaign) else source
+    document = document_of(data, "campaign")
+    refuse_other_kinds(document)
+    return _with_a_file(document)
 
 
 def _with_a_file(document: Document) -> Document:

@@ -31,6 +31,7 @@ _AS_SENTENCES = (  # what click says of a value, and what gfmd says
         r"you gave \1, which does not exist; gfmd needs a path that does",
     ),
     (r"(?:File|Path) '(.*)' is a directory\.", r"you gave \1, which is a directory; gfmd needs a file"),
+    (r"Directory '(.*)' is a file\.", r"you gave \1, which is a file; gfmd needs a directory"),
     (r"(?:File|Path|Directory) '(.*)' is not (read|writ)able\.", r"you may not \2e \1; gfmd needs a path that you may"),
     (r"('.*') is not one of (.*)\.", r"you gave \1; gfmd allows one of \2"),
     (r"('.*') is not a valid (?:integer|float|integer range|float range)\.", r"you gave \1; gfmd allows a number"),

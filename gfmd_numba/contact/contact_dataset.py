@@ -514,7 +514,7 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
     sentences = given.implausible
     if given.bodies:
         sentences += given.doubts
-        warned = rough_body_warnings(given.bodies, file.slope_order, scene.ends, dataset, "normal_displacement")
+        warned = rough_body_warnings(given.bodies, file.slope_order, scene.ends, dataset)
         sentences += [sentence for _, sentence in warned]
         dataset.attrs["processing"] = given.processing
     dataset.attrs["validity"] = "\n".join(filter(None, sentences))

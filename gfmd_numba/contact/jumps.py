@@ -88,11 +88,11 @@ class _Point:
 
     @property
     def adhesion(self) -> float:
-        """Work of adhesion that the surfaces have gained: where they touch, unless the law itself keeps them apart."""
+        """Work of adhesion that the surfaces have gained: where they touch, or if they touch nowhere across the gap."""
         laws, found = self.problem.interface, self.contact.equilibrium
         if laws.normal_law is not None:
             touching = float(laws.normal_law.energy(np.zeros(1))[0])
-            if not laws.hard_wall or touching > 0.0:
+            if not laws.hard_wall or touching > 0.0 or not found.touching.any():
                 return float(-np.minimum(laws.normal_law.energy(gap(self.contact)), 0.0).mean())
             return -touching * float(found.touching.mean())
         assert laws.cohesive is not None  # as is_followed says
@@ -169,7 +169,7 @@ def _advance(
     if divisions == _DIVISIONS:
         curved = _CURVED * 0.5 * abs(least + most)
     negligible = _LOST * max(start.adhesion, end.adhesion)
-    jumps = least - gained > (negligible or np.inf)  # surfaces that do not touch attract without a jump
+    jumps = least - gained > (negligible or np.inf)
     if contact.equilibrium.status[0] != Status.ok or not (jumps or abs(lost) > max(negligible, curved)):
         return end, [Followed(lost + yielded, np.nan, yielded=yielded)]
     halfway = start.problem.step.towards(problem.step, 0.5)

@@ -44,6 +44,7 @@ FEW_NODES = "the grid has too few nodes for the contact"
 _A_NODE = 1.5  # width in nodes of what is hardly more than single ones
 _UNKNOWN_EDGES = 0.05  # of the contact area
 _HIGHEST_ORDER = 3
+_NORMAL_DISPLACEMENTS = ("displacement", "counter_body_displacement", "normal_displacement")
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
 
@@ -487,16 +488,9 @@ def _overlap(given: ContactInput, found: Found) -> Iterator[Told]:
 
 
 def rough_body_warnings(
-    bodies: tuple[RoughBody, ...],
-    order: int,
-    ends: tuple[bool, ...],
-    found: xr.Dataset,
-    displacement: str = "displacement",
+    bodies: tuple[RoughBody, ...], order: int, ends: tuple[bool, ...], found: xr.Dataset
 ) -> Iterator[Told]:
-    """Yield warnings about slopes above the thesis's limit and about films at order 0.
-
-    Along (y,) x bodies may end. `displacement` names the normal one in the dataset that was found.
-    """
+    """Yield warnings about slopes above the thesis's limit and about films at order 0. Along (y,) x bodies may end."""
     steepest = max(float(statistics.rms_gradient(body.heights, (1.0,) * len(ends), ends)) for body in bodies)
     steep = f"a deformable surface has an rms gradient of {steepest:.3g}, above {STEEPEST:g}"
     if steepest > STEEPEST and "next_order" not in found:
@@ -507,7 +501,8 @@ def rough_body_warnings(
         )
     elif steepest > STEEPEST:
         error, unit = float(found["next_order"].max()), found["next_order"].units
-        sizes = abs(found[displacement]).max([dim for dim in found[displacement].dims if dim != "step"])
+        moved = [found[name] for name in _NORMAL_DISPLACEMENTS if name in found]
+        sizes = abs(xr.concat(moved, "body")).max(["body", *(dim for dim in moved[0].dims if dim != "step")])
         largest = float(sizes.max()) or 1.0
         off = f"{error:.1e} {'L_x' if unit == '1' else unit}, {error / largest:.2g} times the largest displacement"
         more = f"; numerics: {{topography_order: {order + 1}}} includes it" if 0 < order < _HIGHEST_ORDER else ""

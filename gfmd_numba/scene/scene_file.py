@@ -11,12 +11,13 @@ from gfmd_numba.scene.checks import arrays_of, check_anisotropy_fits, check_disc
 from gfmd_numba.scene.document import Document, Location, Source, document_of, existing_file, validate
 from gfmd_numba.scene.quantities import FILES
 from gfmd_numba.scene.records import Boundary, Discretisation, Scene, SceneFile
-from gfmd_numba.text.input_error import InputError
+from gfmd_numba.text.input_error import ABSENT, InputError
 
 Record = TypeVar("Record", bound=BaseModel)
 
 _TOP_LEVEL = set(SceneFile.model_fields)
 _OF_CAMPAIGNS = ("realisations", "reference", "limits", "grid", "fit", "target")
+_TAKERS = {"surface": "gfmd surface takes", "scene": "gfmd solve and gfmd curve take"}
 
 
 def load_scene(source: Source | SceneFile, heights: Any = None) -> tuple[SceneFile, Document]:
@@ -30,11 +31,28 @@ def load_scene(source: Source | SceneFile, heights: Any = None) -> tuple[SceneFi
         document = Document(None, "", source.model_dump())
         return _checked(source, document), document
     document = _nested(document_of(source, "scene"))
+    if document.value(("scene",)) is ABSENT:
+        _refuse_kind(document, ("surface",), "surface", "scene")
     campaign = [key for key in _OF_CAMPAIGNS if isinstance(document.data, dict) and key in document.data]
     if len(campaign) > 1:  # one alone may be a slip
         allowed = "the keys of a scene; gfmd run and gfmd plan take a campaign"
         raise InputError(document.line((campaign[0],), "a key of campaigns", allowed, of_key=True))
     return _checked(validate(document, SceneFile), document), document
+
+
+def refuse_other_kinds(document: Document) -> None:
+    """Raise InputError for the file of a scene or of a surface where a campaign is asked for."""
+    if all(document.value((key,)) is ABSENT for key in ("name", *_OF_CAMPAIGNS)):
+        _refuse_kind(document, ("surface",), "surface", "campaign")
+        _refuse_kind(document, ("scene", "body"), "scene", "campaign")
+
+
+def _refuse_kind(document: Document, keys: tuple[str, ...], kind: str, asked: str) -> None:
+    """Raise InputError if the document has one of these keys, which tell its kind."""
+    for key in keys:
+        if document.value((key,)) is not ABSENT:
+            allowed = f"the keys of a {asked}; {_TAKERS[kind]} a {kind}"
+            raise InputError(document.line((key,), f"a {kind}", allowed, of_key=True))
 
 
 def _with_heights(source: Source | SceneFile, heights: Any) -> Document:

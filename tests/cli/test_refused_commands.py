@@ -93,6 +93,25 @@ def test_a_campaign_is_no_scene_and_says_what_takes_it(tmp_path):
     assert message.count("you gave") == 1
 
 
+@pytest.mark.parametrize("command", ["run", "plan", "accuracy"])
+@pytest.mark.parametrize("scene", [SCENE, "body: {poissons_ratio: 0.3}\ninterface: {hard_wall: {}}\n"])
+def test_a_scene_is_no_campaign_and_says_what_takes_it(command, scene, tmp_path):
+    (tmp_path / "s.yaml").write_text(scene)
+    message = refused(command, tmp_path / "s.yaml")
+    assert "you gave a scene; gfmd allows the keys of a campaign; gfmd solve and gfmd curve take a scene" in message
+    assert message.count("you gave") == 1
+
+
+@pytest.mark.parametrize("command", ["run", "plan", "solve", "curve"])
+def test_a_surface_is_no_scene_and_no_campaign_and_says_what_takes_it(command, tmp_path):
+    (tmp_path / "s.yaml").write_text("surface: {method: psd, hurst: 0.8, rms_height: 1e-3, points: 64}\n")
+    options = {"solve": ("-o", tmp_path / "c.nc"), "curve": ("--loads", "1,2", "-o", tmp_path / "c.nc")}
+    message = refused(command, tmp_path / "s.yaml", *options.get(command, ()))
+    kind = "a scene" if command in options else "a campaign"
+    assert f"s.yaml:1:1: surface: you gave a surface; gfmd allows the keys of {kind}; gfmd surface takes" in message
+    assert message.count("you gave") == 1
+
+
 @pytest.mark.parametrize("option", [("--variable", "kappa"), ("--exponents", "shared"), ("--fixed", "eps_c=1")])
 def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, option):
     message = refused("plot", contact, *option, "-o", tmp_path / "contact.png")
@@ -113,6 +132,7 @@ def test_a_picture_without_a_fit_takes_no_options_of_one(contact, tmp_path, opti
         (["fit"], "gfmd: missing argument 'RESULTS'; `gfmd fit --help` says what it takes"),
         (["fit", "none.nc"], "gfmd: RESULTS: you gave none.nc, which does not exist; gfmd needs a path that does"),
         (["solve", ".", "-o", "a.nc"], "gfmd: FILE: you gave ., which is a directory; gfmd needs a file"),
+        (["status", __file__], f"gfmd: DIRECTORY: you gave {__file__}, which is a file; gfmd needs a directory"),
         (["run", "a.yaml", "--workers=x"], "gfmd: --workers: you gave 'x'; gfmd allows a number"),
         (["run", "a.yaml", "--limit=0"], "gfmd: --limit: you gave 0; gfmd allows x>=1"),
         (

@@ -45,6 +45,21 @@ def test_jumps_of_a_flat_punch_are_those_of_the_closed_form_however_long_the_ste
     np.testing.assert_allclose(found["stability"].values[loose], expected, atol=1e-4)
 
 
+def test_jumps_from_gap_to_gap_are_located_where_no_node_ever_touches(tmp_path):
+    """A Maugis-Dugdale traction stretches the slab by two fifths of its range, and is all at once gone, or there."""
+    body, taper = slab_stiffness.uniform(0.3, 0.1), 0.2
+    work, stretched = 0.4 * body * LENGTH**2, 0.4 * LENGTH
+    pull_off, jump_in = -(1.0 - taper / 2) * LENGTH - stretched, -(1.0 + taper / 2) * LENGTH
+    law = {"work_of_adhesion": work, "range": LENGTH, "taper": taper}
+    path = [-0.5 * LENGTH, -2.0 * LENGTH, -0.5 * LENGTH]
+    found = nearly_flat(tmp_path, path[1:], path[0], hard_wall={}, maugis_dugdale=law)
+    assert (found["contact_area_fraction_counted"] == 0).all()
+    np.testing.assert_allclose(found["jump_displacement"].values[1:], [pull_off, jump_in], atol=1e-3 * LENGTH)
+    # the stretched slab less what the law still pulls while it fades; or the law's work less the slab's
+    np.testing.assert_allclose(found["energy_lost"].values[1:], 0.1 * work, rtol=0.01)
+    assert "without a jump" not in found.validity
+
+
 def _apart(position, body):
     """Displacement of the slab at which it balances the law, off the punch at a height above it."""
     u = 0.0

@@ -156,3 +156,12 @@ def test_fields_of_a_body_that_is_not_there_are_refused():
     contact = gfmd_numba.solve(scene(body=rough()))
     with pytest.raises(InputError, match=r"body: you gave 'counter_body'; gfmd allows 'body'"):
         gfmd_numba.body_fields(contact, body="counter_body")
+
+
+@pytest.mark.filterwarnings("ignore:a deformable surface")
+def test_the_next_order_is_told_next_to_the_largest_displacement_of_any_body():
+    soft, stiff = rough(rms_gradient=0.1), {**BODY, "youngs_modulus": 1e3}
+    for one, other in ((soft, stiff), (stiff, soft)):
+        found = gfmd_numba.solve(scene(order=0, body=one, counter_body=other, loading={"pressure": 2e-3}))
+        largest = max(abs(found[name]).max() for name in ("displacement", "counter_body_displacement"))
+        assert f", {float(found.next_order / largest):.2g} times the largest displacement" in found.validity

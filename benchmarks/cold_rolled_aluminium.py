@@ -7,9 +7,9 @@ import sys
 
 import numpy as np
 from matplotlib.figure import Figure
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.roughness import model_surfaces, statistics
-from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 RMS_HEIGHT, ROLL_OFF, SURFACES = 0.3, 50.0, 200  # um, um
 # L_x, points, lambda_s, longest wavelength (um); 50: no waves beyond the roll-off in place of a plateau

@@ -10,9 +10,10 @@ import sys
 import numpy as np
 from matplotlib.figure import Figure
 from scipy.stats import kstest, norm, normaltest, skew, zscore
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.roughness import model_surfaces
-from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum, SelfAffineSpectrum
+from gfmd_numba.roughness.spectra import ExponentialSpectrum, KCorrelationSpectrum
 
 DISTANCE, SURFACES, PER_LENGTH = 0.02, 200, 64
 RATIOS = (25, 50, 100, 200, 400, 800)

@@ -20,7 +20,7 @@ from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.elasticity.plasticity import PlasticSublayers
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.kernels import Hardening
@@ -56,7 +56,7 @@ def first_yield(forms=("ball", "cylinder")):
         a, nodes, depth = (0.05, 256, 0.06) if is_ball else (0.004, 8192, 0.008)
         p0 = 2.0 * a / np.pi if is_ball else 0.5 * a
         load = 2.0 / 3.0 * np.pi * a**2 * p0 if is_ball else 0.5 * np.pi * a * p0
-        plasticity = Plasticity(Hardening(1.0), depth, 24 if is_ball else 48, 1)
+        plasticity = PlasticSublayers(Hardening(1.0), depth, 24 if is_ball else 48, 1)
         found = pressed(parabola(nodes, 2 if is_ball else 1), [load], plasticity)[0]
         told = p0 / plastic_measures.largest_von_mises(found)[0]
         known = "1.60" if is_ball else "von Mises, nu = 0.3: 3.1 k = 1.79"
@@ -84,7 +84,7 @@ def hardness(nodes=64):
         stress = a / ratio
         load = 2.8 * stress * np.pi * a**2
         steps = list(load * np.linspace(0.1, 1.0, 10))
-        found = pressed(parabola(nodes, 2), steps, Plasticity(Hardening(stress), 0.35, 24, 1))[-1]
+        found = pressed(parabola(nodes, 2), steps, PlasticSublayers(Hardening(stress), 0.35, 24, 1))[-1]
         area = float(evaluation.contact_area_fraction(found)[0])
         expected, approach = of_kogut_and_etsion(load, stress)
         print(
@@ -102,7 +102,9 @@ def residual():
         p0 = 2.0 * a / np.pi if dimension == 2 else 0.5 * a
         load = p0 * (2.0 / 3.0 * np.pi * a**2 if dimension == 2 else 0.5 * np.pi * a)
         loads = [*load * np.linspace(0.1, 1.0, 10), 1e-6 * load]
-        *_, loaded, free = pressed(parabola(nodes, dimension), loads, Plasticity(Hardening(p0 / ratio), 0.25, 32, 1))
+        *_, loaded, free = pressed(
+            parabola(nodes, dimension), loads, PlasticSublayers(Hardening(p0 / ratio), 0.25, 32, 1)
+        )
         flow, (_, along) = plastic_measures.flow_of(free), plastic_measures.stresses(free)
         middle = nodes // 2
         along, flowed = (each[:, -1 if dimension == 1 else middle, middle] for each in (along, flow.equivalent))
@@ -141,7 +143,7 @@ def elements(
         punch = amplitude * (1.0 - np.cos(2.0 * np.pi * (body.x - middle)))
         steps = [body.step(punch - depth * amplitude) for depth in (0.125, 0.25, 0.375, 0.5)]
         loads = [float((body._lengths() * p).sum()) for p in steps]
-        found = pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, 64, 1))[-1]
+        found = pressed(heights, loads, PlasticSublayers(Hardening(stress, slope), 0.2, 64, 1))[-1]
         flow, p = plastic_measures.flow_of(found), found.equilibrium.pressure[0]
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         spread = [
@@ -161,7 +163,7 @@ def elements(
     for nodes, sublayers in grids:
         heights = amplitude * np.cos(2.0 * np.pi * (np.arange(nodes) / nodes - 0.5))
         flow = plastic_measures.flow_of(
-            pressed(heights, loads, Plasticity(Hardening(stress, slope), 0.2, sublayers, 1))[-1]
+            pressed(heights, loads, PlasticSublayers(Hardening(stress, slope), 0.2, sublayers, 1))[-1]
         )
         volume = flow.body.waves.thickness @ flow.equivalent.mean(axis=(1, 2))
         print(f"{nodes} nodes, {sublayers} sublayers: integral of the plastic strain {volume:.5e}", flush=True)
@@ -227,9 +229,9 @@ def tamaas(interpreter, grids=((32, 16), (64, 32), (128, 64))):
     a, depth = 0.15, 0.3
     p0 = 2.0 * a / np.pi
     load, hardening = 2.0 / 3.0 * np.pi * a**2 * p0, Hardening(p0 / 2.5, 0.02)
-    pressed(parabola(32, 2), [load], Plasticity(hardening, depth, 16, 1))  # compiles kernels, or loads them
+    pressed(parabola(32, 2), [load], PlasticSublayers(hardening, depth, 16, 1))  # compiles kernels, or loads them
     for nodes, nz in grids:
-        beside_tamaas(interpreter, parabola(nodes, 2), load, Plasticity(hardening, depth, nz, 1))
+        beside_tamaas(interpreter, parabola(nodes, 2), load, PlasticSublayers(hardening, depth, nz, 1))
 
 
 def random_scene(rng):
@@ -250,7 +252,7 @@ def random_scene(rng):
     rise = float(rng.choice([0.0, 0.5])) * stress
     hardening = Hardening(stress, float(rng.choice([0.0, 0.01, 0.3])), rise, 0.5 if rise else np.inf)
     depth = None if rng.random() < 0.7 else float(rng.uniform(0.02, 0.5))
-    return heights, loads, Plasticity(hardening, depth, int(rng.integers(6, 25)), 1), nu
+    return heights, loads, PlasticSublayers(hardening, depth, int(rng.integers(6, 25)), 1), nu
 
 
 def violations(contacts, heights, loads, plasticity):
@@ -265,7 +267,8 @@ def violations(contacts, heights, loads, plasticity):
         flow.body.surface_displacement(flow.strain)
         stress = 2.0 * flow.body.shear * (flow.body.strains(p.reshape(flow.body.shape)) - flow.strain)
         added, size = flow.strain - before, plastic_measures.equivalent(stress)
-        bears = plasticity.hardening.at(flow.equivalent)
+        law, e = plasticity.hardening, flow.equivalent
+        bears = law.stress + law.slope * e - law.rise * np.expm1(-e / law.strain)
         worst["yield"] = max(worst["yield"], float((size - bears).max()) / plasticity.hardening.stress)
         flows = plastic_measures.equivalent(added) / 1.5
         rest = added - 1.5 * flows * stress / np.maximum(size, 1e-300)

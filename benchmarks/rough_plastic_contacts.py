@@ -16,7 +16,7 @@ from scipy.optimize import curve_fit
 from gfmd_numba.analysis.channels import sizes
 from gfmd_numba.arrays.regions import regions
 from gfmd_numba.contact import evaluation, plastic_measures
-from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.elasticity.plasticity import PlasticSublayers
 from gfmd_numba.fourier import grid
 from gfmd_numba.kernels import Hardening
 
@@ -52,7 +52,7 @@ def measured(heights, hardening, nu=0.3):
     once the largest load is taken off.
     """
     up = [area * formula(hardening.stress, 2.9, 1.7) for area in AREAS]
-    *loaded, free = pressed(heights, [*up, 1e-3 * up[-1]], Plasticity(hardening, None, 12, 1), nu)
+    *loaded, free = pressed(heights, [*up, 1e-3 * up[-1]], PlasticSublayers(hardening, None, 12, 1), nu)
     rows = []
     for load, found in zip(up, loaded, strict=True):
         assert found.equilibrium.status[0] == 0
@@ -130,7 +130,7 @@ def tamaas(interpreter):
         for stress in (0.5, 0.3):
             load, plasticity = (
                 0.08 * formula(stress, 2.9, 1.7),
-                Plasticity(Hardening(stress, stress), 0.1, sublayers, 1),
+                PlasticSublayers(Hardening(stress, stress), 0.1, sublayers, 1),
             )
             heights = surface(0, GRIDS[0])[:: GRIDS[0] // nodes, :: GRIDS[0] // nodes]
             print(f"Y = {stress} g E*, hardening as much:", end=" ")

@@ -9,13 +9,14 @@ from functools import partial
 
 import numpy as np
 from matplotlib.figure import Figure
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.elasticity import stiffness
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import model_surfaces, self_affine, statistics
 from gfmd_numba.roughness.recursive import Recursion
-from gfmd_numba.roughness.spectra import ExponentialSpectrum, SelfAffineSpectrum
+from gfmd_numba.roughness.spectra import ExponentialSpectrum
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
 

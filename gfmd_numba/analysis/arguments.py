@@ -4,7 +4,7 @@ import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache, cached_property, wraps
+from functools import cache, wraps
 from typing import Annotated, Any, Literal, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
 import numpy as np
@@ -18,6 +18,8 @@ Result = TypeVar("Result")
 
 _STEEPEST = 100  # exponent: beyond, powers of eps underflow
 
+_STRICT = ConfigDict(strict=True, allow_inf_nan=False)
+
 
 @dataclass(frozen=True, eq=False)
 class Kind:
@@ -26,14 +28,10 @@ class Kind:
     type: Any
     allowed: str
 
-    @cached_property
-    def _adapter(self) -> TypeAdapter[Any]:
-        return TypeAdapter(self.type, config=ConfigDict(strict=True, allow_inf_nan=False))
-
     def checked(self, given: object, argument: str) -> Any:
         """Return a value of this type; InputError for any other."""
         try:
-            return self._adapter.validate_python(given)
+            return TypeAdapter(self.type, config=_STRICT).validate_python(given)
         except ValidationError:
             raise InputError.of(argument, brief(given), self.allowed) from None
 
@@ -61,7 +59,6 @@ _FIXED = (
     f"a mapping of {_NAMES} to exponents above 0 and up to {_STEEPEST}, or to ranges of them as (low, high), like "
     "{'eps_c': 1.0, 'eps_f': (0.5, 1.0)}"
 )
-
 
 Limit = Annotated[str, Kind(_Limit, _NAMES)]
 Variable = Annotated[str, Kind(str, "the name of a variable of the dataset, like 'kappa'")]

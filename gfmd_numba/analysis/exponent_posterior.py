@@ -227,7 +227,7 @@ _NEGLIGIBLE = 1e-9  # of the weight of all nodes: the lightest that weigh less t
 
 
 @dataclass(frozen=True)
-class Choice:
+class ChoiceOfLaws:
     """One choice of laws: nodes in their parameters, the logarithms of the nodes' weights, and each group's fits."""
 
     laws: Laws
@@ -243,7 +243,7 @@ class Choice:
         return [linear(each, self.laws, self.nodes, known) for each, known in zip(self.means, self.before, strict=True)]
 
 
-def weighed(means: Sequence[Means], laws: Laws) -> Choice:
+def weighed(means: Sequence[Means], laws: Laws) -> ChoiceOfLaws:
     """Return the fits of groups that share their laws' parameters, at nodes weighed by how well they fit."""
     parameters = tuple(parameter for law in laws.values() for parameter in law.parameters)
     before = [known_before(each, laws) for each in means]
@@ -268,10 +268,10 @@ def weighed(means: Sequence[Means], laws: Laws) -> Choice:
     order = np.argsort(log_weight)
     weight = np.exp(log_weight[order] - log_weight[order[-1]]).cumsum()
     counts = np.sort(order[weight >= _NEGLIGIBLE * weight[-1]])
-    return Choice(laws, parameters, nodes[counts], log_weight[counts], means, before)
+    return ChoiceOfLaws(laws, parameters, nodes[counts], log_weight[counts], means, before)
 
 
-def shares(choices: Sequence[Choice]) -> list[Reals]:
+def shares(choices: Sequence[ChoiceOfLaws]) -> list[Reals]:
     """Return the weights of the nodes of all choices, which add up to 1."""
     whole = scipy.special.logsumexp(np.concatenate([choice.log_weight for choice in choices]))
     return [np.exp(choice.log_weight - whole) for choice in choices]
@@ -312,7 +312,7 @@ def _narrowed(misfit: Reals, low: Reals, high: Reals, ends: Reals) -> tuple[Real
     return tuple(wide) if cut else tuple(narrow)
 
 
-def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> Reals:
+def along(choice: ChoiceOfLaws, index: int, means: Means, limit: str, eps: Reals) -> Reals:
     """Return the fits (node, level) of a group at levels of one limit, the others at the reference."""
     found = excess(choice.laws, limit, np.append(eps, means.reference[limit]), choice.nodes)
     ratio = found[:, :-1] / found[:, -1:]
@@ -324,7 +324,7 @@ def along(choice: Choice, index: int, means: Means, limit: str, eps: Reals) -> R
     return np.asarray(coefficients.sum(axis=1, keepdims=True) + there - here)
 
 
-def linearised(means: Means, choice: Choice) -> tuple[Reals, Reals, Reals, float]:
+def linearised(means: Means, choice: ChoiceOfLaws) -> tuple[Reals, Reals, Reals, float]:
     """Return a choice of laws as a linear fit about its mean parameters, with the TFC limit there.
 
     The columns (case, coefficient), their derivatives (case, parameter) to the positions of the parameters in their

@@ -27,7 +27,7 @@ import xarray as xr
 
 from gfmd_numba.analysis import limit_errors
 from gfmd_numba.analysis.arguments import Exponents, Fixed, Flag, Variable, checked
-from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Linear, Means, along, shares, weighed
+from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Linear, Means, along, shares, weighed
 from gfmd_numba.analysis.fit_dataset import N_PARAMETERS, PAIRS, SOURCES, STEPS, GroupFit, fit_dataset, named
 from gfmd_numba.analysis.forms import CAMPAIGN
 from gfmd_numba.analysis.gauss_markov import excess_misfit, means_of
@@ -159,7 +159,7 @@ class _Weighed:
 
     groups: Sequence[Group]
     means: list[Means]
-    choices: list[Choice]
+    choices: list[ChoiceOfLaws]
     share: list[Reals]
     excess: float
 
@@ -277,7 +277,7 @@ def _notes(
     ]
 
 
-def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[Reals]) -> list[str]:
+def _by_law(index: int, group: Group, found: Sequence[ChoiceOfLaws], share: Sequence[Reals]) -> list[str]:
     """Return a line with the limit by each law of eps_f, where there are several."""
     if len(found) == 1:
         return []
@@ -295,7 +295,7 @@ def _by_law(index: int, group: Group, found: Sequence[Choice], share: Sequence[R
 _NAMED = {POWER: "a power of eps_f", UNSEEN_SLOPE: "the law of the unseen slope"}
 
 
-def _curve(index: int, group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals]) -> GroupFit:
+def _curve(index: int, group: Group, means: Means, found: Sequence[ChoiceOfLaws], share: Sequence[Reals]) -> GroupFit:
     """Return levels (limit, step) and the fit there, other limits at the reference; nan where a limit is not varied."""
     eps, value = np.full((2, len(LIMITS), STEPS), np.nan)
     for name, levels in group.levels.items():
@@ -378,7 +378,7 @@ def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tu
 
 
 def _misfit(
-    group: Group, means: Means, found: Sequence[Choice], share: Sequence[Reals], index: int
+    group: Group, means: Means, found: Sequence[ChoiceOfLaws], share: Sequence[Reals], index: int
 ) -> tuple[float, float]:
     """Return the rms residual of a group's means, and chi^2 of the likeliest fit, nan of a single realisation."""
     best, node = max(

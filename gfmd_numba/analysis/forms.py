@@ -20,7 +20,7 @@ class UnusableDataError(InputError):
 
 
 @dataclass(frozen=True, eq=False)
-class Form:
+class DatasetForm:
     """What the datasets of a kind hold, by name: their dims, and what values they are; `*` stands for any text.
 
     A dim `[dim]` may be missing, `dim?` is there if the dataset has it, and `...` are any others. What is `needed` has
@@ -144,7 +144,7 @@ def _all(kind: str, *names: str) -> dict[str, str]:
     return dict.fromkeys(names, kind)
 
 
-CAMPAIGN = Form(
+CAMPAIGN = DatasetForm(
     "results of a campaign",
     "what a finished `gfmd run` leaves",
     {"case_id": "case texts", "is_reference": "case flags"},
@@ -166,15 +166,15 @@ CAMPAIGN = Form(
     least={"case": 1, "realisation": 1, "step": 1},
     axes_over="case",
 )
-LOADS = Form(
+LOADS = DatasetForm(
     "results of several loads",
     "a campaign's, or those of a path",
     {**_all("... numbers", "mean_pressure", "mean_gap"), "status": "... whole"},
     {**_all("... numbers", "reduced_pressure", "rms_height"), "height": "... x finite"},
 )
-CONTACT = Form("results of a contact", "what `gfmd solve` leaves of one", {})
-SOLVED = Form("results of a contact", "what `gfmd solve` leaves of one", {"x": "x rising"}, least={"x": 4})
-DRAWN_CONTACT = Form(
+CONTACT = DatasetForm("results of a contact", "what `gfmd solve` leaves of one", {})
+SOLVED = DatasetForm("results of a contact", "what `gfmd solve` leaves of one", {"x": "x rising"}, least={"x": 4})
+DRAWN_CONTACT = DatasetForm(
     "results of a contact",
     "what `gfmd solve` leaves of one",
     {"x": "x rising", **_all(_FIELD, "displacement", "gap", "pressure")},
@@ -188,7 +188,7 @@ DRAWN_CONTACT = Form(
     },
     least={"x": 4, "y": 4, "step": 1},
 )
-LOADED_BODY = Form(
+LOADED_BODY = DatasetForm(
     "loaded body",
     "what `gfmd solve` leaves of one",
     {"x": "x rising", **_all(_FIELD, "normal_displacement", "tangential_displacement")}
@@ -196,21 +196,21 @@ LOADED_BODY = Form(
     {"y": "y rising", **_all(_FIELD, "tangential_displacement_y", "tangential_traction_y", "body_height")},
     least={"x": 4, "y": 4},
 )
-FIELDS = Form(
+FIELDS = DatasetForm(
     "fields inside a body",
     "what `gfmd fields` leaves",
     {"x": "[x] rising", "z": "z finite", "von_mises": "step? z [y] [x] numbers", "pressure": "step? [y] [x] numbers"},
     {"y": "[y] rising", **_all("[step] finite", *_PRESCRIBED)},
     least={"x": 4, "y": 4, "z": 1, "step": 1},
 )
-LEAKAGE = Form(
+LEAKAGE = DatasetForm(
     "leakage of a contact",
     "what `gfmd leakage` leaves",
     {"x": "x rising", "direction": "direction texts", "local_flow": "[step] direction y? x finite"},
     {"y": "y rising", **_all("[step] finite", *_PRESCRIBED)},
     least={"x": 4, "y": 4, "step": 1, "direction": 2},
 )
-CONDUCTANCE = Form(
+CONDUCTANCE = DatasetForm(
     "conductance of a contact",
     "what `gfmd conductance` leaves",
     {"x": "x rising", "current_density": "[step] y? x finite"},
@@ -219,12 +219,12 @@ CONDUCTANCE = Form(
 )
 
 
-def _curve(name: str, option: str, over: str, own: str, attributes: tuple[str, ...] = ()) -> Form:
+def _curve(name: str, option: str, over: str, own: str, attributes: tuple[str, ...] = ()) -> DatasetForm:
     """Return the form of a curve over a dim, with a variable of its own."""
     variables = (own, "contact_area_fraction", "mean_gap", "peak_pressure")
     needed = {over: f"{over} finite", "n_realisations": f"{over} whole", **_all(f"{over} numbers", *variables)}
     others = _all(f"{over} numbers", "mean_pressure", "*_standard_error")
-    return Form(name, f"what `gfmd curve{option}` leaves", needed, others, attributes)
+    return DatasetForm(name, f"what `gfmd curve{option}` leaves", needed, others, attributes)
 
 
 CURVES = {  # by what they are over
@@ -232,7 +232,7 @@ CURVES = {  # by what they are over
     "time": _curve("creep curve", " --times", "time", "n_segments"),
     "speed": _curve("friction curve", " --speeds", "speed", "hysteretic_friction"),
 }
-FIT = Form(
+FIT = DatasetForm(
     "fit",
     "what `gfmd fit -o` leaves",
     {"fit_status": "group texts"},
@@ -241,7 +241,7 @@ FIT = Form(
     attributes=("variable", "omit_nyquist"),
     axes_over="group",
 )
-STATISTICS = Form(
+STATISTICS = DatasetForm(
     "statistics of a contact",
     "what `gfmd statistics` leaves",
     {"pressure_density": "... pressure finite", "gap_density": "... gap finite"}
@@ -255,7 +255,7 @@ STATISTICS = Form(
     | {"length": "length positive", "area": "area positive"},
     least={"pressure": 2, "gap": 2, "length": 1, "area": 1, "step": 1},
 )
-SURFACE = Form(
+SURFACE = DatasetForm(
     "surface",
     "what `gfmd surface` leaves",
     {"x": "x rising", "height": "y? x finite", "wavenumber": "wavenumber positive", "waves": "wavenumber positive"}
@@ -264,13 +264,13 @@ SURFACE = Form(
     {"y": "y rising", "spectral_density_theory": "wavenumber finite", "autocorrelation_theory": "distance finite"},
     least={"x": 2, "y": 2, "level": 2, "distance": 2, "wavenumber": 1},
 )
-ACCURACY = Form(
+ACCURACY = DatasetForm(
     "studies of accuracy",
     "what `gfmd accuracy` leaves",
     {**_all("point texts", "study", "curve"), **_all("point numbers", "setting", "error", "seconds", "failed")},
     {"variable": "point texts"} | _all("point numbers", "hysteresis_error", "pull_off_pressure_error", "next_order"),
 )
-ROUNDS = Form(
+ROUNDS = DatasetForm(
     "rounds until an error is reached",
     "what `gfmd run --until` leaves",
     _all("round [target] numbers", "round_error", "round_error_factor", "round_predicted_error")
@@ -278,7 +278,6 @@ ROUNDS = Form(
     {"round": "round whole", "target": "target texts"},
     attributes=("target",),
 )
-
 
 _INTERFACE = 1e-8  # of their depth, up to which two levels are the sides of an interface
 _FIELDS = ("height", "pressure", "gap", "relaxed_pressure")

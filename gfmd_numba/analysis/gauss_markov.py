@@ -15,7 +15,7 @@ import scipy  # its modules load with their first use
 from numpy.typing import NDArray
 
 from gfmd_numba.analysis import exponent_posterior
-from gfmd_numba.analysis.exponent_posterior import Choice, Means
+from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Means
 from gfmd_numba.analysis.selection import Group
 from gfmd_numba.arrays import Reals
 from gfmd_numba.theory.exponent_ranges import has_slope_law
@@ -198,7 +198,7 @@ def scatter_of(values: Reals) -> Reals | None:
     return scatter_of_means(values, covariance, of_means) + np.diag(unseen / present.sum(axis=0))
 
 
-def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[Choice]) -> float:
+def excess_misfit(groups: Sequence[Group], means: Sequence[Means], found: Sequence[ChoiceOfLaws]) -> float:
     """Return chi^2 of the best laws over what one in twenty campaigns would exceed by chance, at least 1.
 
     It is that of the means alone: coefficients other than expected are no misfit of a law. How it is distributed

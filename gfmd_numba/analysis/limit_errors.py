@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from gfmd_numba.analysis.exponent_posterior import Choice, Laws, Means, excess, known_before, linear
+from gfmd_numba.analysis.exponent_posterior import ChoiceOfLaws, Laws, Means, excess, known_before, linear
 from gfmd_numba.analysis.fit_dataset import PAIRS, SOURCES, in_the_limit, named
 from gfmd_numba.analysis.laws import BOUNDS, STEEPEST, UNSEEN_SLOPE, Given, choices
 from gfmd_numba.analysis.selection import FEWEST_STRETCHES, LIMITS, Group, fractions, is_light
@@ -98,7 +98,7 @@ def shortage(groups: Sequence[Group], choices: Sequence[Laws]) -> str:
     return ""
 
 
-def doubtful(groups: Sequence[Group], choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+def doubtful(groups: Sequence[Group], choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> dict[str, str]:
     """Return the free exponents that the data do not identify, and why."""
     doubt = {}
     for limit in LIMITS:
@@ -126,7 +126,7 @@ def _ends(values: Reals, share: Reals) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str]:
+def pressed(choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> dict[str, str]:
     """Return the limits whose exponent the data press against the low end of its range, and a line for each.
 
     Where another law is at least as likely, the error has the scatter between the two.
@@ -148,7 +148,7 @@ def pressed(choices: Sequence[Choice], shares: Sequence[Reals]) -> dict[str, str
     return lines
 
 
-def logarithmic(group: Group, choices: Sequence[Choice]) -> list[str]:
+def logarithmic(group: Group, choices: Sequence[ChoiceOfLaws]) -> list[str]:
     """Return a line for a power of eps_f where octaves add nearly as much slope each: exponents go as 2 - 2 H."""
     steep = "eps_f" in group.levels and group.parameters.get("hurst", 0.0) > STEEPEST
     if not steep or choices[0].laws["eps_f"].scales_limit:  # there is one law alone near H = 1
@@ -280,7 +280,7 @@ _COARSEST = {1: 1 / 128, 2: 1 / 32}
 _OF_A_LAYER, _MOST_OF_A_LAYER = 0.01, 0.3
 
 
-def distances(index: int, means: Means, choice: Choice) -> Reals:
+def distances(index: int, means: Means, choice: ChoiceOfLaws) -> Reals:
     """Return how far the fit at each limit's finest level is from its limit (node, limit), nan for limits not varied.
 
     The other discretisations are at the reference or in their limits, whichever is further.
@@ -311,7 +311,7 @@ def _was_measured(finest: Reals | float, dimension: int, load: Reals | float) ->
     return (np.asarray(finest) <= _COARSEST[dimension]) & ~is_light(load)
 
 
-def doubts(index: int, group: Group, means: Means, choice: Choice, at_an_end: Collection[str] = ()) -> Reals:
+def doubts(index: int, group: Group, means: Means, choice: ChoiceOfLaws, at_an_end: Collection[str] = ()) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
     It is the whole distance if data press an exponent against an end of its range, or if the limit of what has one sign
@@ -370,7 +370,7 @@ def expected_doubts(fitted: xr.Dataset, limit: str, finer: float, dimension: int
 
 
 def error_budget(
-    index: int, means: Means, choices: Sequence[Choice], shares: Sequence[Reals], residuals: Reals
+    index: int, means: Means, choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals], residuals: Reals
 ) -> Reals:
     """Return what each of `SOURCES` adds to the error of a group's TFC limit (source), nan for limits not varied.
 
@@ -413,7 +413,7 @@ def _variance(weight: Reals, value: Reals) -> float:
     return float(weight @ (value - weight @ value) ** 2)
 
 
-def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> float:
+def _main_effect(limit: str, choice: ChoiceOfLaws, share: Reals, value: Reals) -> float:
     """Return the variance of the mean of the TFC limit at given parameters of a limit's law."""
     mine = [index for index, parameter in enumerate(choice.parameters) if parameter.limit == limit]
     _, same = np.unique(choice.nodes[:, mine], axis=0, return_inverse=True)
@@ -423,7 +423,7 @@ def _main_effect(limit: str, choice: Choice, share: Reals, value: Reals) -> floa
     return float(weight @ (mean - (weight @ mean) / total) ** 2) if total > 0 else 0.0
 
 
-def _influence(index: int, choices: Sequence[Choice], shares: Sequence[Reals]) -> Reals:
+def _influence(index: int, choices: Sequence[ChoiceOfLaws], shares: Sequence[Reals]) -> Reals:
     """Return the derivative of the TFC limit to each mean (case): of the fits, and of the weights of the nodes."""
     weight = np.concatenate(shares)
     value, influence, pull = (

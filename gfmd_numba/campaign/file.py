@@ -400,10 +400,10 @@ def _measured(scene: Scene) -> dict[tuple[str, ...], Measured]:
 
 def written(record: BaseModel) -> str:
     """Return the YAML text of a record, from which an equal record is read."""
-    return yaml.dump(record.model_dump(exclude_unset=True), Dumper=_PlainDumper, sort_keys=False)
+    return yaml.dump(record.model_dump(exclude_unset=True), Dumper=_AliasFreeDumper, sort_keys=False)
 
 
-class _PlainDumper(yaml.SafeDumper):
+class _AliasFreeDumper(yaml.SafeDumper):
     """PyYAML's safe dumper without aliases, for the loader of documents."""
 
     def ignore_aliases(self, data: Any) -> bool:
@@ -416,5 +416,5 @@ def _text(dumper: yaml.SafeDumper, text: str) -> yaml.Node:
     return dumper.represent_scalar("tag:yaml.org,2002:str", text, style)
 
 
-_PlainDumper.add_representer(str, _text)
-_PlainDumper.add_multi_representer(float, lambda dumper, number: dumper.represent_float(float(number)))
+_AliasFreeDumper.add_representer(str, _text)
+_AliasFreeDumper.add_multi_representer(float, lambda dumper, number: dumper.represent_float(float(number)))

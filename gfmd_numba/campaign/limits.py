@@ -130,7 +130,6 @@ NumberOfSurfaces = Annotated[
     WithJsonSchema(Realisations.model_json_schema() | {"type": ["integer", "object"], "allowed": COUNT}),
 ]
 
-
 Level = tuple[float, ...]  # eps_c, eps_f and eps_t
 _F, _T = DISCRETISATIONS.index("eps_f"), DISCRETISATIONS.index("eps_t")
 

@@ -528,16 +528,12 @@ def of_results(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:
         if peak > _MAY_YIELD and is_elastic_contact(dataset.attrs.get("scene", "{}")):
             told = f"bodies are elastic here: if their hardness is below {with_prefix(peak, 'Pa', 3)}, the largest"
             yield Line("note", f"{told} pressure, give it as interface: {{hard_wall: {{hardness: ...}}}}")
-    of_ridges = is_measured_profile(dataset.attrs.get("scene", "{}")) or _has_measured_profiles(dataset)
+    of_ridges = is_measured_profile(dataset.attrs.get("scene", "{}"))
+    if "case" in dataset.dims and "processing" in dataset.attrs:  # a campaign of measured surfaces
+        has_form = bool({"radius", "slope", "width"} & set(map(str, dataset.coords)))
+        of_ridges |= not has_form and bool((dataset["dimension"] == 1).all())
     if "contact_area_fraction" in dataset and of_ridges:
         yield Line("note", _OF_RIDGES)
-
-
-def _has_measured_profiles(dataset: xr.Dataset) -> bool:
-    """Return whether these are results of a campaign of measured profiles without a form."""
-    are_measured = "case" in dataset.dims and "processing" in dataset.attrs
-    has_form = bool({"radius", "slope", "width"} & set(map(str, dataset.coords)))
-    return are_measured and not has_form and bool((dataset["dimension"] == 1).all())
 
 
 def of_campaign(dataset: xr.Dataset, fitted: xr.Dataset | None) -> Told:

@@ -39,7 +39,7 @@ _LEAST_NODES = 6
 _BEHIND = np.arange(_LEAST_NODES + 1)  # nodes of a row on a map whose pressures tell where the row ends
 _NEAREST = 0.5  # node spacings from the edge on, up to `_LEAST_NODES`, from which p^2 is extrapolated
 _ROUNDS, _SETTLED = 8, 0.1  # of the extrapolation, and node spacings by which the last one may still move an edge
-_HALF_SPACE_TO_EDGES = 0.02  # of the half-space's excess: bodies thinner than some twenty nodes have another p^2
+HALF_SPACE_TO_EDGES = 0.02  # of the half-space's excess: bodies thinner than some twenty nodes have another p^2
 _STRETCHED = np.linspace(0.0, 1.0, 11)  # |r - 1| / (r + 1); 0 is isotropic, 1 an edge along an axis
 _ZONES = 20  # along a direction, beyond which waves and their aliases are independent
 _HALF = 0.1900092859259187  # 1/4 - sum_k (Si(k pi) / pi - 1/2)
@@ -221,8 +221,3 @@ def _extrapolated(square: Reals, which: Indices, row: Indices, nodes: Indices) -
         beyond = np.clip(beyond + np.nan_to_num(step)[:, np.newaxis], -1.0, 1.5)
     steep = rise**2 / (rise**2 + tilt**2)
     return beyond[:, 0], steep**2 * (3.0 - 2.0 * steep), abs(step) < _SETTLED
-
-
-def as_half_space(edge: Edge) -> bool:
-    """Whether a body is a half-space to the nodes next to its edges."""
-    return abs(edge.excess - HALF_SPACE.excess) <= _HALF_SPACE_TO_EDGES * HALF_SPACE.excess

@@ -60,7 +60,6 @@ _SOLVERS = """\
 `gfmd` names those that can.
 """
 
-
 Because = Literal["physics", "solver", "not built yet", "without effect"]
 
 

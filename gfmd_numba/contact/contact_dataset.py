@@ -56,7 +56,6 @@ INDICES = {
     "step": "step of the path, from the first loading",
 }
 
-
 Described = tuple[str, str, str, npt.ArrayLike]  # name, kind of unit, long_name and values of a variable
 _TOLD = {
     "residual": "largest unbalanced traction over the largest traction",

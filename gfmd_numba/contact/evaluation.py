@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Flags, Indices, Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.arrays.regions import closed, regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
@@ -21,6 +21,7 @@ from gfmd_numba.solvers.status import Status
 
 Found = TypeVar("Found")
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
+_UNDEFINED_AT_TIMES = {name for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if row.undefined_at_times}
 _OPEN_PRESSURE, _OPEN_GAP = 10.0, 0.02  # of nodes that may still change sides, over what is violated
 
 
@@ -88,8 +89,8 @@ def filled(contact: Contact) -> npt.NDArray[Any]:
     plastic = contact.equilibrium.plastic
     if plastic is None:
         return touching(contact)
-    pressure, axes = contact.equilibrium.pressure, tuple(range(1, plastic.ndim))
-    hardness = pressure.max(axis=axes, keepdims=True)  # that of a fringe, which has plastic neighbours
+    pressure = contact.equilibrium.pressure
+    hardness = pressure.max(axis=_nodes(contact), keepdims=True)  # that of a fringe, which has plastic neighbours
     share = np.divide(pressure, hardness, out=np.zeros(pressure.shape), where=hardness > 0.0)
     return np.where(_fringe(contact, plastic), share, touching(contact))
 
@@ -198,27 +199,21 @@ def contact_radius(contact: Contact) -> Reals:
         located = unknown == 0.0
     else:
         area, share = _located_area(contact)
-        located = (share >= _NEARLY_ALL) & (not _remembers(contact))
-    found = np.where(located & ~_pulled(contact), area, mean)
+        located = share >= _NEARLY_ALL
+        if contact.before is not None and "springs" in contact.before.memory:
+            # where a body has crept a node bears what it has been through, and not the root of its distance alone
+            located &= not np.any(contact.change.normal_offset)
+    # nor is pressure at an edge that root where open nodes bear tractions
+    pulled = ((contact.equilibrium.pressure != 0.0) & ~touching(contact)).any(axis=_nodes(contact))
+    found = np.where(located & ~pulled, area, mean)
     return 0.5 * found if profile else np.sqrt(found / np.pi)
-
-
-def _remembers(contact: Contact) -> bool:
-    """Whether a body has crept: a node then bears what it has been through, and not the root of its distance alone."""
-    is_slow = contact.before is not None and "springs" in contact.before.memory
-    return is_slow and contact.change.normal_offset is not None and bool(contact.change.normal_offset.any())
-
-
-def _pulled(contact: Contact) -> Flags:
-    """Whether open nodes bear tractions `[realisation]`: pressure at an edge is then no root of the distance."""
-    pressure = contact.equilibrium.pressure
-    return np.asarray(((pressure != 0.0) & ~touching(contact)).any(axis=tuple(range(1, pressure.ndim))))
 
 
 def _located_area(contact: Contact) -> tuple[Reals, Reals]:
     """Contact area of maps over L_x^2 with its edges located, and the share of their sides that are `[realisation]`."""
     now, sides = touching(contact), perimeter(contact)
-    if not area_correction.as_half_space(edge(contact)):
+    half_space = area_correction.HALF_SPACE.excess
+    if abs(edge(contact).excess - half_space) > area_correction.HALF_SPACE_TO_EDGES * half_space:
         return np.zeros(len(now)), np.zeros(len(now))
     bias, ends = edge(contact).perimeter_bias(*sides), contact.ends or (False, False)
     pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
@@ -239,8 +234,7 @@ def kappa_residual_error(contact: Contact) -> Reals:
     law pulls does not part surfaces: the pressure of the wall alone counts. Under a cohesive law, which pulls by gap
     and slip together, nodes bear at least what they do above the least of them.
     """
-    now, pressure = touching(contact), contact.equilibrium.pressure
-    along = tuple(range(1, now.ndim))
+    now, pressure, along = touching(contact), contact.equilibrium.pressure, _nodes(contact)
     violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
     wall = pressure + contact.pull
     least = np.where(now, wall, 0.0).min(axis=along, keepdims=True, initial=0.0)
@@ -255,8 +249,7 @@ def kappa_residual_error(contact: Contact) -> Reals:
 
 def peak_pressure(contact: Contact) -> Reals:
     """Largest contact pressure on any node in g E* `[realisation]`."""
-    pressure = contact.equilibrium.pressure
-    return np.asarray(pressure.max(axis=tuple(range(1, pressure.ndim))))
+    return np.asarray(contact.equilibrium.pressure.max(axis=_nodes(contact)))
 
 
 @once
@@ -270,11 +263,10 @@ def rms_gradient(contact: Contact) -> Reals:
 @once
 def rms_gradient_contact(contact: Contact) -> Reals:
     """Rms gradient of the punch over the contact in g `[realisation]`, in which the edge nodes count for less."""
-    axes = tuple(range(1, contact.heights.ndim))
-    bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), axes)
+    bias = np.expand_dims(edge(contact).perimeter_bias(*perimeter(contact)), _nodes(contact))
     share = filled(contact) - bias * _open_sides(contact, elastic_nodes(contact)).sum(axis=0)
     squares = statistics.weighed_square_gradient(contact.roughness, share, _periods(contact), contact.ends)
-    return np.asarray(np.sqrt(squares / share.sum(axis=axes)))
+    return np.asarray(np.sqrt(squares / share.sum(axis=_nodes(contact))))
 
 
 @once
@@ -328,7 +320,7 @@ def edge_contact(contact: Contact) -> Reals:
     outermost = np.zeros(touches.shape, dtype=np.bool_)
     for axis, ends in enumerate(contact.ends, 1):
         np.moveaxis(outermost, axis, 0)[[0, -1]] |= ends
-    return np.asarray((touches & outermost).sum(axis=tuple(range(1, touches.ndim))) / outermost[0].sum())
+    return np.asarray((touches & outermost).sum(axis=_nodes(contact)) / outermost[0].sum())
 
 
 def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
@@ -338,7 +330,7 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
     """
     if contact.ends or contact.sideways is None:
         return np.full(len(contact.heights), np.nan)
-    along = tuple(range(1, contact.heights.ndim))
+    along = _nodes(contact)
     m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
     way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
     touches = closed(gap(contact))
@@ -384,7 +376,7 @@ def _traction_along(contact: Contact, surface: Reals) -> Reals:
         return mean_of_nodes(pressure * np.gradient(surface, 1.0 / surface.shape[-1], axis=-1))
     waves = [grid.coefficients(field, dimension) for field in (pressure, surface)]
     products = (waves[0].conj() * grid.derivative(waves[1])).real * grid.multiplicity(surface.shape[-1])
-    return np.asarray(products.sum(axis=tuple(range(1, products.ndim))))
+    return np.asarray(products.sum(axis=_nodes(contact)))
 
 
 def full_contact_pressure(contact: Contact) -> Reals:
@@ -418,7 +410,7 @@ def elastic_energy(contact: Contact) -> Reals:
     springs = contact.memory.get("springs")
     if springs is not None:
         return np.asarray(springs.energy(contact.approach is None))
-    along = tuple(range(1, contact.heights.ndim))
+    along = _nodes(contact)
     u, tangential = contact.equilibrium.displacement, contact.equilibrium.tangential
     if contact.approach is None:
         u = u - u.mean(axis=along, keepdims=True)
@@ -440,6 +432,11 @@ def _moments(contact: Contact) -> tuple[Reals, Reals, Reals]:
     return m0, m2, m4
 
 
+def _nodes(contact: Contact) -> tuple[int, ...]:
+    """Axes of the nodes of each field."""
+    return tuple(range(1, contact.heights.ndim))
+
+
 def _periods(contact: Contact) -> tuple[float, ...]:
     return (1.0,) * (contact.heights.ndim - 1)
 
@@ -457,7 +454,10 @@ def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     """All observables of a contact, name -> `[realisation]`; those of a run that is not ok are not-a-number."""
     found, rows = contact.equilibrium, recorded_of(contact)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        values = {name: _value(name, row, contact) for name, row in rows.items()}
+        values = {
+            name: np.asarray(getattr(found, name) if row.of == "run" else _function(row.function_of(name))(contact))
+            for name, row in rows.items()
+        }
     fields = {"heights": contact.heights, "pressure": found.pressure, "displacement": found.displacement}
     if found.tangential is not None:
         fields |= {"traction": found.tangential.traction, "sideways": found.tangential.displacement}
@@ -468,18 +468,7 @@ def measure(contact: Contact) -> dict[str, npt.NDArray[Any]]:
     return values | {"status": status}
 
 
-def _value(name: str, row: Observable, contact: Contact) -> npt.NDArray[Any]:
-    if row.of == "run":
-        return np.asarray(getattr(contact.equilibrium, name))
-    return np.asarray(_function(row.function_of(name))(contact))
-
-
 _function = cache(resolve_name)
-
-
-@cache
-def _undefined_at_times() -> set[str]:
-    return {name for name, row in (OBSERVABLES | PATH_OBSERVABLES).items() if row.undefined_at_times}
 
 
 def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8]:
@@ -488,9 +477,8 @@ def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8
     Not-a-number is right for a measure that is undefined without contact, an infinite one never is.
     """
     status = np.asarray(values["status"])
-    undefined = _undefined_at_times()
     bad = np.zeros(status.shape, dtype=np.bool_)
     for name, value in values.items():
-        wrong = np.isinf(value) if name in undefined else ~np.isfinite(value)
+        wrong = np.isinf(value) if name in _UNDEFINED_AT_TIMES else ~np.isfinite(value)
         bad |= wrong.reshape(*status.shape, -1).any(axis=-1)
     return np.where(bad & (status == Status.ok), np.int8(Status.nonfinite), status)

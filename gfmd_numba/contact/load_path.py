@@ -17,7 +17,14 @@ from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
 from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work, slid_over_peaks
-from gfmd_numba.contact.observables import PATH_OBSERVABLES, Observable, recorded, recorded_of_rough_bodies
+from gfmd_numba.contact.observables import (
+    OF_PUNCH,
+    OF_SUM,
+    PATH_OBSERVABLES,
+    ROUGH_BODY_OBSERVABLES,
+    Observable,
+    recorded,
+)
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.processes import processes_of
 from gfmd_numba.contact.solution import solve
@@ -232,7 +239,10 @@ def recorded_of(problem: Problem) -> dict[str, Observable]:
     names = [process.name for process in processes_of(problem)]
     has_hardness, steadily, passes = problem.interface.hardness is not None, problem.speed > 0.0, problem.passing
     rows = recorded(has_hardness, problem.ends, problem.has_form, names, steadily, passes is not None)
-    return rows if problem.rough is None else recorded_of_rough_bodies(rows)
+    if problem.rough is None:
+        return rows
+    named = {name: replace(row, long_name=row.long_name.replace(OF_PUNCH, OF_SUM)) for name, row in rows.items()}
+    return named | ROUGH_BODY_OBSERVABLES
 
 
 def _measure(problem: Problem, solved: Contact) -> Measures:

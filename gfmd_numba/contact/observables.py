@@ -3,8 +3,8 @@
 Pure data, and what it says of a scene.
 """
 
-from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Collection
+from dataclasses import dataclass
 from typing import Any, Literal
 
 from gfmd_numba.scene import Scene
@@ -21,7 +21,6 @@ OF_TOUCHING = {  # observables, and statistics of a contact, that there are only
     *("contact_area_fraction", "contact_area_fraction_counted", "contact_area_fraction_persson"),
     *("perimeter", "contact_connects", "largest_contact_fraction"),
 }
-
 
 Unit = Literal["1", "gradient", "length", "height", "pressure", "energy", "s"]
 
@@ -243,12 +242,6 @@ def recorded(
     has |= {"sliding": steadily or passes, "springs": has["springs"] and not steadily}
     has |= {"divisions": has["springs"] or has["worn"]}
     return {name: row for name, row in OBSERVABLES.items() if has[row.needs]}
-
-
-def recorded_of_rough_bodies(rows: Mapping[str, Observable]) -> dict[str, Observable]:
-    """Rows of a contact as those of rough bodies: the surface is the sum of theirs, and an error is expected."""
-    named = {name: replace(row, long_name=row.long_name.replace(OF_PUNCH, OF_SUM)) for name, row in rows.items()}
-    return named | ROUGH_BODY_OBSERVABLES
 
 
 def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:

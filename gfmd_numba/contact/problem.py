@@ -16,7 +16,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, ROUGH_BODY_OBSERVABLES
 from gfmd_numba.contact.state import LoadStep, Process
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.elasticity.plasticity import PlasticSublayers
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.surfaces import SmoothSurface, SummedSurface, Surface
@@ -109,7 +109,7 @@ class Problem:
     time_tolerance: float | None = None
     wear_rate: float | None = None
     passing: float | None = None
-    plasticity: Plasticity | None = None
+    plasticity: PlasticSublayers | None = None
     _identity: str = field(default="", init=False, repr=False, compare=False)
 
     @property

@@ -64,7 +64,7 @@ class Deflection(Process):
 
 
 @dataclass(frozen=True)
-class Wear:
+class PunchWear:
     """Archard's law: a node of the punch wears by a rate (in 1 / g E*) times its pressure times how far it slides.
 
     It remembers the depth `[realisation, (y,) x]` in g L_x. Under friction, each node wears by its own slip. In a step
@@ -124,10 +124,10 @@ def processes_of(problem: Problem) -> tuple[Process, ...]:
     return *dents, *deflection, *relaxation, *wear, *flow, *problem.processes
 
 
-def _wear(problem: Problem, rate: float) -> Wear:
+def _wear(problem: Problem, rate: float) -> PunchWear:
     glassy = 1.0 if problem.relaxation is None else problem.relaxation.modulus(0.0)
     shortest = np.array([np.pi * np.linalg.norm(problem.surface.shape)])  # wave number
-    return Wear(rate, glassy * float(problem.body.condensed_stiffness(shortest)[0]))
+    return PunchWear(rate, glassy * float(problem.body.condensed_stiffness(shortest)[0]))
 
 
 def bear_again(problem: Problem, state: State, touching: Flags, pressure: Reals) -> Flags:

@@ -8,7 +8,7 @@ from typing import Literal
 
 from gfmd_numba.contact.combinations import LEAST_POISSONS_RATIO, LOWEST, REFUSALS, SAMPLED, SOFTEST, TALLEST, Refusal
 from gfmd_numba.scene import COMPONENTS, Body, Document, InputError, Measured, Numerics, Scene
-from gfmd_numba.scene.body_record import Layer, Material
+from gfmd_numba.scene.body_record import Layer, MaterialRecord
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.interface_records import Friction, LawOfTheGap
 from gfmd_numba.scene.loading import Controls, Step
@@ -73,9 +73,16 @@ Asked = Iterator[tuple[str, Location, bool]]  # a feature, where it stands in th
 
 def _features(scene: Scene, numerics: Numerics, path: Sequence[Step], grid: Grid | None) -> dict[str, list[Location]]:
     found: dict[str, list[Location]] = {}
-    parts = [_of_numerics(numerics), _of_bodies(scene)]
-    parts += _of_contact(scene, path, grid or {}) if scene.has_punch else [_of_body_alone(scene)]
-    for feature, location, is_there in chain(*parts, [("campaign", ("grid",), grid is not None)]):
+    parts, campaign = [_of_numerics(numerics), _of_bodies(scene)], ("campaign", ("grid",), grid is not None)
+    if scene.has_punch:
+        given = grid or {}
+        around = _without_a_period(scene, given) if any(scene.ends) else _half_spaces(scene, given)
+        parts += [_of_laws(scene, given), _of_time(scene, path), around, _of_form(scene, given)]
+        parts += [_of_loading(scene, path, given), _of_boundary(scene), _of_shape(scene, given)]
+    else:
+        parts.append(iter([("prescribed", ("scene", "boundary"), True)]))
+        parts.append(iter([("no period", ("scene", "periodic"), any(scene.ends))]))
+    for feature, location, is_there in chain(*parts, [campaign]):
         if is_there:
             found.setdefault(feature, []).append(location)
     return found
@@ -109,17 +116,6 @@ def _of_bodies(scene: Scene) -> Asked:
             yield "model of maps", ("scene", *place, surface.named_by), surface.of_maps
     for name, value in scene.boundary or ():
         yield "boundary along y", ("scene", "boundary", name), value is not None and name.endswith("_y")
-
-
-def _of_body_alone(scene: Scene) -> Asked:
-    yield "prescribed", ("scene", "boundary"), True
-    yield "no period", ("scene", "periodic"), any(scene.ends)
-
-
-def _of_contact(scene: Scene, path: Sequence[Step], grid: Grid) -> list[Asked]:
-    around = _without_a_period(scene, grid) if any(scene.ends) else _half_spaces(scene, grid)
-    parts = _of_laws(scene, grid), _of_time(scene, path), around, _of_form(scene, grid)
-    return [*parts, _of_loading(scene, path, grid), _of_boundary(scene), _of_shape(scene, grid)]
 
 
 def _of_shape(scene: Scene, grid: Grid) -> Asked:
@@ -282,8 +278,8 @@ def _soft_below_stiff(body: Body) -> dict[Location, tuple[float, float]]:
 
     The least modulus that is allowed, and the one that is given.
     """
-    parts: dict[Location, Layer | Material] = {("layers", i): each for i, each in enumerate(body.layers or ())}
-    if isinstance(body.base, Material):
+    parts: dict[Location, Layer | MaterialRecord] = {("layers", i): each for i, each in enumerate(body.layers or ())}
+    if isinstance(body.base, MaterialRecord):
         parts["base",] = body.base
     stiffest, found = 0.0, {}
     for at, part in parts.items():

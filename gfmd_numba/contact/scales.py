@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.elasticity.plasticity import PlasticSublayers
 from gfmd_numba.elasticity.scales import Scales
 from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Interface, Scene
@@ -26,7 +26,7 @@ def times_of(steps: Iterable[Scene]) -> list[float]:
     return list(accumulate(float(scene.loading.duration or 0.0) for scene in steps))
 
 
-def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> Plasticity | None:
+def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> PlasticSublayers | None:
     """J2 plasticity of the body (g E*, g and L_x), to 12 digits; None if it is elastic."""
     if scene.body.plasticity is None:
         return None
@@ -35,7 +35,9 @@ def plasticity(scene: Scene, scales: Scales, rms_gradient: float) -> Plasticity 
         rise, strain = given.saturation_stress - given.yield_stress, rounded(given.saturation_strain / rms_gradient)
         voce = {"rise": rise, "strain": strain}
     slope = rounded((given.hardening or 0.0) * rms_gradient)  # over strains in g
-    return Plasticity(Hardening(given.yield_stress, slope, **voce), given.depth, given.sublayers, given.increments)
+    return PlasticSublayers(
+        Hardening(given.yield_stress, slope, **voce), given.depth, given.sublayers, given.increments
+    )
 
 
 def whole_body_yields(body: Body) -> float:

@@ -81,7 +81,8 @@ class Change:
         """Response of bodies that are stiffer by the factor, or lag behind, with a punch that wears."""
         response = response.scaled(self.factor)
         if self.modulus is not None:
-            response = response.lagging(self.modulus)
+            lagging: Any = self.modulus * response.normal
+            response = response.of_normal(lagging)
         return response if self.wear_compliance == 0.0 else response.with_yielding(self.wear_compliance)
 
 

@@ -81,7 +81,7 @@ def solve(problem: Problem, state: State) -> RoughContact:
     correction: SlopeCorrection = state.memory[slopes.name]
     began, nearest, patience = state, np.inf, _PATIENCE
     spent: list[Equilibrium] = []
-    rounds, most = Rounds(), _MOST_ROUNDS if correction.pairing is None else _MOST_ROUNDS_INCLINED
+    rounds, most = SlopeRounds(), _MOST_ROUNDS if correction.pairing is None else _MOST_ROUNDS_INCLINED
     for round_ in range(most):
         solved = solution.solve(problem, state)
         found = solved.equilibrium
@@ -124,7 +124,7 @@ def _failed(contact: Contact) -> Contact:
     return replace(contact, equilibrium=replace(contact.equilibrium, status=failed))
 
 
-class Rounds:
+class SlopeRounds:
     """Rounds that each take a state of some arrays to another one, until both are the same; slow ones are extrapolated.
 
     Rounds that move apart on one side are not extrapolated: where a topography is too steep for its order, a solution

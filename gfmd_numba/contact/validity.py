@@ -1,6 +1,5 @@
 """Warnings about what was solved, one sentence each: what linear elasticity, the grid or the orders leave out."""
 
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 from math import ceil, dist, inf, nan, pi, sqrt
@@ -47,7 +46,6 @@ _HIGHEST_ORDER = 3
 _NORMAL_DISPLACEMENTS = ("displacement", "counter_body_displacement", "normal_displacement")
 THICKNESS = 0.01  # change of a film's thickness, over the thickness, above which order 0 is warned about
 
-
 Found = Mapping[Any, Any]  # values of a dataset, whose last axes are those of the nodes
 Told = tuple[Any, str]  # which of the steps, or of other axes before the nodes, have a sentence
 
@@ -76,11 +74,6 @@ def path_warnings(given: ContactInput, problem: Problem, dataset: xr.Dataset) ->
     steps = ((line, steps_told(np.atleast_1d(affected).tolist(), last)) for affected, line in told if np.any(affected))
     lines = [f"{line} (in {where})" if where else line for line, where in steps]
     return "\n".join([*input_warnings(given), *lines, *filter(None, [_coarse_steps(given, found)])])
-
-
-def wording(line: str) -> str:
-    """Sentence without its numbers and their units."""
-    return re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)
 
 
 def _nodes(given: ContactInput) -> tuple[int, ...]:

@@ -82,7 +82,8 @@ class Surface:
     ) -> Iterator[tuple[Indices, Indices, Complexes]]:
         """Waves that are felt at a depth, as in `LoadedSurface`, some rows after the others."""
         (most_y, most_x), half = waves_kept(self.shape, depth, self.periods), self.shape[0] // 2
-        rows, columns = rows_kept(self.shape, most_y), np.arange(most_x + 1)
+        rows = np.concatenate((np.arange(most_y + 1), 2 * half + 1 + np.arange(-most_y, 0)))
+        columns = np.arange(most_x + 1)
         highest = 2.0 * np.pi * np.hypot(most_y / self.periods[0], most_x / self.periods[1])
         last = int(np.searchsorted(self.q, highest * (1.0 + 1e-12)))
         transfer = _transfer(self.q[:last], depth, body)
@@ -239,12 +240,6 @@ def waves_kept(shape: tuple[int, ...], depth: float, periods: tuple[float, float
     felt = _FADED / (2.0 * np.pi * depth) if depth > 0.0 else np.inf
     most_y, most_x = (int(min(n // 2, max(felt * period, 1.0))) for n, period in zip(shape, periods, strict=True))
     return most_y, most_x
-
-
-def rows_kept(shape: tuple[int, ...], most: int) -> Indices:
-    """Rows of the coefficients whose k_y is at most so large, in order."""
-    rows = 2 * (shape[0] // 2) + 1
-    return np.concatenate((np.arange(most + 1), np.arange(rows - most, rows)))
 
 
 def depth_of(z: float, body: ElasticBody) -> float:

@@ -44,7 +44,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window
+from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window, inverse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.grid import of_half_a_period
 
@@ -80,7 +80,7 @@ def response(
     ValueError for a map that has not as many nodes along y as along x, and for layers on a half-space that are coupled.
     """
     window = Window(shape, padded_shape(shape, ends), body.condensed_stiffness)
-    return SpectralResponse.of_compliance(compliance(shape, body, ends, couples), window)
+    return SpectralResponse(inverse(compliance(shape, body, ends, couples)), window)
 
 
 def displaced(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...]) -> Reals:
@@ -154,7 +154,7 @@ def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
     nodes = n * ceil(_LONG / (1.5 * n))  # at least so many as bear all long waves
     x = np.arange(nodes + 1) / nodes
     if dimension == 1:
-        smooth = _beyond_half_space(body, x)
+        smooth = beyond_half_space(body, x)
         smooth -= smooth[-1] if body.aspect_ratio is None else 0.0
         found, waves = 2.0 * _of_profiles(n)[0], np.pi * np.arange(n + 1, dtype=np.float64)
     else:
@@ -171,17 +171,12 @@ def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
     return np.asarray(found + smooth + short)
 
 
-def _beyond_half_space(body: ElasticBody, x: Reals) -> Reals:
+def beyond_half_space(body: ElasticBody, x: Reals) -> Reals:
     """Displacement by the long waves of a line load at distances x, less that of a half-space of the top (L_x, E*)."""
     q, weights = _long_waves()
     jump = (0.0 if body.aspect_ratio is not None else 2.0 / body.material(np.inf).modulus) - 2.0
     smooth = (q / body.condensed_stiffness(q) - 2.0 - jump * np.exp(-q)) / q
     return np.asarray((np.cos(x[:, np.newaxis] * q) @ (weights * smooth) - 0.5 * jump * np.log1p(x**2)) / np.pi)
-
-
-def displaced_by_layers(body: ElasticBody) -> float:
-    """Displacement at a distance of 1 from a line load of 1, where that of a half-space of the base is 0 (L_x, E*)."""
-    return 0.0 if body.stack is None else float(_beyond_half_space(body, np.ones(1))[0])
 
 
 def _short(q: Reals) -> Reals:

@@ -16,11 +16,11 @@ from math import ceil
 import numpy as np
 from scipy.special import erfc
 
-from gfmd_numba.arrays import Complexes, Reals
+from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import fields
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.fields import Inside, Surface
-from gfmd_numba.elasticity.free_body import displaced_by_layers
+from gfmd_numba.elasticity.free_body import beyond_half_space
 from gfmd_numba.fourier import grid
 
 _PERIOD = 2.0  # of the first sum, in windows
@@ -50,18 +50,16 @@ def under_tractions(tractions: Reals, body: ElasticBody, ends: tuple[bool, ...] 
             most = [2 * ceil(_HIGHEST / (shorter - 1.0) * each / (2.0 * np.pi)) for each in periods]
             waves = tuple(min(some, n) for some, n in zip(most, waves, strict=True))
         q = grid.magnitudes(waves, periods)
-        waves_of_window = grid.coefficients_of_window(rows, waves, periods) if parts else _padded(rows, waves)
+        if parts:
+            waves_of_window = grid.coefficients_of_window(rows, waves, periods)
+        else:
+            around = ((0, 0), *((0, n - held) for n, held in zip(waves, shape, strict=True)))
+            waves_of_window = grid.coefficients(np.pad(rows, around), 2)
         share = (_share(q, shorter) if parts else 1.0) - _share(q, period)
         parts.append(fields.surface_under_waves(share * waves_of_window, waves, body, periods))
         shorter, period = period, 2.0 * period
     x, y, z = map(float, _left(rows, body, both, shorter))
     return Inside(tuple(parts), body, (x, y, z))
-
-
-def _padded(rows: Reals, shape: tuple[int, ...]) -> Complexes:
-    padded = np.zeros((len(rows), *shape))
-    padded[:, : rows.shape[1], : rows.shape[2]] = rows
-    return grid.coefficients(padded, 2)
 
 
 def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float) -> Reals:
@@ -80,5 +78,5 @@ def _left(rows: Reals, body: ElasticBody, ends: tuple[bool, ...], period: float)
     nodes, weights = np.polynomial.hermite.hermgauss(12)
     of_share = float(weights @ np.log(_FALLS + _WITHIN * nodes)) / np.sqrt(np.pi) - np.log(period - 1.0)
     softness = np.array([along, across, along] if ends[1] else [across, along, along])
-    by_layers = np.array([0.0, 0.0, displaced_by_layers(body)])
+    by_layers = np.array([0.0, 0.0, 0.0 if body.stack is None else beyond_half_space(body, np.ones(1))[0]])
     return np.asarray((2.0 / np.pi * (np.euler_gamma + of_share) * softness - by_layers) * force)

@@ -126,7 +126,7 @@ class Stack:
         below, layers = self._compliance_of_base(q), []
         for height, material in reversed(list(zip(self.heights, self.materials, strict=True))):
             scale = 2.0 * material.shear
-            layers.append((height, material, Layer(q * height, material.poissons_ratio, scale * below)))
+            layers.append((height, material, ElasticLayer(q * height, material.poissons_ratio, scale * below)))
             below = layers[-1][2].compliance() / scale
         traction = inverse(below)  # over q, of unit displacements at the surface
         above = 0.0
@@ -175,7 +175,7 @@ class Stack:
             # of waves that fade above it
             compliance = np.broadcast_to(half_space_compliance(nu), (2, 2, len(q))).copy()
             felt = q * max(top, height) < _FADED  # what is below at the layer's top, and that at the surface
-            compliance[..., felt] = Layer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
+            compliance[..., felt] = ElasticLayer(q[felt] * height, nu, scale * found[-1][..., felt]).compliance()
             found.append(compliance / scale)
         return found[::-1]
 
@@ -206,7 +206,7 @@ def merged(heights: tuple[float, ...], materials: tuple[Material, ...], base: Ma
     return Stack(tuple(float(f"{height:.15g}") for height, _ in kept), tuple(material for _, material in kept), base)
 
 
-class Layer:
+class ElasticLayer:
     """A layer of thickness k = q h `[wave]` on something of compliance S `[2, 2, wave]`, in 1/(2 G q)."""
 
     def __init__(self, k: Reals, poissons_ratio: float, below: Reals) -> None:
@@ -286,7 +286,7 @@ def half_space_compliance(poissons_ratio: float) -> Reals:
 
 
 def half_space_state(d: Reals, poissons_ratio: float, traction: Reals) -> Reals:
-    """What `Layer.state` finds, at d = q depth in a half-space, from tractions `[component, load, wave]` on it."""
+    """What `ElasticLayer.state` finds, at d = q depth in a half-space under tractions `[component, load, wave]`."""
     nu = poissons_ratio
     v = np.array([2.0 * (1.0 - nu) * traction[0] - (1.0 - 2.0 * nu) * traction[1], traction[0] - traction[1]])
     v = product(_decaying(d), v)

@@ -9,7 +9,7 @@ from gfmd_numba.kernels import Hardening
 
 
 @dataclass(frozen=True)
-class Plasticity:
+class PlasticSublayers:
     """J2 plasticity (g E*, g) in sublayers down to a depth (L_x), None: as deep as the largest load asks for.
 
     Each step of a loading has so many increments.

@@ -9,8 +9,7 @@ from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
 from gfmd_numba.elasticity.prony import PronySeries, in_series
 from gfmd_numba.scene import Body, Scene
-from gfmd_numba.scene.body_record import Layer
-from gfmd_numba.scene.body_record import Material as MaterialRecord
+from gfmd_numba.scene.body_record import Layer, MaterialRecord
 from gfmd_numba.scene.units import in_reduced_units, rounded
 
 

@@ -15,7 +15,6 @@ A profile has xx = K11, xz = K13 and zz = K33 alone, and the normal displacement
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -58,11 +57,6 @@ class SpectralResponse:
     def of_normal(cls, stiffness: Reals, window: Window | None = None) -> "SpectralResponse":
         """Response of the normal displacement alone, of a stiffness `[(ny,) nx // 2 + 1]`."""
         return cls(stiffness[np.newaxis], window)
-
-    @classmethod
-    def of_compliance(cls, elements: Reals, window: Window) -> "SpectralResponse":
-        """Response of a compliance with these elements, in L_x/E*, which is positive at all waves, also at q = 0."""
-        return cls(_inverse(elements), window)
 
     @classmethod
     def on_grid(cls, shape: tuple[int, ...], k11: Reals, k13: Reals, k33: Reals, k22: Reals) -> "SpectralResponse":
@@ -126,7 +120,7 @@ class SpectralResponse:
         mean = _mean(self.elements)
         held = self.elements.copy()
         _mean(held)[:] = _UNIT[_FOLLOWED[len(held)]]
-        found = _inverse(held)
+        found = inverse(held)
         _mean(found)[:] = np.divide(1.0, mean, out=np.zeros_like(mean), where=mean > 0.0)
         return found
 
@@ -159,7 +153,7 @@ class SpectralResponse:
         facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
         compliance = (1.0 - share) * self.inverse() + share * facing
         _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
-        found, own = _inverse(compliance), _mean(self.elements)
+        found, own = inverse(compliance), _mean(self.elements)
         _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
         return SpectralResponse(found, window)
 
@@ -193,11 +187,6 @@ class SpectralResponse:
             of_waves = window.stiffness
             window = replace(window, stiffness=lambda q: factor * of_waves(q))
         return SpectralResponse(factor * self.elements, window)
-
-    def lagging(self, modulus: Complexes) -> "SpectralResponse":
-        """Response of the normal displacement alone of bodies whose stiffness has a complex factor for each wave."""
-        stiffness: Any = modulus * self.normal
-        return self.of_normal(stiffness)
 
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response with a wall that yields to the pressure at each node.
@@ -255,7 +244,7 @@ def _whole(elements: Reals) -> list[Reals]:
     return whole
 
 
-def _inverse(elements: Reals) -> Reals:
+def inverse(elements: Reals) -> Reals:
     """Inverses of real symmetric matrices `[element, ...]`, by their adjugates."""
     if len(elements) == 1:
         return 1.0 / elements
@@ -281,7 +270,7 @@ def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:
     for axis, odd in zip((-1, -2), _ODD[len(elements)], strict=False):
         if shape[axis] % 2 == 0:
             at_nyquist = np.moveaxis(elements, axis, 1)[:, shape[axis] // 2]
-            compliance = _inverse(at_nyquist)
+            compliance = inverse(at_nyquist)
             compliance[odd] = 0.0
-            at_nyquist[:] = _inverse(compliance.real if axis == -1 else compliance)
+            at_nyquist[:] = inverse(compliance.real if axis == -1 else compliance)
     return elements

@@ -22,7 +22,6 @@ _ROWS, _COLUMNS = 16, 8  # of a large map that are transformed together: 8 colum
 _LARGE = 2**20  # nodes of a map that is transformed in pieces
 _LINE = 64  # bytes of a cache line: rows padded to it are all aligned alike, so every row has the same plan
 
-
 OnRows = Callable[[int, Reals], None]  # of the first of some rows of a map, and their memory
 
 

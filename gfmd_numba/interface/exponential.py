@@ -1,39 +1,13 @@
 """Law of the gap alone that decays exponentially, without a cut-off: energy, traction and curvature."""
 
-from dataclasses import dataclass
-from typing import Self
-
 import numpy as np
 
-from gfmd_numba import kernels
-from gfmd_numba.arrays import Indices, Reals
-from gfmd_numba.scene.interface_records import Exponential
+from gfmd_numba.arrays import Reals
+from gfmd_numba.interface.normal_law import LawOfRange
 
 
-@dataclass(frozen=True)
-class ExponentialLaw:
-    """Law with the energy -work exp(-gap / length) per area (thesis 6.109): work > 0 attracts, < 0 repels.
-
-    Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
-    """
-
-    work: float
-    length: float
-
-    @classmethod
-    def of(cls, asked: Exponential) -> Self:
-        """Law of a record in units of g L_x and g E*."""
-        return cls(asked.work_of_adhesion, asked.range)
-
-    @property
-    def strength(self) -> float:
-        """Largest traction where no gap is negative, that at zero gap."""
-        return self.work / self.length
-
-    @property
-    def reach(self) -> float:
-        """Gap over which its attraction falls to 1/e; 0 for repulsion."""
-        return self.length if self.work > 0.0 else 0.0
+class ExponentialLaw(LawOfRange):
+    """Law with the energy -work exp(-gap / length) per area (thesis 6.109): work > 0 attracts, < 0 repels."""
 
     @property
     def softening(self) -> float:
@@ -74,7 +48,3 @@ class ExponentialLaw:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
         strongest = min(pressure, -self.strength) if hard_wall else pressure
         return max(strongest, 0.0) / self.length if self.work < 0.0 else 0.0
-
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
-        """Take the traction of the law off the restoring traction `ku` in the active rows."""
-        kernels.exponential_pull(u, ku, punch, active, n, self.strength, self.length)

@@ -6,37 +6,25 @@ from typing import Self
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.interface.normal_law import NormalLaw
-from gfmd_numba.scene.interface_records import MaugisDugdale
+from gfmd_numba.interface.normal_law import LawOfRange
+from gfmd_numba.scene.interface_records import LawOfTheGap, MaugisDugdale
 
 
 @dataclass(frozen=True)
-class MaugisDugdaleLaw(NormalLaw):
+class MaugisDugdaleLaw(LawOfRange):
     """Traction work / length up to a gap of that length (Maugis, J. Colloid Interface Sci. 150:243, 1992), then none.
 
     The traction falls in a line, over a `taper` times the length about there, so that the work stays the same. It
-    cannot jump: on a grid each node would then be in or out on its own, with as many equilibria. Lengths in g L_x, work
-    in g^2 E* L_x.
+    cannot jump: on a grid each node would then be in or out on its own, with as many equilibria.
     """
 
-    work: float
-    length: float
     taper: float
 
     @classmethod
-    def of(cls, asked: MaugisDugdale) -> Self:
+    def of(cls, asked: LawOfTheGap) -> Self:
         """Law of a record in units of g L_x and g E*."""
+        assert isinstance(asked, MaugisDugdale)
         return cls(asked.work_of_adhesion, asked.range, asked.taper)
-
-    @property
-    def strength(self) -> float:
-        """Traction at small gaps."""
-        return self.work / self.length
-
-    @property
-    def reach(self) -> float:
-        """Gap at which half the traction is left."""
-        return self.length
 
     @property
     def softening(self) -> float:

@@ -1,8 +1,10 @@
 """What a law of the gap alone has to say of itself."""
 
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Protocol, Self
 
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Reals
+from gfmd_numba.scene.interface_records import LawOfTheGap
 
 
 class NormalLaw(Protocol):
@@ -35,6 +37,25 @@ class NormalLaw(Protocol):
     def stiffest(self, pressure: float, hard_wall: bool) -> float:
         """Largest stiffness the law adds where it repels with at most `pressure`, or no gap is negative."""
 
-    def pull(self, u: Reals, ku: Reals, punch: Reals, active: Indices, n: int) -> None:
-        """Take the traction of the law off the restoring traction `ku` in the active rows."""
-        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])
+
+@dataclass(frozen=True)
+class LawOfRange(NormalLaw):
+    """A law of a work of adhesion, in g^2 E* L_x, and a range `length`, in g L_x."""
+
+    work: float
+    length: float
+
+    @classmethod
+    def of(cls, asked: LawOfTheGap) -> Self:
+        """Law of a record in units of g L_x and g E*."""
+        return cls(asked.work_of_adhesion, asked.range)
+
+    @property
+    def strength(self) -> float:
+        """Work over range: the largest traction where no gap is negative, if that is at no gap."""
+        return self.work / self.length
+
+    @property
+    def reach(self) -> float:
+        """Its range; 0 for repulsion."""
+        return self.length if self.work > 0.0 else 0.0

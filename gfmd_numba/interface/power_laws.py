@@ -8,7 +8,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.interface.normal_law import NormalLaw
-from gfmd_numba.scene.interface_records import LennardJones, PowerLaw
+from gfmd_numba.scene.interface_records import LennardJones, PowerLawOfTheGap
 
 
 @dataclass(frozen=True)
@@ -132,6 +132,6 @@ class ShiftedPowerLaw(SumOfPowers):
     """
 
     @classmethod
-    def of(cls, asked: PowerLaw) -> Self:
+    def of(cls, asked: PowerLawOfTheGap) -> Self:
         """Law of a record in units of g L_x and g E*."""
         return cls((-asked.work_of_adhesion,), (asked.exponent,), asked.range, asked.range, 0.1)

@@ -49,12 +49,13 @@ class UserFunction:
 class SlipRateFriction:
     """The smaller one of a coefficient that depends on the slip rate times the pressure, and a limit.
 
-    `rates` and `coefficients` are a table that begins at rest; without one the coefficient rises by `strengthening`
-    times ln(1 + v / reference). `limit` rises by `rise` times the pressure, or is a function. A step takes `duration`.
-    Stresses in g E*, rates in g L_x per unit of time, which is the longest relaxation time, or 1 s without one.
+    The coefficient at rest is `friction`. `rates` and `coefficients` are a table that begins at rest; without one the
+    coefficient rises by `strengthening` times ln(1 + v / reference). `limit` rises by `rise` times the pressure, or is
+    a function. A step takes `duration`. Stresses in g E*, rates in g L_x per unit of time, which is the longest
+    relaxation time, or 1 s without one.
     """
 
-    coefficient: float
+    friction: float
     strengthening: float = 0.0
     reference: float = 1.0
     rates: tuple[float, ...] = ()
@@ -70,10 +71,6 @@ class SlipRateFriction:
     def friction_bound(self, pressure: Reals, slip: Reals) -> Reals:
         """Largest tangential traction `[node]` by pressure and slip; 0 where the pressure is not positive."""
         return self.hold(pressure, slip).held
-
-    def coulomb_bound(self, pressure: Reals) -> Reals:
-        """What the coefficient at rest holds without a limit."""
-        return np.asarray(self.coefficient * np.maximum(pressure, 0.0))
 
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
         """Constant part, part per pressure and part per further slip of what is held `[node]` near pressure and slip.
@@ -100,7 +97,7 @@ class SlipRateFriction:
             slopes = np.append(np.diff(known[1]) / np.diff(known[0]), 0.0)
             return np.interp(rate, *known), slopes[np.searchsorted(known[0], rate, side="right") - 1]
         rises = self.strengthening * np.log1p(rate / self.reference)
-        return self.coefficient + rises, self.strengthening / (self.reference + rate)
+        return self.friction + rises, self.strengthening / (self.reference + rate)
 
     def _limit(self, pressure: Reals, rate: Reals) -> tuple[Reals | float, float, Reals | float, Reals | float]:
         """Limit by pressure and slip rate, what `rise` it has besides, and the slopes of both by pressure and rate."""

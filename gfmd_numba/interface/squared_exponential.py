@@ -1,40 +1,20 @@
 """Attraction that falls off as a Gauss curve of the gap: energy, traction and curvature."""
 
-from dataclasses import dataclass
 from math import exp
-from typing import Self
 
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.interface.normal_law import NormalLaw
-from gfmd_numba.scene.interface_records import SquaredExponential
+from gfmd_numba.interface.normal_law import LawOfRange
 
 
-@dataclass(frozen=True)
-class SquaredExponentialLaw(NormalLaw):
-    """Law with energy -work exp(-(gap / length)^2 / 2) per area, which pulls most at a gap of its length.
-
-    Lengths in g L_x, work in g^2 E* L_x (whatever the displacements and stresses are in).
-    """
-
-    work: float
-    length: float
-
-    @classmethod
-    def of(cls, asked: SquaredExponential) -> Self:
-        """Law of a record in units of g L_x and g E*."""
-        return cls(asked.work_of_adhesion, asked.range)
+class SquaredExponentialLaw(LawOfRange):
+    """Law with energy -work exp(-(gap / length)^2 / 2) per area, which pulls most at a gap of its length."""
 
     @property
     def strength(self) -> float:
         """Largest traction, at a gap of one length."""
         return exp(-0.5) * self.work / self.length
-
-    @property
-    def reach(self) -> float:
-        """Gap of the largest traction."""
-        return self.length
 
     @property
     def softening(self) -> float:

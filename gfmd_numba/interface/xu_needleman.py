@@ -89,7 +89,7 @@ class XuNeedlemanLaw:
         coupling = self.work / (self.normal * self.tangential) * np.sqrt(2.0) * np.exp(-1.5)
         return float(max(normal, 2.0 * self.work / self.tangential**2) + coupling)
 
-    def pull(self, state: kernels.State, punch: Reals, sliding: Reals, active: Indices, n: int) -> None:
+    def pull(self, state: kernels.SurfaceState, punch: Reals, sliding: Reals, active: Indices, n: int) -> None:
         """Take the tractions of the law off the restoring tractions of a state in the active rows.
 
         `sliding` `[component, x]` is how far the punch has moved over each of the n nodes: in x, and on maps in y.

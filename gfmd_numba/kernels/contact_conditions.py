@@ -39,10 +39,6 @@ class Conditions(NamedTuple):
         bound[bears] = friction_bound(pressure[bears], self.friction, self.limit, self.rise)
         return bound
 
-    def coulomb_bound(self, pressure: Reals) -> Reals:
-        """What friction would hold without a limit."""
-        return self._replace(limit=np.inf).friction_bound(pressure)
-
     def linearised(self, pressure: Reals, slip: Reals) -> tuple[Reals | None, Reals, None]:
         """Constant part and part per pressure `[node]` of what is held near a pressure; None is no such part."""
         limited = (self.friction - self.rise) * pressure > self.limit
@@ -60,7 +56,7 @@ def bound_of_node(pressure: float, conditions: Conditions) -> float:
     return bound
 
 
-class State(NamedTuple):
+class SurfaceState(NamedTuple):
     """Displacements `u` of a batch `[realisation, component, x]`, the tractions `ku` that restore them, and what acts.
 
     The normal component comes last, after tangential ones along x and on maps along y. Normal displacements may not
@@ -93,7 +89,7 @@ def allowed_pressure(traction: float, u: float, wall: float, hardness: float) ->
 
 @jit
 def wall_violation(
-    state: State, conditions: Conditions, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
+    state: SurfaceState, conditions: Conditions, active: Indices, n: int, worst: Reals, peak: Reals, imbalance: Reals
 ) -> None:
     """Largest violation of a contact condition, largest pressure, and mean normal traction that nothing balances.
 
@@ -122,7 +118,7 @@ def wall_violation(
 
 
 @jit
-def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -> tuple[float, float]:
+def tangential_violation(state: SurfaceState, conditions: Conditions, i: int, n: int) -> tuple[float, float]:
     """Largest tangential traction of a row that friction does not balance, and the sum of all.
 
     Free nodes bear none, sticking nodes at most what friction holds, sliding ones exactly that against the way they
@@ -158,7 +154,7 @@ def tangential_violation(state: State, conditions: Conditions, i: int, n: int) -
 
 
 @jit
-def wall_pressure(state: State, hardness: float, active: Indices, n: int) -> None:
+def wall_pressure(state: SurfaceState, hardness: float, active: Indices, n: int) -> None:
     """Replace the normal restoring traction by the pressure of the wall: the nearest one that the contact allows."""
     u, ku, wall, load, _ = state
     normal = u.shape[1] - 1

@@ -422,7 +422,7 @@ class Values(NamedTuple):
     st: Reals
 
 
-class Level(NamedTuple):
+class DecayLevel(NamedTuple):
     """A grid: its accurate sum, the coarser one that preconditions it with room for its factors, and scratch."""
 
     fine: DecaySum
@@ -433,7 +433,7 @@ class Level(NamedTuple):
 
 
 @jit
-def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: Level) -> tuple[float, int]:
+def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: DecayLevel) -> tuple[float, int]:
     """Find the contact and its pressure p that leave no overlap and no tension under a sum of decays.
 
     The sum only acts on what p changes by: the gap it starts from is that of the displacement sp. Conjugate gradients,
@@ -445,7 +445,7 @@ def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: Level) ->
     The records may come as plain tuples: a compiled function takes these in a third of the time.
     """
     fine, coarse, factors, lists, values = grid
-    level = Level(DecaySum(*fine), Decays(*coarse), Factors(*factors), Lists(*lists), Values(*values))
+    level = DecayLevel(DecaySum(*fine), Decays(*coarse), Factors(*factors), Lists(*lists), Values(*values))
     task = Task(*asked)
     count, free = _gather(p, sp, wall, task, level)
     if count == 0:
@@ -486,7 +486,7 @@ def decay_contact(p: Reals, sp: Reals, wall: Reals, asked: Task, grid: Level) ->
 
 
 @jit
-def _gather(p: Reals, sp: Reals, wall: Reals, task: Task, level: Level) -> tuple[int, int]:
+def _gather(p: Reals, sp: Reals, wall: Reals, task: Task, level: DecayLevel) -> tuple[int, int]:
     """List the candidates and which of them touch; their number, and the first row of decays that is free."""
     touches, nodes, distances, rows, inside, _, _ = level.lists
     new, old, opened, gap = level.values.new, level.values.old, level.values.opened, level.values.gap
@@ -525,7 +525,7 @@ def _list_contact(lists: Lists, values: Values, count: int) -> int:
 
 
 @jit
-def _factor(touching: int, free: int, task: Task, level: Level) -> None:
+def _factor(touching: int, free: int, task: Task, level: DecayLevel) -> None:
     """Factor the coarse sum on the contact, and solve for the first change of pressure."""
     _, _, distances, _, _, contact, contact_rows = level.lists
     r, z, uniform, t = level.values.r, level.values.z, level.values.uniform, level.values.t
@@ -542,7 +542,7 @@ def _factor(touching: int, free: int, task: Task, level: Level) -> None:
 
 @jit
 def _close_gap(
-    touching: int, fresh: bool, tolerance: float, final: float, task: Task, level: Level
+    touching: int, fresh: bool, tolerance: float, final: float, task: Task, level: DecayLevel
 ) -> tuple[float, float, bool]:
     """Conjugate gradients for the pressure on the contact; the tolerances, and whether many nodes ended it early.
 
@@ -610,7 +610,7 @@ def _tension(touching: int, rounding: float, lists: Lists, values: Values) -> tu
 
 
 @jit
-def _let_go(touching: int, hasty: bool, task: Task, level: Level) -> None:
+def _let_go(touching: int, hasty: bool, task: Task, level: DecayLevel) -> None:
     """Open the nodes under tension, scale the pressure of the others to the load, and find their gaps."""
     new, _, _, gap, r, z, _, t, st = level.values
     inside, touches = level.lists.inside, level.lists.touches
@@ -630,7 +630,7 @@ def _let_go(touching: int, hasty: bool, task: Task, level: Level) -> None:
 
 
 @jit
-def _join(count: int, touching: int, misfit: float, task: Task, level: Level) -> int:
+def _join(count: int, touching: int, misfit: float, task: Task, level: DecayLevel) -> int:
     """Find the gaps of all candidates, and bring into contact those that overlap by more than the misfit; how many."""
     new, old, opened, gap, _, z, _, _, _ = level.values
     for k in range(count):

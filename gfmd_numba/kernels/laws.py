@@ -1,25 +1,22 @@
-"""Compiled tractions of interaction laws."""
+"""Compiled tractions of the cohesive law, which damped dynamics ask for in every step."""
 
 import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.contact_conditions import State
-
-
-@jit
-def exponential_pull(
-    u: Reals, ku: Reals, punch: Reals, active: Indices, n: int, strength: float, length: float
-) -> None:
-    """Take the traction strength * exp(-gap / length) towards the punch (6.110) off the restoring traction ku."""
-    for i in active:
-        for j in range(n):
-            ku[i, j] -= strength * np.exp((u[i, j] - punch[i, j]) / length)
+from gfmd_numba.kernels.contact_conditions import SurfaceState
 
 
 @jit
 def xu_needleman_pull(
-    state: State, punch: Reals, sliding: Reals, active: Indices, n: int, work: float, normal: float, tangential: float
+    state: SurfaceState,
+    punch: Reals,
+    sliding: Reals,
+    active: Indices,
+    n: int,
+    work: float,
+    normal: float,
+    tangential: float,
 ) -> None:
     """Take the tractions of Xu and Needleman's law off the restoring tractions of a state.
 

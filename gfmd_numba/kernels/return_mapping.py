@@ -20,11 +20,6 @@ class Hardening(NamedTuple):
     rise: float = 0.0
     strain: float = np.inf
 
-    def at(self, equivalent: Reals) -> Reals:
-        """Yield stress at an equivalent plastic strain."""
-        found: Reals = self.stress + self.slope * equivalent - self.rise * np.expm1(-equivalent / self.strain)
-        return found
-
 
 @jit
 def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) -> float:

@@ -4,11 +4,11 @@ import numpy as np
 
 from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.kernels.compilation import jit
-from gfmd_numba.kernels.contact_conditions import Conditions, State, bound_of_node
+from gfmd_numba.kernels.contact_conditions import Conditions, SurfaceState, bound_of_node
 
 
 @jit
-def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: float, push: float) -> None:
+def verlet_step(state: SurfaceState, u_old: Reals, active: Indices, n: int, memory: float, push: float) -> None:
     """One Verlet step (6.55) of all components, as if none held tangential ones; the wall clips the normal (2.16)."""
     u, ku, wall, load, _ = state
     normal = u.shape[1] - 1
@@ -26,7 +26,9 @@ def verlet_step(state: State, u_old: Reals, active: Indices, n: int, memory: flo
 
 
 @jit
-def friction_step(state: State, u_old: Reals, conditions: Conditions, active: Indices, n: int, push: float) -> None:
+def friction_step(
+    state: SurfaceState, u_old: Reals, conditions: Conditions, active: Indices, n: int, push: float
+) -> None:
     """Hold touching nodes by Coulomb friction after a Verlet step from `u_old` (an infinite one sticks).
 
     Friction acts against the way slid from the `anchor`; a node that an infinite one has pulled off sticks where it
@@ -55,7 +57,7 @@ def friction_step(state: State, u_old: Reals, conditions: Conditions, active: In
 
 @jit
 def fire_step(
-    state: State, v: Reals, dt: Reals, mixing: Reals, downhill: Indices, active: Indices, n: int, longest: float
+    state: SurfaceState, v: Reals, dt: Reals, mixing: Reals, downhill: Indices, active: Indices, n: int, longest: float
 ) -> None:
     """One step of FIRE (Bitzek et al., Phys. Rev. Lett. 97:170201, 2006) with the hard wall.
 

@@ -30,7 +30,7 @@ class Part:
 
 
 @dataclass(frozen=True)
-class Form:
+class FormShares:
     """Parts of the heights: a tilt, and of what is left without it a curvature, and long waves together with that.
 
     `rest` is the mean square height that is left at last.
@@ -61,7 +61,7 @@ def orthogonal(heights: Reals, order: int) -> tuple[Reals, list[Reals]]:
     return np.where(total <= order, coefficients, 0.0), bases
 
 
-def form(heights: Reals) -> Form:
+def form(heights: Reals) -> FormShares:
     """Form of a field `[nx]` or `[ny, nx]` of at least 24 points in each direction."""
     highest = min(HIGHEST[heights.ndim], min(heights.shape) // 2)
     means = _means(heights)
@@ -75,7 +75,7 @@ def form(heights: Reals) -> Form:
     short = float(level[3 : WAVY + 1].mean())
     levelled = float(((heights - heights.mean()) ** 2).sum()) - of[1]
     waves = float(of[2 : WAVY + 1].sum())
-    return Form(
+    return FormShares(
         Part(_ratio(of[1], levelled + of[1]), _ratio(level[1], short)),
         Part(_ratio(of[2], levelled), _ratio(level[2], short)),
         Part(_ratio(waves, levelled), _ratio(mean[2 : WAVY + 1].mean(), _expected(mean))),

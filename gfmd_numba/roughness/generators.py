@@ -12,7 +12,7 @@ from typing import Any, Protocol, Self
 
 import numpy as np
 
-from gfmd_numba.arrays import Reals
+from gfmd_numba.arrays import Indices, Reals
 from gfmd_numba.roughness import statistics
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import PowerLaw, Random
@@ -115,6 +115,13 @@ def band(record: PowerLaw, discretisation: Discretisation | None) -> tuple[float
         return 1.0 / record.roll_off, 1.0 / record.cut_on
     assert discretisation is not None  # the loader's promise
     return float(discretisation.longest_wave_index), discretisation.shortest_wave_index
+
+
+def power_law(index: Reals | Indices, exponent: float, band: tuple[float, float], plateau: bool = True) -> Reals:
+    """Power law `[...]` of wave indices between the two of a band, with a plateau below it or nothing (3.28)."""
+    longest, shortest = band
+    kept = (index >= (0.5 if plateau else longest) * (1.0 - 1e-12)) & (index <= shortest * (1.0 + 1e-12))
+    return np.where(kept, np.maximum(index, longest) ** -exponent, 0.0)
 
 
 def random_surface(

@@ -88,7 +88,7 @@ class MeasuredSurface:
 
 
 @dataclass(frozen=True)
-class Field:
+class MeasuredField:
     """What a record measures, before it is made periodic: `fields` of it, side by side, are a period along x."""
 
     record: Measured
@@ -135,7 +135,7 @@ def measured_surfaces(
     return surfaces, length
 
 
-def _check_square(found: MeasuredSurface, field: Field, place: Place, document: Document) -> None:
+def _check_square(found: MeasuredSurface, field: MeasuredField, place: Place, document: Document) -> None:
     """Raise InputError for a map of more points, or a larger size, along one axis than along the other."""
     unequal = max(found.lengths) > min(found.lengths) * (1.0 + _UNEQUAL)
     if len(set(found.heights.shape)) > 1 or unequal:
@@ -164,7 +164,7 @@ def usable(document: Document, place: Place, record: Measured | None = None) -> 
         raise document.fault((*place, record.key), f"{record.shown} ({error})", allowed) from None
 
 
-def measured_field(record: Measured, read: Reader = read_content) -> Field:
+def measured_field(record: Measured, read: Reader = read_content) -> MeasuredField:
     """Heights of a record in the units that are stated; `read` gives the content of a file.
 
     Raises ValueError, saying what is wrong and what to do.
@@ -188,7 +188,7 @@ def measured_field(record: Measured, read: Reader = read_content) -> Field:
     found = measurement(content, units, resample=record.points is not None)
     if record.crop == "square":
         found = largest_square(found)
-    return Field(record, found, 2.0 if record.periodic == "mirror" else 1.0)
+    return MeasuredField(record, found, 2.0 if record.periodic == "mirror" else 1.0)
 
 
 def measured_surface(record: Measured, length: float | None, dimension: int | None = None) -> MeasuredSurface:
@@ -197,7 +197,7 @@ def measured_surface(record: Measured, length: float | None, dimension: int | No
 
 
 def periodic_surface(
-    field: Field,
+    field: MeasuredField,
     length: float | None,
     dimension: int | None = None,
     in_si: bool = False,
@@ -227,7 +227,9 @@ def periodic_surface(
         )
     mirrored = field.fields == 2.0 and not any(ends)
     signs = plausibility.of_field(
-        plausibility.Field(found.heights, heights, sizes, found.units, mirrored, record.cutoff, ORDERS[record.detrend])
+        plausibility.LevelledField(
+            found.heights, heights, sizes, found.units, mirrored, record.cutoff, ORDERS[record.detrend]
+        )
     )
     made = made_periodic(heights, sizes, record.periodic, record.cutoff, record.points, ends)
     doubts = signs.sentences + plausibility.of_surface(
@@ -275,7 +277,7 @@ def _is_sharp(heights: Reals) -> bool:
 
 
 def _sizes(
-    field: Field, length: float | None, in_si: bool, told_by: str
+    field: MeasuredField, length: float | None, in_si: bool, told_by: str
 ) -> tuple[tuple[float, ...], Literal["m", "1"]]:
     """Sizes of the measured field in m or L_x, and which of the two: the one place where a file meets a length."""
     found = field.found

@@ -16,16 +16,14 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import spectra, statistics
 from gfmd_numba.roughness.amplitudes import waves
 from gfmd_numba.roughness.generators import Shape
-from gfmd_numba.roughness.spectra import Anisotropic, Isotropic, SelfAffineSpectrum
+from gfmd_numba.roughness.spectra import Anisotropic, Isotropic
 from gfmd_numba.scene import surfaces as records
 from gfmd_numba.scene.records import Discretisation
 
 _ROUNDING = 1e-12  # of the largest power, below which a negative one is taken for zero
 
 
-def psd_power(
-    spectrum: SelfAffineSpectrum | Isotropic | Anisotropic, nx: int, largest_index: int, period: float = 1.0
-) -> Reals:
+def psd_power(spectrum: Isotropic | Anisotropic, nx: int, largest_index: int, period: float = 1.0) -> Reals:
     """Mean power <|h~(q)|^2> / w^2 `[nx // 2 + 1]` or `[nx, nx // 2 + 1]` of the power spectral density method.
 
     Raises ValueError for a spectrum that is negative or not finite somewhere, or zero everywhere.

@@ -60,7 +60,7 @@ Cause = Literal["top", "bottom", "mark", "stuck"]
 
 
 @dataclass(frozen=True)
-class Field:
+class LevelledField:
     """A measured field of sizes `lengths`: `heights` `[nx]` or `[ny, nx]` after levelling, all of them numbers.
 
     `as_measured` are those before, of which missing ones are not-a-number. `units` are the user's for x and z. One
@@ -106,7 +106,7 @@ def said(units: Mapping[str, str], length: float, axis: str = "z", digits: int =
     return f"{length / METRES.get(name, 1.0):.{digits}g} {name}"
 
 
-def of_field(field: Field) -> Signs:
+def of_field(field: LevelledField) -> Signs:
     """Signs of form, spikes, steps and heights that are none, of a field before it is made periodic."""
     again = repeated(field.as_measured)
     heights, marked = field.heights, np.zeros(field.heights.shape, dtype=bool)
@@ -248,7 +248,7 @@ def is_design(heights: Reals) -> bool:
     return float(np.nanmedian(abs(np.diff(second, axis=-1)))) <= _DESIGN * float(np.nanmedian(abs(second))) + rounding
 
 
-def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
+def _repeated(field: LevelledField, found: list[Repeated]) -> Iterator[str]:
     for each in found[:2]:
         are = "are" if each.at.sum() > 1 else "is"
         times = f"{each.at.sum()} of {field.as_measured.size} heights {are} exactly {field.said(each.height, 'z', 6)}"
@@ -262,7 +262,7 @@ def _repeated(field: Field, found: list[Repeated]) -> Iterator[str]:
             yield f"{times}: if that marks missing heights, write nan for them, and fill: interpolate"
 
 
-def _form(field: Field, heights: Reals) -> tuple[list[str], int]:
+def _form(field: LevelledField, heights: Reals) -> tuple[list[str], int]:
     """Sentences about the form of heights, and the order of the polynomial that follows it."""
     if min(heights.shape) < FEWEST or is_design(heights):
         variance = float(heights.var())
@@ -327,7 +327,7 @@ def _spikes(found: Flags, deep: bool) -> str:
     return f"{what}: despike: true interpolates the heights there{kept}"
 
 
-def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
+def _steps(field: LevelledField, found: list[tuple[int, int, float]]) -> str:
     if not found:
         return ""
     shown = ", ".join(f"by {field.said(step)} behind {('row', 'index')[axis]} {i}" for axis, i, step in found)
@@ -340,7 +340,7 @@ def _steps(field: Field, found: list[tuple[int, int, float]]) -> str:
     return f"the heights step {shown}, and stay there: if the instrument slipped, measure again or cut out a part"
 
 
-def _digitised(field: Field) -> tuple[float, str]:
+def _digitised(field: LevelledField) -> tuple[float, str]:
     """Step of a digitiser that makes up much of the gradient, and a sentence about it; 0 and nothing where none does.
 
     Rounding of heights that change by s between neighbours, normally distributed, to multiples of q adds q^2/6 to the

@@ -6,7 +6,7 @@ only (midpoint displacement) or, half as large, to all (successive addition). St
 and the surface between the points is their trigonometric interpolant. On a map a step has two halves: centres of
 squares, then of edges.
 
-Neither process is stationary, which is the artefact these methods are known for. `Recursion.own_power` has their
+Neither process is stationary, which is the artefact these methods are known for. `power_of_points` is their
 spectrum, averaged over positions, exactly. It is the same for both methods; they differ in how much the variance
 depends on position.
 """
@@ -17,11 +17,9 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 
 from gfmd_numba.arrays import Reals
-from gfmd_numba.fourier.grid import resample
-from gfmd_numba.roughness import model_surfaces
+from gfmd_numba.fourier.grid import magnitudes, resample
 from gfmd_numba.roughness.amplitudes import stream
-from gfmd_numba.roughness.generators import Shape, band
-from gfmd_numba.roughness.spectra import SelfAffineSpectrum
+from gfmd_numba.roughness.generators import Shape, band, power_law
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import Recursive
 
@@ -78,7 +76,8 @@ class Recursion:
         """
         if 2**self.last > shape[0]:
             raise ValueError(f"{2**self.last} points of the last step on a grid of {shape[0]}")
-        norm = np.sqrt(_total(_power(self)))
+        power = power_of_points(self)
+        norm = np.sqrt(float(power.sum() - power.flat[0]))
         heights = np.empty((len(realisations), *shape))
         for row, realisation in zip(heights, realisations, strict=True):
             numbers = stream(seed, realisation)
@@ -98,14 +97,10 @@ class Recursion:
         return None if 2.0 * cut_on > self.roll_off else replace(self, cut_on=cut_on)
 
     def power(self, shape: Shape) -> Reals:
-        """Mean power that is asked for, a power law with a plateau; `own_power` is that of the recursion."""
-        asked = SelfAffineSpectrum(len(shape), self.hurst, self.cut_on, self.roll_off, 1.0)
-        return model_surfaces.psd_power(asked, shape[0], (shape[0] - 1) // 2)
-
-    def own_power(self) -> Reals:
-        """Mean power <|h~(q)|^2> / w^2 `[(n,) n // 2 + 1]` on the n = 2^last points of the last step."""
-        found = _power(self)
-        return np.asarray((found / _total(found))[..., : found.shape[-1] // 2 + 1])
+        """Mean power that is asked for, a power law with a plateau; `power_of_points` is that of the recursion."""
+        longest, shortest = self.band
+        index = magnitudes(shape) / (2.0 * np.pi)
+        return power_law(index, len(shape) + 2.0 * self.hurst, (longest, min(shortest, (shape[0] - 1) // 2)))
 
     def variance(self, distance: float) -> float:
         """Variance of the heights added to means of neighbours at a distance (3.24), per that of the first points.
@@ -157,8 +152,11 @@ def _divide_map(old: Reals, recursion: Recursion, spacing: float, numbers: np.ra
 _DIVIDE = {1: _divide_profile, 2: _divide_map}
 
 
-def _power(recursion: Recursion) -> Reals:
-    """Power of all coefficients, not normalised: each step filters the repeated spectrum and adds white noise."""
+def power_of_points(recursion: Recursion) -> Reals:
+    """Mean power `[(n,) n]` of all coefficients on the n = 2^last points of the last step, on no scale.
+
+    Each step filters the repeated spectrum and adds white noise.
+    """
     d, everywhere = recursion.dimension, recursion.everywhere
     found = np.full((2**recursion.first,) * d, 0.5 ** (recursion.first * d))
     for step in range(recursion.first + 1, recursion.last + 1):
@@ -174,8 +172,3 @@ def _power(recursion: Recursion) -> Reals:
             edges = (1.0 + np.add.outer(cosine, cosine) / 2.0) ** 2
             found = edges * (centres * found / 16.0 + first) + noise
     return found
-
-
-def _total(power: Reals) -> float:
-    """Mean square height about the mean."""
-    return float(power.sum() - power.ravel()[0])

@@ -17,7 +17,7 @@ from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves, waves_of_columns
-from gfmd_numba.roughness.generators import Shape, band, gradient_over_height
+from gfmd_numba.roughness.generators import Shape, band, gradient_over_height, power_law
 from gfmd_numba.scene.records import Discretisation
 from gfmd_numba.scene.surfaces import SelfAffine
 
@@ -66,9 +66,7 @@ class SelfAffineWaves:
                 row[...] = grid.signal(spectrum, nx, nx)
             return heights
         index = np.arange(1, self.shortest_wave_index + 1)
-        envelope = np.maximum(index, self.longest_wave_index) ** -(0.5 + self.hurst)
-        if not self.plateau:
-            envelope[index < self.longest_wave_index * (1.0 - 1e-12)] = 0.0
+        envelope = power_law(index, 0.5 + self.hurst, self.band, self.plateau)
         spectrum = np.zeros((len(realisations), nx // 2 + 1), dtype=np.complex128)
         for row, realisation in zip(spectrum, realisations, strict=True):
             amplitudes = envelope * complex_gaussian(seed, realisation, self.shortest_wave_index)
@@ -94,9 +92,7 @@ class SelfAffineWaves:
         q_y, q_x = grid.wavevectors(smallest, (1.0, 1.0))
         q_x = q_x[:, own]
         index = np.hypot(self.anisotropy * q_y, q_x) / (2.0 * np.pi)
-        lowest = 0.0 if self.plateau else self.longest_wave_index * (1.0 - 1e-12)
-        kept = (index > 0.0) & (index >= lowest) & (index <= self.shortest_wave_index * (1.0 + 1e-12))
-        envelope = np.where(kept, np.maximum(index, self.longest_wave_index) ** -(1.0 + self.hurst), 0.0)
+        envelope = power_law(index, 1.0 + self.hurst, self.band, self.plateau)
         amplitudes = envelope * drawn
         power = envelope**2 if self.by_theory else np.abs(amplitudes) ** 2
         squares = (grid.multiplicity(smallest[1])[own] * np.hypot(q_y, q_x) ** 2 * power).sum(axis=0)
@@ -121,10 +117,7 @@ class SelfAffineWaves:
         """Mean power per mean square height (3.28)."""
         *q_y, q_x = grid.wavevectors(shape, (1.0,) * len(shape))
         index = reduce(np.hypot, (*(self.anisotropy * q for q in q_y), q_x)) / (2.0 * np.pi)
-        longest = 0.5 if self.plateau else self.longest_wave_index
-        kept = (index >= longest * (1.0 - 1e-12)) & (index <= self.shortest_wave_index * (1.0 + 1e-12))
-        law = np.maximum(index, self.longest_wave_index) ** -(len(shape) + 2.0 * self.hurst)
-        power = np.where(kept, law, 0.0)
+        power = power_law(index, len(shape) + 2.0 * self.hurst, self.band, self.plateau)
         return np.asarray(power / statistics.moment_of_power(power, shape, 0, (1.0,) * len(shape)))
 
 

@@ -18,51 +18,12 @@ from gfmd_numba.arrays import Reals
 
 # mean of a wave over the directions from a point, by the dimension
 _RIPPLE: dict[int, Callable[[Reals], Reals]] = {1: np.cos, 2: lambda phase: scipy.special.j0(phase)}
-_SPHERE = {1: 2.0, 2: 2.0 * np.pi}  # surface of the unit sphere in d dimensions
 _FAR = 30.0
 _TERMS = 60  # of the series for q > 30; they fall by more than a half from one to the next
 _STEP = 0.06  # in log r: the trapezoidal rule is then right to rounding
 _REACH = 700  # steps below log r = 0, to r = 6e-19
 _FADED = 1e3  # phase at which the waves have decayed to less than 1e-160 along the ray
 _TABLE = 150  # points a decade; a cubic spline through them errs by 1e-9
-
-
-@dataclass(frozen=True)
-class SelfAffineSpectrum:
-    """Power law q^-(d + 2H) between the cut-on and roll-off wavelengths, then a plateau or nothing (thesis 3.5.2.1).
-
-    Lengths in the unit of the period; the plateau ends at `longest`.
-    """
-
-    isotropic: ClassVar[Literal[True]] = True
-    dimension: int
-    hurst: float
-    cut_on: float
-    roll_off: float
-    longest: float
-
-    @property
-    def _wavenumbers(self) -> tuple[float, float, float]:
-        longest, roll_off, cut_on = (2.0 * np.pi / length for length in (self.longest, self.roll_off, self.cut_on))
-        return longest, roll_off, cut_on
-
-    def psd(self, q: Reals) -> Reals:
-        """Spectral density `[...]` at wave numbers q (3.8, 3.28)."""
-        longest, roll_off, cut_on = self._wavenumbers
-        inside = (q >= longest * (1.0 - 1e-12)) & (q <= cut_on * (1.0 + 1e-12))
-        law = np.maximum(q, roll_off) ** -(self.dimension + 2.0 * self.hurst)
-        return np.where(inside, law, 0.0) / self._moment(0)
-
-    def moment(self, order: int) -> float:
-        """Integral of q^n C over all of q-space, in length^-n."""
-        return self._moment(order) / self._moment(0)
-
-    def _moment(self, order: int) -> float:
-        longest, roll_off, cut_on = self._wavenumbers
-        d, rise = self.dimension, order - 2.0 * self.hurst
-        plateau = roll_off ** -(d + 2.0 * self.hurst) * (roll_off ** (d + order) - longest ** (d + order)) / (d + order)
-        law = np.log(cut_on / roll_off) if rise == 0.0 else (cut_on**rise - roll_off**rise) / rise
-        return float(_SPHERE[d] * (plateau + law))
 
 
 @dataclass(frozen=True)
@@ -145,19 +106,25 @@ def matern(z: Reals, order: float) -> Reals:
     return np.where(z == 0.0, 1.0, found)
 
 
-@dataclass(frozen=True)
-class LengthAnisotropicSpectrum:
-    """One Hurst exponent, two correlation lengths (x, y) (3.15)."""
+class _Anisotropic:
+    """Model of two correlation lengths (x, y)."""
 
     isotropic: ClassVar[Literal[False]] = False
     dimension: ClassVar[int] = 2
-    hurst: float
     correlation_lengths: tuple[float, float]
 
     @property
     def correlation_length(self) -> float:
         """Mean of both correlation lengths."""
         return sum(self.correlation_lengths) / 2.0
+
+
+@dataclass(frozen=True)
+class LengthAnisotropicSpectrum(_Anisotropic):
+    """One Hurst exponent, two correlation lengths (x, y) (3.15)."""
+
+    hurst: float
+    correlation_lengths: tuple[float, float]
 
     def psd(self, q_x: Reals, q_y: Reals) -> Reals:
         """Spectral density `[...]` at wave vectors (q_x, q_y) (3.15 over 2 pi)."""
@@ -171,11 +138,9 @@ class LengthAnisotropicSpectrum:
 
 
 @dataclass(frozen=True)
-class ScalingAnisotropicSpectrum:
+class ScalingAnisotropicSpectrum(_Anisotropic):
     """Hurst exponent and correlation length of each direction (x, y) (3.16)."""
 
-    isotropic: ClassVar[Literal[False]] = False
-    dimension: ClassVar[int] = 2
     hursts: tuple[float, float]
     correlation_lengths: tuple[float, float]
 
@@ -183,11 +148,6 @@ class ScalingAnisotropicSpectrum:
     def hurst(self) -> float:
         """Mean of both Hurst exponents."""
         return sum(self.hursts) / 2.0
-
-    @property
-    def correlation_length(self) -> float:
-        """Mean of both correlation lengths."""
-        return sum(self.correlation_lengths) / 2.0
 
     def psd(self, q_x: Reals, q_y: Reals) -> Reals:
         """Spectral density `[...]` at wave vectors (q_x, q_y) (3.16 over 2 pi)."""

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.roughness.measurements import Content, on_a_grid, split_axes
-from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, Table, read_rows, read_table
+from gfmd_numba.roughness.surface_text import BYTE_ORDER_MARKS, TextTable, read_rows, read_table
 from gfmd_numba.scene.measured_record import AXES, Heights
 from gfmd_numba.scene.regular_file import UNWRITABLE, can_be_read, check_regular, most_numbers
 from gfmd_numba.scene.units import PERIOD, length_unit
@@ -104,7 +104,7 @@ def _read_text(path: Path) -> Content:
     return Content(heights, positions, units=_stated(z=table.units[0], **table.axis_units), done=done)
 
 
-def _sized(table: Table, heights: Reals) -> Content:
+def _sized(table: TextTable, heights: Reals) -> Content:
     """Content of heights `[ny, nx]` alone, with the sizes that the header states; of one row, those of points."""
     (ny, nx), along_x, along_y = heights.shape, table.sizes.get("x"), table.sizes.get("y")
     if along_x is None or (ny == 1 and not along_x.of_points):

@@ -330,7 +330,7 @@ def stated_scale(header: list[str]) -> str | None:
 
 
 @dataclass(frozen=True)
-class Table:
+class TextTable:
     """Rows and columns of numbers `[rows, columns]`, not-a-number where a cell is empty.
 
     `units` are those that the header states for each column, or the one of a map; None where it states none. It may
@@ -359,7 +359,7 @@ class Rows(NamedTuple):
     lines: list[int]
 
 
-def read_table(path: Path) -> Table:
+def read_table(path: Path) -> TextTable:
     """Positions and heights, or a map, of a text file; raises ValueError, with the line, for anything else."""
     header, values, layout, lines = read_rows(path)
     header = [line.rstrip() for line in header]
@@ -382,12 +382,12 @@ def read_table(path: Path) -> Table:
         )
     if chosen == list(range(columns)):
         about = next((_short(line) for line in begins if _speaks_of_a_length(line)), None)
-        return Table(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
+        return TextTable(values, units, done, axis_units(header), lines[0], stated_sizes(begins), about)
     if columns == 2:
         done += ("took the first of two columns for heights and the second for positions, as their labels say",)
     elif len(chosen) < columns:
         done += (f"took {len(chosen)} of {columns} columns, those that the header calls positions and heights",)
-    return Table(values[:, chosen], units, done, line=lines[0])
+    return TextTable(values[:, chosen], units, done, line=lines[0])
 
 
 def read_rows(path: Path) -> Rows:
@@ -418,7 +418,8 @@ def read_rows(path: Path) -> Rows:
     if columns > _WIDEST:
         raise ValueError(f"{columns} columns, more than {_WIDEST}")
     _check_groups(rows, layout, columns)
-    cut = next((i for i, row in zip(numbers, rows, strict=False) if _hides(lines[i - 1], row, layout, columns)), None)
+    shorter = ((i, row) for i, row in zip(numbers, rows, strict=False) if layout.columns(row) < columns)
+    cut = next((i for i, row in shorter if "#" in lines[i - 1] and row.strip() not in ("", lines[i - 1].strip())), None)
     if cut is not None:
         raise ValueError(f"a comment in line {cut} before its last column: what is missing is an empty cell, or nan")
     corner = layout.cells(header[-1].rstrip()) if header and layout.separator else []
@@ -441,11 +442,6 @@ def _without_empty_cells(line: str, columns: int) -> str:
     while cut[-1:] in (*";\t,",) and cut.count(cut[-1]) >= columns:
         cut = cut[:-1].rstrip(" ")
     return cut
-
-
-def _hides(line: str, row: str, layout: Layout, columns: int) -> bool:
-    """Whether a comment in a line hides columns of its row."""
-    return "#" in line and bool(row.strip()) and row.strip() != line.strip() and layout.columns(row) < columns
 
 
 def _in_order(cells: list[str], layout: Layout) -> bool:

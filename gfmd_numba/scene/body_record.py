@@ -27,7 +27,7 @@ _RIGID = {
 }
 
 
-class Material(BaseModel):
+class MaterialRecord(BaseModel):
     """Linear elastic isotropic material: modulus in Pa, ratio dimensionless."""
 
     model_config = RECORD
@@ -35,7 +35,7 @@ class Material(BaseModel):
     poissons_ratio: PoissonsRatio
 
 
-class Layer(Material):
+class Layer(MaterialRecord):
     """Layer of one material, bonded to what is above and below it."""
 
     height: Length = Field(description="Height in m, or in L_x without a length")
@@ -80,11 +80,12 @@ class Plasticity(BaseModel):
 
 
 def _kind(given: Any) -> str:
-    return "Material" if isinstance(given, dict | Material) else "rigid"
+    return "MaterialRecord" if isinstance(given, dict | MaterialRecord) else "rigid"
 
 
 Base = Annotated[
-    Annotated[Material, Tag("Material")] | Annotated[Literal["rigid"], Tag("rigid"), WithJsonSchema(_RIGID)],
+    Annotated[MaterialRecord, Tag("MaterialRecord")]
+    | Annotated[Literal["rigid"], Tag("rigid"), WithJsonSchema(_RIGID)],
     Discriminator(_kind),
 ]
 
@@ -129,11 +130,6 @@ class Body(BaseModel):
         return self.youngs_modulus if self.layers is None else self.layers[0].youngs_modulus
 
     @property
-    def has_modulus(self) -> bool:
-        """Whether a modulus is in Pa; layers with 1 for the topmost are ratios, as no material is as soft as 1 Pa."""
-        return self.surface_modulus is not None and not (self.layers is not None and self.surface_modulus == 1.0)
-
-    @property
     def surface_poissons_ratio(self) -> float:
         """Poisson's ratio at the surface (dimensionless)."""
         nu = self.poissons_ratio if self.layers is None else self.layers[0].poissons_ratio
@@ -143,7 +139,7 @@ class Body(BaseModel):
     @property
     def is_half_space(self) -> bool:
         """Whether it has no end below, so that nothing holds its mean displacement."""
-        return isinf(self.aspect_ratio) if self.layers is None else isinstance(self.base, Material)
+        return isinf(self.aspect_ratio) if self.layers is None else isinstance(self.base, MaterialRecord)
 
     @property
     def holder(self) -> str:
@@ -156,7 +152,7 @@ class Body(BaseModel):
         if self.state == "plane_stress":
             return False
         parts = [self] if self.layers is None else [*self.layers, self.base]
-        return all(part.poissons_ratio == 0.5 for part in parts if isinstance(part, Body | Material))
+        return all(part.poissons_ratio == 0.5 for part in parts if isinstance(part, Body | MaterialRecord))
 
     @model_validator(mode="after")
     def _one_material_or_layers(self) -> Self:
@@ -186,8 +182,8 @@ class Body(BaseModel):
             if not least <= layer.height <= most:
                 lowest, highest = (in_unit_of(layer.height, each, unit) for each in (least, most))
                 raise broken_rule((*place, "layers", i, "height"), f"a height from {lowest} to {highest}")
-        parts: dict[tuple[str | int, ...], Material] = {("layers", i): each for i, each in enumerate(self.layers)}
-        if isinstance(self.base, Material):
+        parts: dict[tuple[str | int, ...], MaterialRecord] = {("layers", i): each for i, each in enumerate(self.layers)}
+        if isinstance(self.base, MaterialRecord):
             parts["base",] = self.base
         first = self.layers[0].youngs_modulus
         softest, stiffest = first / LARGEST_CONTRAST, first * LARGEST_CONTRAST

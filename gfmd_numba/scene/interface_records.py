@@ -102,7 +102,7 @@ class Exponential(SignedLaw):
     implementation: ClassVar = "gfmd_numba.interface.exponential:ExponentialLaw"
 
 
-class PowerLaw(SignedLaw):
+class PowerLawOfTheGap(SignedLaw):
     """Law with energy -work_of_adhesion (1 + gap/range)^-exponent per area."""
 
     title: ClassVar = "power law"
@@ -261,7 +261,9 @@ class Wear(BaseModel):
     rate: WearRate = Field(description="Depth over pressure and sliding distance in m^2/N (1/E* without moduli)")
 
 
-Law = HardWall | Exponential | SquaredExponential | PowerLaw | MaugisDugdale | LennardJones | Cohesive | Friction
+Law = (
+    HardWall | Exponential | SquaredExponential | PowerLawOfTheGap | MaugisDugdale | LennardJones | Cohesive | Friction
+)
 
 
 class Interface(BaseModel):
@@ -273,7 +275,7 @@ class Interface(BaseModel):
     squared_exponential: SquaredExponential | None = Field(
         None, description="Attraction that is largest at a gap, and none at no gap"
     )
-    power_law: PowerLaw | None = Field(None, description="Attraction or repulsion by a power of the distance")
+    power_law: PowerLawOfTheGap | None = Field(None, description="Attraction or repulsion by a power of the distance")
     maugis_dugdale: MaugisDugdale | None = Field(None, description="Constant attraction up to a range")
     lennard_jones: LennardJones | None = Field(None, description="Attraction and repulsion of half-spaces of atoms")
     cohesive: Cohesive | None = Field(None, description="Attraction, repulsion and resistance to slip in one law")

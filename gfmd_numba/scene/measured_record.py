@@ -131,7 +131,6 @@ GivenHeights = Annotated[
     WithJsonSchema({"allowed": _HEIGHTS}),
 ]
 
-
 FileName = Annotated[str, Field(min_length=1, json_schema_extra={"allowed": "a file name"})]
 
 

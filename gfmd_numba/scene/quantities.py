@@ -111,7 +111,6 @@ FrictionCoefficient = Annotated[
     ),
 ]
 
-
 FileOfNodes = Annotated[
     str,
     Field(

@@ -183,8 +183,12 @@ class Scene(BaseModel):
 
     @property
     def has_moduli(self) -> bool:
-        """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each."""
-        return self.counter_body is not None or self.body.has_modulus
+        """Whether all elastic bodies have a Young's modulus, so that stresses are in Pa; two bodies need one each.
+
+        Layers with 1 for the topmost are ratios, as no material is as soft as 1 Pa.
+        """
+        known = (None, 1.0) if self.body.layers is not None else (None,)
+        return self.counter_body is not None or self.body.surface_modulus not in known
 
     @property
     def thinnest_layer(self) -> float:

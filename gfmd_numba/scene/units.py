@@ -205,7 +205,6 @@ QUANTITIES = (
     *(VISCOSITY, ELECTRICAL_CONDUCTIVITY, THERMAL_CONDUCTIVITY),
 )
 
-
 Keys = tuple[str | int, ...]  # that lead to a place in a record
 
 

@@ -26,7 +26,7 @@ from gfmd_numba.contact.observables import OBSERVABLES, PRESCRIBED
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.scales import steps_of
 from gfmd_numba.contact.state import Contact, Tell
-from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, input_warnings, path_warnings, wording
+from gfmd_numba.contact.validity import FEW_NODES, NARROW_CONTACTS, input_warnings, path_warnings
 from gfmd_numba.scene import Document, InputError, Loading, Random, Scene, SceneFile, validate
 from gfmd_numba.scene.document import located
 from gfmd_numba.scene.loading import Step, check_loading, control_of
@@ -63,7 +63,6 @@ _METHOD = (
     "(displacements: 0.1 % of their range; at most half-way to the next load); no exact tangent"
 )
 _SHORT = 1e-3  # of a load, or of the range of displacements: the step over which the stiffness is measured
-
 
 _TIME, _SPEED = "time", "speed"  # what is prescribed of a curve over times, or over speeds
 Over = Literal["loads", "times", "speeds"]
@@ -296,7 +295,8 @@ def _of_all(validities: Sequence[tuple[float, str]], unit: str) -> str:
     every = {load for load, _ in validities}
     said: dict[str, list[tuple[float, str]]] = {}
     for load, line in ((load, line) for load, validity in validities for line in validity.splitlines()):
-        said.setdefault(wording(line), []).append((load, line))
+        wording = re.sub(r"[-+.\de]*\d\S*( \S+)?", "", line)  # without its numbers and their units
+        said.setdefault(wording, []).append((load, line))
     return "\n".join(_at_loads(lines, every, unit) for lines in said.values())
 
 

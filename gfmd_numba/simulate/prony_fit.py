@@ -15,7 +15,7 @@ _A_DECADE = 2  # branches that may have a modulus
 _LARGEST_MISFIT = 0.1
 
 
-class Relaxation(NamedTuple):
+class MeasuredRelaxation(NamedTuple):
     """Relaxed modulus in Pa, branches over it with times in s, and the rms relative misfit of both moduli.
 
     `warning` is a sentence about a large misfit, or nothing.
@@ -27,7 +27,7 @@ class Relaxation(NamedTuple):
     warning: str = ""
 
 
-def fit_relaxation(table: Moduli) -> Relaxation:
+def fit_relaxation(table: Moduli) -> MeasuredRelaxation:
     """Prony series with moduli of at least 0 that is nearest to the moduli of a table.
 
     Its times are two to a decade, over the range of the frequencies. Raises InputError where no relaxed modulus is
@@ -59,4 +59,4 @@ def fit_relaxation(table: Moduli) -> Relaxation:
             f"{table.source}: the branches are off by {misfit:.0%} (rms), most by {off[worst]:.0%} at "
             f"{table.at(worst)}: is this one sweep, of a linear body, with its columns and units as read above?"
         )
-    return Relaxation(float(moduli[0]), series, misfit, warning)
+    return MeasuredRelaxation(float(moduli[0]), series, misfit, warning)

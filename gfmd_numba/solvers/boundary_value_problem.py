@@ -85,7 +85,7 @@ class _BoundaryValueProblem:
         self.displacement, self.traction = u[0, :, :n], ku[0, :, :n]
         self._prescribed: Reals = prescribed.reshape(components, n)
         self.displacement[:] = self._held = self._start(elastic, prescribed, displacement)
-        self._state = kernels.State(u, ku, np.full_like(u[:, -1], np.inf), np.zeros(1), u[:, :0])
+        self._state = kernels.SurfaceState(u, ku, np.full_like(u[:, -1], np.inf), np.zeros(1), u[:, :0])
         settings = options.number("time_step"), options.number("damping")
         self._step = Verlet(u, *position_verlet(softest, stiffest, *settings))
         self._restore()

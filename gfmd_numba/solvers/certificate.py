@@ -75,7 +75,7 @@ class Certificate:
         self.conditions, self.rigid_mean = conditions, rigid_mean
         self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
-    def look(self, state: kernels.State, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
+    def look(self, state: kernels.SurfaceState, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
         """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
         kernels.wall_violation(state, self.conditions, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:
@@ -88,15 +88,6 @@ class Certificate:
     def bounded(self, i: int, load: Reals, bound: float, peak: float, imbalance: float) -> float:
         """Residual of a row whose violations are known to be below a bound, over the largest pressure."""
         self.violation[i], self.peak[i], self.imbalance[i] = bound * peak, peak, imbalance
-        return float(self.residual(load, np.array([i]))[0])
-
-    def with_surroundings(self, i: int, load: Reals, largest: float, mean: float, share: float) -> float:
-        """Residual of a row last looked at in a corner, a `share` of the grid, with tractions around that may not be.
-
-        These have the size of the `largest`, and a `mean` over the grid.
-        """
-        self.violation[i] = max(self.violation[i], largest)
-        self.imbalance[i] = share * self.imbalance[i] + abs(mean)
         return float(self.residual(load, np.array([i]))[0])
 
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:

@@ -125,7 +125,7 @@ class SlabNewton:
         kernels.close_gap(ku_flat, u_flat, wall, active, u.size, u_flat)
         ku[:] = u
         self.field.stiffen(ku)
-        state = kernels.State.of_normal(u_flat, ku_flat, wall, np.array([self._load]))
+        state = kernels.SurfaceState.of_normal(u_flat, ku_flat, wall, np.array([self._load]))
         certificate.look(state, active, u.size)
         tractions = self._load - ku.mean(axis=1)
         kernels.wall_pressure(state, np.inf, active, u.size)

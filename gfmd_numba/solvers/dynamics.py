@@ -75,7 +75,7 @@ class Verlet:
     def __init__(self, displacement: Reals, memory: float, push: float) -> None:
         self._last, self._memory, self._push = displacement.copy(), memory, push
 
-    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None:
+    def step(self, state: kernels.SurfaceState, conditions: kernels.Conditions, active: Indices, n: int) -> None:
         """Make one step in the active rows."""
         kernels.verlet_step(state, self._last, active, n, self._memory, self._push)
         if conditions.friction > 0.0:
@@ -91,7 +91,7 @@ class Fire:
         self._dt, self._mixing = np.full(rows, 0.1 * longest), np.full(rows, 0.1)
         self._downhill = np.zeros(rows, dtype=np.int64)
 
-    def step(self, state: kernels.State, conditions: kernels.Conditions, active: Indices, n: int) -> None:
+    def step(self, state: kernels.SurfaceState, conditions: kernels.Conditions, active: Indices, n: int) -> None:
         """Make one step of the normal displacement in the active rows."""
         kernels.fire_step(state, self._velocity, self._dt, self._mixing, self._downhill, active, n, self._longest)
 
@@ -122,7 +122,7 @@ class Dynamics:
         if self._cohesive is not None:
             sliding = np.broadcast_to(batch.sliding, (along, *shape)).reshape(along, n)
             self._sliding = np.ascontiguousarray(sliding)
-        self.state = kernels.State(u, self._products.restoring, wall, batch.loads, anchor)
+        self.state = kernels.SurfaceState(u, self._products.restoring, wall, batch.loads, anchor)
         self.certificate = Certificate(rows, interface.conditions)
         self._integrator = integrator(u)
         self._restore(np.arange(rows))
@@ -165,9 +165,10 @@ class Dynamics:
         return starting_displacement(batch, lambda gap: law.normal_traction(gap, none))
 
     def _restore(self, active: Indices) -> None:
-        u, ku, n = self.state.u, self.state.ku, self.field.n
         self._products.restore(active)
+        u, ku, n = self.state.u, self.state.ku, self.field.n
         if self._law is not None:
-            self._law.pull(u[:, -1], ku[:, -1], self._punch, active, n)
+            with np.errstate(over="ignore", invalid="ignore"):  # of a run that diverges, as its status says
+                ku[active, -1, :n] -= self._law.traction(self._punch[active, :n] - u[active, -1, :n])
         if self._cohesive is not None:
             self._cohesive.pull(self.state, self._punch, self._sliding, active, n)

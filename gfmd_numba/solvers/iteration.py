@@ -138,7 +138,7 @@ class Iteration(Protocol):
     """A solver at work on a batch: after `residual`, the state has displacements and what restores them."""
 
     check_every: int  # iterations between two looks at the certificate
-    state: kernels.State
+    state: kernels.SurfaceState
     certificate: Certificate
 
     @property

@@ -41,7 +41,7 @@ class PressureIterate:
         self.gap = aligned_rows(rows, n)
         self.iterate = kernels.Iterate(self.pressure, self.gap, self.direction, self.field.result)
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
-        self.state = kernels.State.of_normal(self.displacement, self.field.result, self.wall, self.load)
+        self.state = kernels.SurfaceState.of_normal(self.displacement, self.field.result, self.wall, self.load)
         self.certificate = batch.certificate()
         self.certificate.conditions = kernels.Conditions(self.hardness)
         self.rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)

@@ -13,7 +13,6 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse, diagonal
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.exponential import ExponentialLaw
-from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.normal_law import NormalLaw
 from gfmd_numba.interface.patterned import PatternedLaw
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -117,13 +116,6 @@ class EnergyOfSlip:
         return float(1.0 / max(1.0, (dragged / allowed).max(initial=0.0)))
 
 
-def law_energy(interface: Interactions) -> EnergyOfGap | EnergyOfSlip:
-    """Energy of the law that acts; without any, one that is 0."""
-    if interface.cohesive is not None:
-        return EnergyOfSlip(interface.cohesive)
-    return EnergyOfGap(interface.normal_law or _NOTHING)
-
-
 _LOOSE = 0.3  # largest part of the unbalanced traction that a Newton step may leave: the less, the smaller that is
 _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the residual that is asked for allows
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
@@ -213,7 +205,8 @@ class TruncatedNewton:
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)
         self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
-        self._law, self._target = law_energy(interface), options.residual
+        of_gap, self._target = EnergyOfGap(interface.normal_law or _NOTHING), options.residual
+        self._law = of_gap if interface.cohesive is None else EnergyOfSlip(interface.cohesive)
         self._products = products = Products(response, rows, tuple(shape))
         self.field, n = products.field, products.field.n
         self._source, self._result = products.displacement.reshape(rows, -1), products.restoring.reshape(rows, -1)
@@ -232,7 +225,7 @@ class TruncatedNewton:
         self._floats, self._level = batch.load is not None and not interface.hard_wall, np.zeros(rows)
         anchor = np.full_like(u[:, :-1], np.nan)
         found = u.copy() if self._floats else u
-        self.state = kernels.State(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
+        self.state = kernels.SurfaceState(found, restoring, np.ascontiguousarray(wall[:, -1]), load, anchor)
         self._strongest, self._residual = np.zeros(rows), np.ones(rows)
         self._drifts, self._is_summed = np.zeros((2, rows), dtype=np.bool_)
         self._largest_summed = np.zeros(rows)  # restoring traction since one was made anew
@@ -314,11 +307,6 @@ class TruncatedNewton:
 
     def _slip(self, i: int) -> Reals:
         return np.asarray(self._sliding - self._nodes(self._u[i])[:-1])
-
-    def _pull(self, i: int) -> Reals:
-        """Traction of the law on each unknown of a row, in an array that is free between trials."""
-        self._law.fill_traction(self._gap(i), self._slip(i), self._nodes(self._closing))
-        return self._closing
 
     def _fill_curvature(self, i: int) -> None:
         """Fill the curvature of the law's energy for each unknown of a row alone."""
@@ -460,7 +448,8 @@ class TruncatedNewton:
             np.maximum(near, self._law.reach, out=near)
             near += u
             np.minimum(ceiling, near, out=bound)
-        pull = self._pull(i)
+        pull = self._closing  # which is free between trials
+        self._law.fill_traction(self._gap(i), self._slip(i), self._nodes(pull))
         np.subtract(self._elastic[i], pull, out=self._restoring[i])
         self._strongest[i] = _largest(pull)
         if self._floats:

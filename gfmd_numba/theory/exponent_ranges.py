@@ -6,7 +6,6 @@ from math import inf, isnan, nan
 _STEEPEST = 0.6  # exponent with which the part of a wave that contacts miss falls with its index, or more
 _SLACK = 0.75
 
-
 AREAS_OVER_LOAD = ("kappa", "kappa_counted", "kappa_edges")  # a_r g E* / p
 AT_ONE_LOAD = ("contact_area_fraction", "contact_area_fraction_counted")  # in proportion to them at one p / (g E*)
 SHARES = (*AT_ONE_LOAD, "plastic_area_fraction", "stick_fraction")  # which are at most 1

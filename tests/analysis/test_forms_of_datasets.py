@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from gfmd_numba.analysis import UnusableDataError
-from gfmd_numba.analysis.forms import CAMPAIGN, Form, check_fields, goes_around
+from gfmd_numba.analysis.forms import CAMPAIGN, DatasetForm, check_fields, goes_around
 from gfmd_numba.scene import InputError
 from support.synthetic_campaigns import campaign
 
@@ -47,7 +47,7 @@ BUT_ONE = np.array(["a", 3], dtype=object)
 )
 def test_values_are_of_their_kind(kind, values, fault):
     given = xr.Dataset({"a": (("x",) * np.ndim(values), np.array(values))})
-    told(Form("thing", "a maker", {"a": f"[x] {kind}"}), given, fault and f"a {fault}")
+    told(DatasetForm("thing", "a maker", {"a": f"[x] {kind}"}), given, fault and f"a {fault}")
 
 
 def told(form, given, fault):
@@ -79,7 +79,7 @@ def told(form, given, fault):
 def test_dims_are_those_of_the_form_and_come_in_its_order(form, dims, others, found):
     given = xr.Dataset({"a": (tuple(dims.split()), np.ones((1,) * len(dims.split())))})
     given = given.assign({f"other_{dim}": (dim, [1.0]) for dim in others.split()})
-    checked = told(Form("thing", "a maker", {"a": f"{form} numbers"}), given, found if "over" in found else "")
+    checked = told(DatasetForm("thing", "a maker", {"a": f"{form} numbers"}), given, found if "over" in found else "")
     assert checked is None or checked["a"].dims == tuple(found.split())
 
 
@@ -104,17 +104,17 @@ def named(*names):
 )
 @pytest.mark.filterwarnings("error")
 def test_attributes_that_are_read_are_of_their_kind(attributes, fault):
-    told(Form("thing", "a maker", {}), xr.Dataset({"a": ("x", [0, 1], attributes)}), fault and f"a {fault}")
+    told(DatasetForm("thing", "a maker", {}), xr.Dataset({"a": ("x", [0, 1], attributes)}), fault and f"a {fault}")
 
 
 def test_numbers_of_names_are_not_below_0():
     given = xr.Dataset({"a": ("x", [0, -1], named("one", "two"))})
-    told(Form("thing", "a maker", {}), given, "a has names that are not those of its values")
+    told(DatasetForm("thing", "a maker", {}), given, "a has names that are not those of its values")
 
 
 def test_what_is_needed_is_there_what_else_is_there_has_its_form_and_the_rest_is_free():
     needed, others = {"a": "x numbers", "of_*": "x whole"}, {"b_*": "x finite", "a": "x texts"}
-    form = Form("thing", "a maker", {"a": needed["a"]}, others, ("title",), {"x": 2, "y": 1}, axes_over="x")
+    form = DatasetForm("thing", "a maker", {"a": needed["a"]}, others, ("title",), {"x": 2, "y": 1}, axes_over="x")
     whole = xr.Dataset({"a": ("x", [1.0, NAN]), "free": ("z", ["any"])}, attrs={"title": "one"})
     for given, fault in (
         (whole, ""),

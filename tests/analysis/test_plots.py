@@ -271,9 +271,10 @@ def test_the_legend_stays_inside_the_figure():
 @pytest.mark.long
 def test_many_groups_leave_the_panels_their_height(campaign, tmp_path):
     """A legend of dozens of lines above panels of no height would be a warning, and no picture."""
-    n = campaign.sizes["case"]
+    of_one = campaign.isel(case=np.isin(campaign["limit"], ["reference", "eps_c"]))
+    n = of_one.sizes["case"]
     copies = [
-        campaign.assign_coords(
+        of_one.assign_coords(
             reduced_pressure=("case", np.full(n, load)), case_id=("case", [f"{load}-{case}" for case in range(n)])
         )
         for load in np.geomspace(0.001, 1.0, 12)

@@ -127,7 +127,7 @@ def test_noisy_parameters_lie_inside_the_error_bars():
 @pytest.mark.long
 def test_ninety_percent_interval_covers_the_truth():
     rng = np.random.default_rng(11)
-    truth, n = campaign(realisations=30, cross=CROSS), 120
+    truth, n = campaign(realisations=30, cross=CROSS), 60
     fixed = {"eps_f": ALPHA["eps_f"], "eps_t": ALPHA["eps_t"]}
     inside, error = 0, []
     for _ in range(n):
@@ -136,7 +136,7 @@ def test_ninety_percent_interval_covers_the_truth():
         error.append((fit["kappa_tfc"].item() - 2.0, fit["kappa_tfc_error"].item()))
     assert binom.ppf(1e-3, n, 0.9) <= inside <= binom.ppf(1 - 1e-3, n, 0.9)
     scatter, claimed = np.sqrt(np.mean(np.square(error), axis=0))
-    assert 0.81 < claimed / scatter < 1.3  # three standard errors of the scatter below
+    assert 0.78 < claimed / scatter < 1.38  # three standard errors of the scatter below
 
 
 @pytest.mark.long
@@ -147,7 +147,7 @@ def test_weighted_fit_is_more_precise_than_ordinary_least_squares():
     names = list(C)
     design = np.column_stack([np.ones(10), *(truth[name].values ** ALPHA[name] for name in names)])
     ordinary, weighted = [], []
-    for _ in range(100):
+    for _ in range(40):
         dataset = noisy(truth, rng)
         beta = np.linalg.lstsq(design, dataset["kappa"].mean("realisation").values, rcond=None)[0]
         fit = fit_tfc(dataset.rename(kappa="kappa_r"), "kappa_r", fixed=ALPHA)

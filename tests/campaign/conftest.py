@@ -1,8 +1,11 @@
-"""A small campaign that has run, and a machine on which nothing was measured before."""
+"""A small campaign that has run, a machine on which nothing was measured before, and what workers are given."""
+
+import pickle
 
 import pytest
 
 import gfmd_numba
+from gfmd_numba.campaign import execution
 from gfmd_numba.campaign.run import run as run_campaign
 from gfmd_numba.campaign.workers import Workers
 from support.campaigns import campaign
@@ -14,6 +17,17 @@ def finished(tmp_path_factory):
     path, failures = run_campaign(campaign(folder), folder / "out", Workers(0))
     assert failures == {}
     return gfmd_numba.open_campaign(path)
+
+
+@pytest.fixture
+def pickled(monkeypatch):
+    """This process works at copies of its tasks that were pickled, as a worker does."""
+    perform = execution.perform
+
+    def at_a_copy(task, *others, **options):
+        return perform(pickle.loads(pickle.dumps(task)), *others, **options)
+
+    monkeypatch.setattr(execution, "perform", at_a_copy)
 
 
 @pytest.fixture

@@ -99,6 +99,7 @@ def test_under_tension_the_error_is_that_of_the_contact_area():
 @pytest.mark.long
 def test_the_command_prints_and_draws_what_a_path_is_off_by(tmp_path, monkeypatch):
     monkeypatch.setattr(Study, "solvers", lambda study: iter(()))  # the longest study, and one of many tests
+    monkeypatch.setattr(Study, "axes", ("eps_c",))  # one of three alike
     monkeypatch.chdir(tmp_path)  # a path longer than a line is never folded
     (tmp_path / "dragged.yaml").write_text(yaml.safe_dump(DRAGGED))
     done = gfmd("accuracy", "dragged.yaml", "-o", "a.nc", "--realisations", "2")
@@ -107,4 +108,3 @@ def test_the_command_prints_and_draws_what_a_path_is_off_by(tmp_path, monkeypatc
     assert "hysteresis" in done.output
     assert max(map(len, done.stdout.splitlines())) <= 80
     assert (tmp_path / "a.png").stat().st_size > 10_000
-    assert gfmd("plot", "a.nc").exit_code == 0

@@ -13,7 +13,7 @@ from support.synthetic_campaigns import ALPHA, TFC, campaign, noisy
 pytestmark = [pytest.mark.long, pytest.mark.usefixtures("laws_that_hold")]
 
 SHAPE = {"levels": {"eps_f": [1 / 256, 1 / 512, 1 / 1024]}, "coefficients": {"eps_f": 6.0}}
-SEEDS = 80
+SEEDS = 50
 MOST = 1000  # realisations that any campaign asks for
 FIXED_COUNTS = [95, 75, FEWEST]  # close to what most ask for
 NOT_ASKED = 7
@@ -66,11 +66,11 @@ def campaigns(laws_that_hold):
 
 
 def test_the_mean_is_that_of_numbers_fixed_beforehand(campaigns):
-    """Within a sixth of a standard error: both see much the same surfaces, so that few campaigns tell it."""
+    """Within a fifth of a standard error: both see much the same surfaces, so that few campaigns tell it."""
     stopped, _, beforehand = campaigns
     difference = (stopped - beforehand) / stopped.std(ddof=1)
-    assert difference.std(ddof=1) / np.sqrt(SEEDS) < 0.06  # a third of the bound below
-    assert abs(difference.mean()) < 0.17
+    assert difference.std(ddof=1) / np.sqrt(SEEDS) < 0.075  # a third of the bound below
+    assert abs(difference.mean()) < 0.22
 
 
 def test_the_errors_that_are_said_are_right(campaigns):
@@ -78,5 +78,5 @@ def test_the_errors_that_are_said_are_right(campaigns):
     stopped, error, _ = campaigns
     distance = (stopped - TFC[0.8]) / error
     # three standard errors of so many campaigns
-    assert 0.76 < distance.std(ddof=1) < 1.24
-    assert abs(distance.mean()) < 0.33
+    assert 0.7 < distance.std(ddof=1) < 1.3
+    assert abs(distance.mean()) < 0.42

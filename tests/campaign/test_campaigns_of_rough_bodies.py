@@ -63,7 +63,7 @@ def without_reference(campaign):
 @pytest.mark.parametrize(
     "name", ["two bodies", *(pytest.param(each, marks=pytest.mark.long) for each in list(SCENES)[1:])]
 )
-def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
+def test_a_realisation_has_the_numbers_of_solve(tmp_path, pickled, name):
     scene, more = SCENES[name]
     campaign = of(scene, **more)
     found = gfmd_numba.run(campaign, tmp_path / "out", workers=0)
@@ -139,14 +139,6 @@ def test_a_stopped_run_is_resumed_to_the_same_numbers(tmp_path, monkeypatch):
     resumed = gfmd_numba.run(campaign, tmp_path / "parts", workers=0)
     assert resumed.attrs["content_sha256"] == whole.attrs["content_sha256"]
     assert numbers(resumed).identical(numbers(whole))
-
-
-@pytest.mark.long
-def test_a_worker_finds_the_same_numbers(tmp_path):
-    campaign = of(TWO, realisations=4, grid={"body_hurst": [0.3, 0.8]})
-    alone = gfmd_numba.run(campaign, tmp_path / "alone", workers=0)
-    there = gfmd_numba.run(campaign, tmp_path / "there", workers=1)
-    assert there.attrs["content_sha256"] == alone.attrs["content_sha256"]
 
 
 FULL = Scene.model_validate(

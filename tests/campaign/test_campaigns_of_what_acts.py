@@ -93,7 +93,7 @@ def of(name, **more):
 
 @pytest.mark.long
 @pytest.mark.parametrize("name", SCENES)
-def test_a_realisation_has_the_numbers_of_solve(tmp_path, name):
+def test_a_realisation_has_the_numbers_of_solve(tmp_path, pickled, name):
     campaign, (_, reference, more) = of(name), SCENES[name]
     found = gfmd_numba.run(campaign, tmp_path / "out", workers=0)
     assert (found["status"] == 0).all()
@@ -110,14 +110,6 @@ def test_a_stopped_run_of_dragged_bodies_is_resumed_to_the_same_numbers(tmp_path
     assert resumed.attrs["content_sha256"] == whole.attrs["content_sha256"]
     assert numbers(resumed).identical(numbers(whole))
     assert (np.diff(whole["hysteresis"].values, axis=0) != 0.0).all()  # friction, not the ensemble, decides it
-
-
-@pytest.mark.long
-def test_a_worker_finds_the_same_numbers(tmp_path):
-    campaign = of("friction between two bodies")
-    alone = gfmd_numba.run(campaign, tmp_path / "alone", workers=0)
-    there = gfmd_numba.run(campaign, tmp_path / "there", workers=1)
-    assert there.attrs["content_sha256"] == alone.attrs["content_sha256"]
 
 
 def test_identity_follows_what_acts_on_rough_bodies():

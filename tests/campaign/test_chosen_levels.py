@@ -266,4 +266,3 @@ def test_a_run_that_was_killed_chooses_the_same_levels(refined, tmp_path, monkey
     resumed = run_until(COARSE, GOAL, tmp_path / "out", HERE)
     assert rounds_of(resumed) == rounds_of(refined)
     assert digest(resumed) == digest(refined)
-    assert rounds_of(run_until(COARSE, GOAL, tmp_path / "out", HERE)) == rounds_of(refined)

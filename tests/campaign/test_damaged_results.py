@@ -14,6 +14,7 @@ from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
 from support.campaigns import TINY, campaign
 from support.faulty_files import refusal
+from support.forked_trial import tried_in_a_fork  # noqa: F401
 
 
 @pytest.fixture(scope="module")

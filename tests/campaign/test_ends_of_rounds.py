@@ -1,5 +1,7 @@
 """How runs until an error end where the target is not reached, and what they refuse before they begin."""
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -31,6 +33,13 @@ def priced(monkeypatch):
     monkeypatch.setattr(runs, "seconds_per_price", lambda planned, directory: 1.0)
 
 
+@pytest.fixture(scope="module")
+def free(tmp_path_factory, laws_that_hold):
+    """A run that nothing ends before its target."""
+    folder = tmp_path_factory.mktemp("free")
+    return run_until(campaign(folder, **ONE), GOAL, folder / "out", HERE)
+
+
 def opened(outcome):
     return gfmd_numba.open_campaign(outcome.results)
 
@@ -40,29 +49,29 @@ def prices(outcome):
 
 
 @pytest.mark.long
-def test_a_budget_is_not_exceeded(tmp_path, priced):
-    """And is used where the target needs more than it."""
+def test_a_budget_is_not_exceeded(free, tmp_path, priced):
+    """And is used where the target needs more than it. What `free` has finished is counted as if it were done anew."""
     path, small = campaign(tmp_path, **ONE), Goal(targets={"kappa": 0.005})
-    free = run_until(path, GOAL, tmp_path / "free", HERE)
     pilot, whole = prices(free)[0], prices(free)[-1]
     for share in (0.5, 2.0):
         budget = pilot + share * (whole - pilot)
-        outcome = run_until(path, small.model_copy(update={"budget": budget}), tmp_path / str(share), HERE)
+        out = shutil.copytree(free.results.parent, tmp_path / str(share))
+        outcome = run_until(path, small.model_copy(update={"budget": budget}), out, HERE)
         assert not outcome.reached
         assert "budget" in outcome.rounds.ended
         assert 0.75 * budget < prices(outcome)[-1] <= budget
         first, last = (each.errors["kappa"].error for each in (outcome.rounds.rounds[0], outcome.rounds.now))
         assert small.targets["kappa"] < last < first
-    assert run_until(path, GOAL.model_copy(update={"budget": 2 * whole}), tmp_path / "enough", HERE).reached
+    out = shutil.copytree(free.results.parent, tmp_path / "enough")
+    assert run_until(path, GOAL.model_copy(update={"budget": 2 * whole}), out, HERE).reached
 
 
 @pytest.mark.long
-def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(tmp_path, monkeypatch, priced):
+def test_decisions_for_a_budget_use_the_seconds_noted_after_the_pilot(free, tmp_path, monkeypatch, priced):
     """Another machine, or the same one on another day, would decide otherwise."""
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
-    pilot = prices(run_until(path, GOAL, tmp_path / "free", HERE))[0]
-    goal = GOAL.model_copy(update={"budget": 1.8 * pilot})
-    whole = run_until(path, goal, tmp_path / "whole", HERE)
+    goal = GOAL.model_copy(update={"budget": 1.8 * prices(free)[0]})
+    whole = run_until(path, goal, shutil.copytree(free.results.parent, tmp_path / "whole"), HERE)
     perform = runs.finish
 
     def interrupted(planned, todo, *others):
@@ -153,29 +162,27 @@ def test_rounds_come_to_an_end(tmp_path, monkeypatch):
 
 
 @pytest.mark.long
-def test_an_error_that_stays_larger_than_expected_asks_for_more(tmp_path, monkeypatch):
+def test_an_error_that_stays_larger_than_expected_asks_for_more(free, tmp_path, monkeypatch):
     """A round that was planned to be the last is not, until the fit itself says so."""
 
     def doubting(*given, **options):
         found = fit_tfc(*given, **options)
         return found.assign(kappa_tfc_error=2.0 * found["kappa_tfc_error"])
 
-    expected = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "expected", HERE)
     monkeypatch.setattr(runs, "fit_tfc", doubting)
     outcome = run_until(campaign(tmp_path, **ONE), GOAL, tmp_path / "out", HERE)
     assert outcome.reached
-    assert prices(outcome)[-1] > 1.5 * prices(expected)[-1]
+    assert prices(outcome)[-1] > 1.5 * prices(free)[-1]
     assert all(1.2 < after / before < 4.5 for before, after in zip(prices(outcome), prices(outcome)[1:], strict=False))
 
 
 @pytest.mark.long
-def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
+def test_an_interrupt_leaves_the_best_estimate(free, tmp_path, monkeypatch):
     """Blocks that are finished count, those of a half-finished level up to the first that is not."""
     monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 256 * 50)
     path, out = campaign(tmp_path, **ONE), tmp_path / "out"
-    whole = run_until(path, GOAL, tmp_path / "whole", HERE)
-    first = np.array(whole.rounds.rounds[0].realisations)
-    pilot = dict(zip(opened(whole)["case_id"].values.tolist(), first.tolist(), strict=True))
+    first = np.array(free.rounds.rounds[0].realisations)
+    pilot = dict(zip(opened(free)["case_id"].values.tolist(), first.tolist(), strict=True))
     perform, left = execution.perform, [3]
 
     def interrupted(task, *others, **options):
@@ -191,14 +198,14 @@ def test_an_interrupt_leaves_the_best_estimate(tmp_path, monkeypatch):
         with pytest.raises(InterruptedRunError) as stopped:
             run_until(path, GOAL, out, HERE)
     partial_ = opened(stopped.value.outcome)
-    asked = np.array(whole.rounds.rounds[1].realisations)
+    asked = np.array(free.rounds.rounds[1].realisations)
     assert partial_.attrs["ended"] == "not reached: the run was interrupted"
     assert (partial_["realisations"].values >= first).all()
     assert first.sum() < partial_["realisations"].values.sum() < asked.sum()
     assert not (partial_["status"] == Ending.unfinished).any()
     assert fit_tfc(partial_, fixed={"eps_c": 1.5, "eps_f": 0.7})["fit_status"].item() == "ok"
     resumed = run_until(path, GOAL, out, HERE)
-    assert opened(resumed).attrs["content_sha256"] == opened(whole).attrs["content_sha256"]
+    assert opened(resumed).attrs["content_sha256"] == opened(free).attrs["content_sha256"]
 
 
 def test_an_interrupt_in_the_pilot_is_one(tmp_path, monkeypatch):

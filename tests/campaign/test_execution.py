@@ -1,7 +1,7 @@
 """What can go wrong with the workers of a campaign, and that it touches nothing but its own block."""
 
+import ctypes
 import os
-import re
 import resource
 import signal
 import subprocess
@@ -41,7 +41,8 @@ class Poison:
         if self.kind == "freeze":
             os.kill(os.getpid(), signal.SIGSTOP)
         if self.kind == "endless":
-            re.match("(a|aa)+$", "a" * 100 + "b")  # like a compiled kernel, it does not let go of the interpreter
+            while True:
+                ctypes.PyDLL(None).sleep(1000)  # like a compiled kernel, it does not let go of the interpreter
         raise ZeroDivisionError("poison")
 
 

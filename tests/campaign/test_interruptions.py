@@ -53,7 +53,7 @@ def test_a_killed_run_resumes_to_the_same_numbers(finished, tmp_path):
 @pytest.mark.parametrize(("send", "which"), [(os.killpg, signal.SIGINT), (os.kill, signal.SIGTERM)])
 def test_an_interrupt_is_one_message_and_leaves_nothing_running(tmp_path, send, which):
     """Ctrl-C reaches the worker, too, at any moment after the first shard; a queue terminates the command alone."""
-    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 6000"}), tmp_path / "out"
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 600"}), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=1"]
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, preexec_fn=_heeding

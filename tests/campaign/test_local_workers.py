@@ -137,7 +137,7 @@ def is_worker(child):
 @pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGSTOP")
 def test_a_run_goes_on_without_the_worker_that_was_stopped_from_outside(tmp_path):
-    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 200\ncase_timeout: 6"}), tmp_path / "out"
+    path, out = campaign(tmp_path, **{"realisations: 6": "realisations: 60\ncase_timeout: 6"}), tmp_path / "out"
     command = [sys.executable, "-m", "gfmd_numba", "run", str(path), "-o", str(out), "--workers=2"]
     soon = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "8s"}  # dask looks for silent workers as often
     process = subprocess.Popen(command, env=soon, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)

@@ -25,7 +25,7 @@ ONE = {
     "reference: {": f"fit: {{exponents: free, fixed: {KNOWN}}}\nlevels: only\nreference: {{",
     "grid: {hurst: [0.3, 0.8]}": "",
 }
-GOAL = Goal(targets={"kappa": 0.02, "kappa_r": 0.04})
+GOAL = Goal(targets={"kappa": 0.03, "kappa_r": 0.06})
 HERE = Workers(0)
 
 
@@ -75,7 +75,7 @@ def test_the_errors_of_each_target_stand_in_the_file(reached):
             values = np.array([each.told_of(variable)[name] for each in found], dtype=float)
             np.testing.assert_array_equal(told[f"round_{name}"], values)
     assert results["round_price"].dims == ("round",)
-    assert results.attrs["until"] == "kappa=0.02, kappa_r=0.04"
+    assert results.attrs["until"] == "kappa=0.03, kappa_r=0.06"
     assert results.attrs["reached"] == "kappa, kappa_r"
     assert json.loads(results.attrs["target"]) == GOAL.targets
     assert rounds.read(reached.results.parent).goal == GOAL

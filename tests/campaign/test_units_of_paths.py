@@ -52,14 +52,14 @@ def described(system, effect, range_=RESOLVED):
         scene |= {"interface": {"hard_wall": {}, "exponential": law}}
         scene |= {"loading": {"displacement": number(system, "length", -0.06)}}
         path = [{"displacement": number(system, "length", depth)} for depth in depths]
-        return scene, path, {"work_of_adhesion": [number(system, "energy", each) for each in (3e-3, 5e-3)]}
+        return scene, path, {"work_of_adhesion": [number(system, "energy", 3e-3)]}
     scene |= {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.2}}}
     load = "reduced_pressure" if system == "reduced" else "pressure"
     loads = [0.05 if system == "reduced" else number(system, "pressure", each) for each in (0.05, 0.08)]
     scene["loading"] = {load: loads[0]}
     slid = [number(system, "length", each) for each in (0.01, 0.03, 0.0)]
     path = [{load: 0.08 if system == "reduced" else loads[1]}, *({"sliding": each} for each in slid)]
-    return scene, path, {"friction_coefficient": [0.1, 0.2]}
+    return scene, path, {"friction_coefficient": [0.1]}
 
 
 def contact(system, effect, range_=RESOLVED):
@@ -69,7 +69,7 @@ def contact(system, effect, range_=RESOLVED):
 
 def campaign(system, effect, range_=RESOLVED):
     scene, path, grid = described(system, effect, range_)
-    file = {"name": "units", "seed": 4, "realisations": 2, "scene": scene, "reference": EPS}
+    file = {"name": "units", "seed": 4, "realisations": 1, "scene": scene, "reference": EPS}
     return file | {"grid": grid, "path": path}
 
 
@@ -148,8 +148,9 @@ def test_check_and_plan_come_to_one_verdict_on_a_law(range_, code, tmp_path):
 def test_a_campaign_says_the_same_of_a_law_that_it_does_not_resolve(tmp_path):
     said = set()
     for system in SYSTEMS:
+        file = campaign(system, "adhesion", UNRESOLVED)
         with pytest.warns(UserWarning, match="does not resolve"):
-            results = gfmd_numba.run(campaign(system, "adhesion", UNRESOLVED) | {"realisations": 1}, tmp_path / system)
+            results = gfmd_numba.run(file | {"path": file["path"][:1]}, tmp_path / system)
         said.add(results.attrs["validity"].splitlines()[-2])  # the last line is about narrow contacts
     assert len(said) == 1
     assert "does not resolve the interaction law" in said.pop()

@@ -8,7 +8,7 @@ from gfmd_numba.contact import evaluation, plastic_measures
 from gfmd_numba.contact.plastic_flow import Mixing
 from gfmd_numba.contact.state import relative_difference
 from gfmd_numba.elasticity.eigenstrain import Sublayers
-from gfmd_numba.elasticity.plasticity import Plasticity
+from gfmd_numba.elasticity.plasticity import PlasticSublayers
 from gfmd_numba.kernels import Hardening
 
 PRESSURE = 0.04  # Hertz's p0 of a cylinder of radius 1 whose contact is 0.16 wide
@@ -16,7 +16,7 @@ LOAD = 0.5 * np.pi * 0.08 * PRESSURE
 
 
 def cylinder(loads, increments=1, ratio=2.5, hardening=0.02, nodes=64):
-    plasticity = Plasticity(Hardening(PRESSURE / ratio, hardening), None, 12, increments)
+    plasticity = PlasticSublayers(Hardening(PRESSURE / ratio, hardening), None, 12, increments)
     return pressed(parabola(nodes, 1), [LOAD * each for each in loads], plasticity)
 
 
@@ -77,7 +77,7 @@ def test_more_load_flows_deeper_than_the_first_step_of_a_path_alone_would_ask_fo
 
 
 def test_sublayers_fill_the_depth_and_are_fine_below_the_surface():
-    plasticity = Plasticity(Hardening(1.0), None, 16, 1)
+    plasticity = PlasticSublayers(Hardening(1.0), None, 16, 1)
     for depth in (0.1, 0.7):
         found = plasticity.thicknesses(depth, 64)
         assert found.sum() == pytest.approx(depth, rel=1e-14)

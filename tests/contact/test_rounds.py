@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.contact.two_step import Rounds
+from gfmd_numba.contact.two_step import SlopeRounds
 
 RNG = np.random.default_rng(3)
 SIZE = 12
@@ -14,7 +14,7 @@ WANTED = RNG.normal(size=SIZE)
 
 def rounds_taken(factors, most=30):
     """Number of rounds until a linear map with these factors along its ways stands still to 1e-8."""
-    rounds, x = Rounds(), np.zeros(SIZE)
+    rounds, x = SlopeRounds(), np.zeros(SIZE)
     for count in range(1, most + 1):
         found = WANTED + WAYS @ (factors * (WAYS.T @ (x - WANTED)))
         if abs(found - x).max() < 1e-8:
@@ -30,7 +30,7 @@ def test_slow_rounds_end_soon_after_they_are_extrapolated():
 
 
 def test_fast_rounds_are_taken_as_they_are():
-    rounds, given = Rounds(), (np.zeros((2, 3)), np.ones(4))
+    rounds, given = SlopeRounds(), (np.zeros((2, 3)), np.ones(4))
     for _ in range(8):
         found = 0.1 * given[0] + 1.0, 0.2 * given[1]
         assert rounds.following(given, found) is found

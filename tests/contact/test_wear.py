@@ -8,7 +8,7 @@ from scipy.optimize import brentq
 
 import gfmd_numba
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.processes import Wear
+from gfmd_numba.contact.processes import PunchWear
 from gfmd_numba.contact.solution import begin, solve
 from gfmd_numba.contact.state import LoadStep
 from gfmd_numba.scene.scene_file import load_scene
@@ -120,7 +120,7 @@ def test_without_wear_nothing_is_remembered(monkeypatch):
         raise AssertionError("what wear alone needs was made")
 
     for name in ("begin", "change", "advance"):
-        monkeypatch.setattr(Wear, name, made)
+        monkeypatch.setattr(PunchWear, name, made)
     whole = scene()
     whole["interface"] = {"hard_wall": {}}
     found = solved(whole, [{"reduced_pressure": 0.06}])

@@ -114,7 +114,7 @@ def test_the_cohesive_kernel_is_the_law(kernel):
     gap, slip = (punch - u[:, 1])[rows, :13], dragged - u[rows, 0, :13]
     expected[rows, 0, :13] -= COHESION.tangential_traction(gap, slip)
     expected[rows, 1, :13] -= COHESION.normal_traction(gap, slip)
-    kernel(kernels.State(u, ku, punch, np.zeros(3), u[:, :1]), punch, dragged, np.array(rows), 13, 0.3, 0.2, 0.4)
+    kernel(kernels.SurfaceState(u, ku, punch, np.zeros(3), u[:, :1]), punch, dragged, np.array(rows), 13, 0.3, 0.2, 0.4)
     np.testing.assert_allclose(ku, expected, rtol=1e-12)
 
 

@@ -78,5 +78,5 @@ def test_the_kernel_of_maps_is_the_law(kernel):
     for i in active:
         gap, slip = punch[i, :n] - u[i, 2, :n], dragged - u[i, :2, :n]
         expected[i, :, :n] -= tractions(gap, *slip)
-    kernel(kernels.State(u, ku, punch, np.zeros(rows), u[:, :2]), punch, dragged, active, n, 0.3, 0.2, 0.4)
+    kernel(kernels.SurfaceState(u, ku, punch, np.zeros(rows), u[:, :2]), punch, dragged, active, n, 0.3, 0.2, 0.4)
     np.testing.assert_allclose(ku, expected, rtol=1e-12)

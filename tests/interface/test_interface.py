@@ -7,7 +7,6 @@ import pytest
 from scipy import integrate
 
 import gfmd_numba
-from gfmd_numba import kernels
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw
@@ -20,12 +19,11 @@ from gfmd_numba.scene.interface_records import (
     Exponential,
     LennardJones,
     MaugisDugdale,
-    PowerLaw,
+    PowerLawOfTheGap,
     SquaredExponential,
 )
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
-from support.kernel_twins import both
 from support.laws import nearly_flat, surface
 
 ASKED = {"work_of_adhesion": 0.3, "range": 0.2}
@@ -35,8 +33,8 @@ LAWS = {
     "squared": SquaredExponentialLaw(0.3, 0.2),
     "maugis": MaugisDugdaleLaw(0.3, 0.2, 0.2),
     "lennard-jones": LennardJonesLaw.of(LennardJones(**ASKED)),
-    "van der waals": ShiftedPowerLaw.of(PowerLaw(**ASKED)),
-    "power repulsion": ShiftedPowerLaw.of(PowerLaw(work_of_adhesion=-0.3, range=0.2, exponent=3.5)),
+    "van der waals": ShiftedPowerLaw.of(PowerLawOfTheGap(**ASKED)),
+    "power repulsion": ShiftedPowerLaw.of(PowerLawOfTheGap(work_of_adhesion=-0.3, range=0.2, exponent=3.5)),
 }
 of_each_law = pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
 
@@ -84,15 +82,15 @@ def test_the_record_of_a_law_knows_what_it_pulls_at_no_gap(name):
     record = {
         "squared": SquaredExponential(**ASKED),
         "maugis": MaugisDugdale(**ASKED),
-        "van der waals": PowerLaw(**ASKED),
-        "power repulsion": PowerLaw(**ASKED, exponent=3.5),
+        "van der waals": PowerLawOfTheGap(**ASKED),
+        "power repulsion": PowerLawOfTheGap(**ASKED, exponent=3.5),
     }.get(name, Exponential(**ASKED))
     assert record.pull * work / law.length == pytest.approx(abs(float(law.traction(np.zeros(1))[0])))
 
 
 @pytest.mark.filterwarnings("error")
 def test_the_pole_of_a_law_is_cut_off_where_its_record_says():
-    for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLaw)):
+    for law, record in ((LennardJonesLaw, LennardJones), (ShiftedPowerLaw, PowerLawOfTheGap)):
         found, kink = law.of(record(work_of_adhesion=0.3, range=0.2)), 0.2 * record.known_from
         inside, outside = found.stiffness(np.array([kink - 1e-3, kink + 1e-3]))
         assert inside == found.stiffness(np.array(kink - 0.05)) != outside
@@ -110,7 +108,7 @@ def test_a_pressure_bounds_how_stiff_a_law_gets():
 
 def test_a_law_reaches_over_its_range_if_it_attracts():
     asked = {"work_of_adhesion": 0.3, "range": 0.2}
-    assert ShiftedPowerLaw.of(PowerLaw(**asked | {"work_of_adhesion": -0.3})).reach == 0.0
+    assert ShiftedPowerLaw.of(PowerLawOfTheGap(**asked | {"work_of_adhesion": -0.3})).reach == 0.0
     assert MaugisDugdaleLaw(0.3, 0.2, 0.2).reach == LennardJonesLaw.of(LennardJones(**asked)).reach == 0.2
 
 
@@ -122,15 +120,6 @@ def test_the_change_of_energy_is_that_of_the_energy_near_and_far(law):
     found, whole = law.energy_change(gap, closing), closing != 1e-14
     np.testing.assert_allclose(found[whole], expected[whole], rtol=1e-11)
     assert found[4] == pytest.approx(-law.traction(gap[4]) * 1e-14, rel=1e-9)
-
-
-@pytest.mark.parametrize("kernel", both(kernels.exponential_pull))
-def test_the_kernel_is_the_law(kernel):
-    u, ku, punch = np.random.default_rng(0).normal(size=(3, 3, 16))
-    law, expected = ExponentialLaw(0.3, 0.7), ku.copy()
-    expected[[0, 2], :13] -= law.traction(punch - u)[[0, 2], :13]
-    kernel(u, ku, punch, np.array([0, 2]), 13, 0.3 / 0.7, 0.7)
-    np.testing.assert_allclose(ku, expected, rtol=1e-13)
 
 
 @pytest.mark.parametrize("solver", ["verlet", "gronbech_jensen", "fire"])

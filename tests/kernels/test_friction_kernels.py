@@ -18,7 +18,7 @@ def random_state(rng, components):
     wall = u[:, -1] + np.where(rng.random((ROWS, PADDED)) < 0.6, 0.0, 0.3)
     draw, along = rng.random((ROWS, 1, PADDED)), u[:, :-1]
     anchor = np.where(draw < 0.5, along, along + 0.2 * rng.normal(size=along.shape))
-    return kernels.State(u, ku, wall, rng.normal(size=ROWS), anchor)
+    return kernels.SurfaceState(u, ku, wall, rng.normal(size=ROWS), anchor)
 
 
 @COMPONENTS
@@ -119,7 +119,7 @@ def test_friction_violation_at_one_node_is_what_friction_does_not_balance(
 ):
     u, ku = np.array([[[0.1], [0.4]]]), np.array([[[k1], [k3]]])
     wall = u[:, 1] if touches else u[:, 1] + 1e-3
-    state = kernels.State(u, ku, wall, np.ones(1), u[:, :1] - slid)
+    state = kernels.SurfaceState(u, ku, wall, np.ones(1), u[:, :1] - slid)
     assert kernel(state, kernels.Conditions(friction=friction), 0, 1)[0] == pytest.approx(violation, abs=1e-15)
 
 

@@ -183,7 +183,7 @@ def test_the_certificate_holds_both_bounds(kernel, rng):
     traction = 0.3 - ku[0]
     allowed = np.where(u[0] < punch[0], 0.0, np.where(u[0] > punch[0], HARDNESS, np.clip(traction, 0.0, HARDNESS)))
     worst, peak, imbalance = np.zeros((3, 1))
-    state = kernels.State.of_normal(u, ku, punch, np.array([0.3]))
+    state = kernels.SurfaceState.of_normal(u, ku, punch, np.array([0.3]))
     kernel(state, kernels.Conditions(HARDNESS), np.array([0]), N, worst, peak, imbalance)
     assert worst[0] == pytest.approx(abs(traction - allowed).max())
     assert peak[0] == HARDNESS

@@ -43,7 +43,7 @@ def test_verlet_step_is_its_plain_twin(kernel, rng):
     force = load[:, None] - ku + eta * (u_old - u)
     new = np.minimum(2 * u - u_old + dt2 * force, punch)  # (6.55a)
     expected, expected_old = only_active(new, u), only_active(u, u_old)
-    kernel(kernels.State.of_normal(u, ku, punch, load), u_old[:, np.newaxis], ACTIVE, N, 1 - eta * dt2, dt2)
+    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), u_old[:, np.newaxis], ACTIVE, N, 1 - eta * dt2, dt2)
     np.testing.assert_allclose(u, expected, rtol=1e-13, atol=1e-13)
     np.testing.assert_array_equal(u_old, expected_old)
     assert (u[ACTIVE, :N] == punch[ACTIVE, :N]).any()
@@ -77,7 +77,7 @@ def test_fire_step_is_its_plain_twin(kernel, downhill, rng):
     v = np.array([1.0, 0.0, -1.0])[:, None] * (load[:, None] - ku)  # one row downhill, one uphill
     dt, mixing, steps = np.full(ROWS, 0.1), np.full(ROWS, 0.08), np.full(ROWS, downhill)
     before = u.copy(), v.copy(), dt.copy(), mixing.copy(), steps.copy()
-    kernel(kernels.State.of_normal(u, ku, punch, load), v, dt, mixing, steps, ACTIVE, N, 0.105)
+    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), v, dt, mixing, steps, ACTIVE, N, 0.105)
     for i in range(ROWS):
         row = [a[i, :N] if a.ndim == 2 else a[i] for a in before]
         if i in ACTIVE:
@@ -96,7 +96,7 @@ def test_fire_goes_downhill_by_the_power_of_all_nodes(kernel):
     v, punch = np.array([[1.0, -0.1, 5.0]]), np.array([[9.0, 9.0, 0.0]])
     dt, mixing, steps = np.full(1, 0.1), np.full(1, 0.08), np.zeros(1, dtype=np.int64)
     row = fired(u[0], v[0], -ku[0], punch[0], 0.1, 0.08, 0, 0.2)
-    kernel(kernels.State.of_normal(u, ku, punch, load), v, dt, mixing, steps, np.array([0]), 3, 0.2)
+    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), v, dt, mixing, steps, np.array([0]), 3, 0.2)
     np.testing.assert_allclose(u[0], row[0], rtol=1e-12)
     np.testing.assert_allclose(v[0, :2], row[1][:2], rtol=1e-12)
     assert (v[0, 2], steps[0]) == (0.0, 1)
@@ -111,7 +111,7 @@ def test_wall_violation_is_its_plain_twin(kernel, rng):
     pressure = np.where((u == punch)[:, :N], np.maximum(traction, 0.0), 0.0)
     excess = traction - pressure
     worst, peak, imbalance = np.full((3, ROWS), -1.0)
-    kernel(kernels.State.of_normal(u, ku, punch, load), kernels.Conditions(), ACTIVE, N, worst, peak, imbalance)
+    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), kernels.Conditions(), ACTIVE, N, worst, peak, imbalance)
     np.testing.assert_allclose(worst[ACTIVE], abs(excess).max(axis=1)[ACTIVE])
     np.testing.assert_allclose(peak[ACTIVE], pressure.max(axis=1)[ACTIVE])
     np.testing.assert_allclose(imbalance[ACTIVE], abs(excess.mean(axis=1))[ACTIVE], atol=1e-15)
@@ -128,7 +128,13 @@ def test_wall_violation_reports_what_is_not_finite(kernel, poison, touches):
     ku[2, 3] = poison
     worst, peak, imbalance = np.zeros((3, ROWS))
     kernel(
-        kernels.State.of_normal(u, ku, punch, np.zeros(ROWS)), kernels.Conditions(), ACTIVE, N, worst, peak, imbalance
+        kernels.SurfaceState.of_normal(u, ku, punch, np.zeros(ROWS)),
+        kernels.Conditions(),
+        ACTIVE,
+        N,
+        worst,
+        peak,
+        imbalance,
     )
     assert worst[0] == 0.0
     assert np.isnan(worst[2])
@@ -140,7 +146,7 @@ def test_wall_pressure_is_its_plain_twin(kernel, rng):
     u = punch - np.maximum(rng.normal(size=punch.shape), 0.0)
     load = rng.normal(size=ROWS)
     expected = only_active(np.where(u == punch, np.maximum(load[:, None] - ku, 0.0), 0.0), ku)
-    kernel(kernels.State.of_normal(u, ku, punch, load), np.inf, ACTIVE, N)
+    kernel(kernels.SurfaceState.of_normal(u, ku, punch, load), np.inf, ACTIVE, N)
     np.testing.assert_array_equal(ku, expected)
 
 

@@ -12,15 +12,20 @@ from support.kernel_twins import both
 VOCE = Hardening(1.0, 0.1, 0.5, 0.05)
 
 
+def yield_stress(hardening, equivalent):
+    stress, slope, rise, strain = hardening
+    return stress + slope * equivalent - rise * np.expm1(-equivalent / strain)
+
+
 def returned(strain, before, equivalent, hardening, shear):
     """Plastic strains `[3, 3]` of one point, with the equivalent one found by bisection."""
     trial = 2.0 * shear * (strain - before)
     size = np.sqrt(1.5 * (trial**2).sum())
-    if size <= hardening.at(equivalent):
+    if size <= yield_stress(hardening, equivalent):
         return before
 
     def excess(added):
-        return size - 3.0 * shear * added - hardening.at(equivalent + added)
+        return size - 3.0 * shear * added - yield_stress(hardening, equivalent + added)
 
     added = brentq(excess, 0.0, size / (3.0 * shear), xtol=1e-15)
     return before + 1.5 * added * trial / size

@@ -9,6 +9,7 @@ import pytest
 import gfmd_numba
 from gfmd_numba import analysis
 from gfmd_numba.scene import InputError
+from support.forked_trial import tried_in_a_fork  # noqa: F401
 from support.hostile import calls, deadline
 from support.things import EXPONENTS, MANY, SCENE, SECONDS, SURFACE, TINY, Things, fuzzed
 

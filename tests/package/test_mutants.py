@@ -11,6 +11,7 @@ import yaml
 
 from gfmd_numba.scene import InputError
 from support import mutants
+from support.forked_trial import can_be_read, tried_in_a_fork  # noqa: F401
 
 MANY, FEW = 12, 30  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
@@ -64,8 +65,7 @@ def test_many_mutants_are_used_or_refused_in_bounded_time_and_memory(tmp_path):
     first = int.from_bytes(os.urandom(6), "big")
     script = (
         "import resource, signal, sys; from pathlib import Path; import test_mutants as t\n"
-        "from gfmd_numba.roughness import surface_files; from support.forked_trial import can_be_read\n"
-        "surface_files.can_be_read = can_be_read\n"
+        "from gfmd_numba.roughness import surface_files; surface_files.can_be_read = t.can_be_read\n"
         f"resource.setrlimit(resource.RLIMIT_AS, ({BYTES}, {BYTES}))\n"
         "for kind in t.mutants.KINDS:\n"
         f"    for seed in range({first}, {first + MANY}):\n"

@@ -124,7 +124,7 @@ class Reader:
             return
         if {"--cluster", "--scheduler"} & set(arguments):
             with command.make_context(arguments[0], arguments[1:]):
-                return  # `needs_workers` below
+                return  # `needs_workers` below, and test_job_queue.py
         if arguments[0] == "run":
             arguments = [*_without(arguments, "--workers"), "--workers", "0"]
             arguments = [re.sub(r"=\d+%$", "=30%", word) for word in arguments]  # the price of the target is no matter
@@ -221,7 +221,7 @@ def needs_workers(kind, beginning=""):
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("default")
-def test_the_commands_of_a_cluster_with_slurm_run(desk, tmp_path, monkeypatch):
+def test_the_block_of_a_cluster_with_slurm_runs(desk, tmp_path, monkeypatch):
     pytest.importorskip("dask_jobqueue", reason="the extra `cluster` is not installed")
     shutil.copytree(desk, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
@@ -230,9 +230,6 @@ def test_the_commands_of_a_cluster_with_slurm_run(desk, tmp_path, monkeypatch):
     whole = next(yaml.safe_load(text) for text in needs_workers("yaml") if text.startswith("# cluster.yaml"))
     small = whole | {"cores": 1, "memory": "2 GB", "jobs": {"max": 1}}
     (tmp_path / "cluster.yaml").write_text(yaml.safe_dump(small))
-    (command,) = needs_workers("command", "--cluster cluster.yaml")
-    shutil.rmtree(tmp_path / "campaign")
-    typed(words(command)[1:])
     shutil.rmtree(tmp_path / "campaign")
     (block,) = needs_workers("python", 'workers="cluster.yaml"')
     made = {"__name__": "__main__"}

@@ -56,7 +56,7 @@ def test_the_residual_is_that_of_the_certificate(case):
     restoring = grid.signal(body * grid.coefficients(displacement, punch.ndim), *punch.shape)
     certificate, row, load = Certificate(1, kernels.Conditions()), np.arange(1), np.array([case.load])
     flat = [array.reshape(1, -1) for array in (displacement, restoring, punch)]
-    certificate.look(kernels.State.of_normal(*flat, load), row, punch.size)
+    certificate.look(kernels.SurfaceState.of_normal(*flat, load), row, punch.size)
     expected = certificate.residual(load, row)[0]
     assert expected > 1e-3
     np.testing.assert_allclose(peers.residual(punch, pressure, case.load), expected, rtol=1e-9)

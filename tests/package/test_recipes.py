@@ -48,9 +48,6 @@ class QuadraticLaw:
 
     def stiffest(self, pressure, hard_wall):
         return 0.0
-
-    def pull(self, u, ku, punch, active, n):
-        ku[active, :n] -= self.traction(punch[active, :n] - u[active, :n])
 ''',
     "scene/interface_records.py",
     (

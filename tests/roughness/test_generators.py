@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.generators import RandomSurface, gradient_over_height
@@ -16,7 +17,6 @@ from gfmd_numba.roughness.spectra import (
     LengthAnisotropicSpectrum,
     Mounded,
     ScalingAnisotropicSpectrum,
-    SelfAffineSpectrum,
 )
 from gfmd_numba.scene.surface_file import SurfaceFile
 from gfmd_numba.simulate.surface import make

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.roughness import model_surfaces
 from gfmd_numba.roughness.amplitudes import complex_gaussian, waves
@@ -11,7 +12,6 @@ from gfmd_numba.roughness.spectra import (
     LengthAnisotropicSpectrum,
     Mounded,
     ScalingAnisotropicSpectrum,
-    SelfAffineSpectrum,
 )
 
 PERIOD = 3.0

@@ -18,7 +18,7 @@ COSINE = 1e-3 * np.cos(2 * np.pi * np.arange(256) / 256)
 
 def doubts(heights, lengths=None):
     lengths = (1.0,) * heights.ndim if lengths is None else lengths
-    signs = plausibility.of_field(plausibility.Field(heights, heights, lengths, {"z": "L_x"}))
+    signs = plausibility.of_field(plausibility.LevelledField(heights, heights, lengths, {"z": "L_x"}))
     return signs.sentences + plausibility.of_surface(heights, lengths, signs)
 
 
@@ -97,7 +97,7 @@ def test_signs_are_told_with_their_numbers(heights, said):
 def test_a_share_that_was_filled_is_told_from_the_threshold_on():
     for missing, said in ((12, ""), (15, "5.86 % of the heights were missing and filled")):
         measured = np.where(np.arange(256) < missing, np.nan, COSINE)
-        (sentence,) = plausibility.of_field(plausibility.Field(measured, COSINE, (1.0,), {})).sentences or ("",)
+        (sentence,) = plausibility.of_field(plausibility.LevelledField(measured, COSINE, (1.0,), {})).sentences or ("",)
         assert sentence.startswith(said)
         assert bool(sentence) == bool(said)
 
@@ -117,7 +117,7 @@ def test_a_form_that_does_not_stand_out_is_told_where_it_is_most_of_the_height(d
     form = x - 1.5 * x**2
     for times, said in ((0.5, False), ({1: 6.0, 2: 3.0}[dimension], True)):
         heights = rough + times * rough.std() / form.std() * form
-        field = plausibility.Field(heights, heights, (1.0,) * dimension, {"z": "L_x"}, mirrored=True)
+        field = plausibility.LevelledField(heights, heights, (1.0,) * dimension, {"z": "L_x"}, mirrored=True)
         found = plausibility.of_field(field).sentences
         assert any("make" in each and "% of the mean square height" in each for each in found) == said
 
@@ -130,7 +130,7 @@ def test_rounding_to_coarse_steps_is_told_with_its_share_of_the_gradient(dimensi
     step = np.sqrt((np.diff(exact) ** 2).mean()) / quanta
     rounded = np.round(exact / step) * step
     squares = [(np.diff(each) ** 2).mean() for each in (exact, rounded)]
-    found = plausibility.of_field(plausibility.Field(rounded, rounded - rounded.mean(), one, {}))
+    found = plausibility.of_field(plausibility.LevelledField(rounded, rounded - rounded.mean(), one, {}))
     (told,) = [each for each in found.sentences if "whose rounding makes up" in each] or [""]
     share = 1.0 - squares[0] / squares[1]
     if share < 0.04:
@@ -144,7 +144,7 @@ def test_rounding_to_coarse_steps_is_told_with_its_share_of_the_gradient(dimensi
         assert exact.std() < 2.0 * step
         return
     cutoff = float(advised[1])
-    kept = plausibility.Field(rounded, rounded - rounded.mean(), one, {}, cutoff=cutoff)
+    kept = plausibility.LevelledField(rounded, rounded - rounded.mean(), one, {}, cutoff=cutoff)
     assert not any("rounding" in each for each in plausibility.of_field(kept).sentences)
     kept_waves = [filtered(each, one, cutoff) for each in (exact, rounded)]
     slopes = [float(rms_gradient(each, one)) for each in kept_waves]

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.special import fresnel
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.roughness.spectra import (
     ExponentialSpectrum,
@@ -12,7 +13,6 @@ from gfmd_numba.roughness.spectra import (
     LengthAnisotropicSpectrum,
     Mounded,
     ScalingAnisotropicSpectrum,
-    SelfAffineSpectrum,
     stretched_exponential,
 )
 from gfmd_numba.roughness.statistics import nayak_of_moments

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
+from self_affine_spectrum import SelfAffineSpectrum
 
 from gfmd_numba.arrays.threads import Team, shared_by
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import model_surfaces, statistics
 from gfmd_numba.roughness.self_affine import SelfAffineWaves
-from gfmd_numba.roughness.spectra import SelfAffineSpectrum
 
 LENGTHS = (2.0, 5.0)
 MAP = (1.0, 1.0)

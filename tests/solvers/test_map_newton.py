@@ -218,7 +218,7 @@ def test_the_bound_of_tractions_is_their_largest_sum(slab):
     stiff = body(shape, slab)
     stiff[0, 0] = 0.0
     felt = abs(np.fft.irfft2(stiff, shape)).sum()
-    bound = newton.Level(shape, stiff, shape).largest_traction
+    bound = newton.TileLevel(shape, stiff, shape).largest_traction
     assert felt <= bound <= 1.11 * felt
 
 

@@ -6,7 +6,7 @@ import pytest
 from gfmd_numba import kernels
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.solvers.friction.coulomb_cone import Found, FrictionGuess, median_slip_node
-from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.friction.linear_problem import CoupledBody, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.products import Products
 
 N, FRICTION = 64, 0.3
@@ -63,7 +63,7 @@ def test_a_guess_is_solved_like_its_dense_problem(body, loaded):
     slip[[3, 6, 20, 60]] = [-1, 1, 1, -1]
     wall, anchor = rng.normal(size=(2, N)) * 1e-2
     products = Products(stiffness, 1, (N,), sources=2)
-    body = Body(
+    body = CoupledBody(
         lambda f: products.deflect(0, f), NearTractions(stiffness, (N,)), COULOMB, load if loaded else None, drifts
     )
     guess = FrictionGuess.sticking(contact, np.array([np.zeros(N), np.ones(N)]), wall)

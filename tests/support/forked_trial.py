@@ -6,6 +6,7 @@ import sys
 import netCDF4  # noqa: F401  what every fork finds imported
 import pytest
 
+from gfmd_numba.campaign import results
 from gfmd_numba.roughness import surface_files
 from gfmd_numba.scene import regular_file
 
@@ -28,8 +29,8 @@ def can_be_read(path, most):
 
 @pytest.fixture(scope="module", autouse=True)
 def tried_in_a_fork():
-    """Surfaces in netCDF files are tried in a fork; elsewhere this may be unsafe, and takes a new process."""
+    """NetCDF files are tried in a fork; elsewhere this may be unsafe, and takes a new process."""
     with pytest.MonkeyPatch.context() as patch:
-        if sys.platform == "linux":
-            patch.setattr(surface_files, "can_be_read", can_be_read)
+        for module in (surface_files, results) if sys.platform == "linux" else ():
+            patch.setattr(module, "can_be_read", can_be_read)
         yield

@@ -20,18 +20,23 @@ _LIBRARIES = [
     "scipy.stats",
     "xarray",
 ]
+_BELOW_ANALYSIS = [
+    "gfmd_numba.contact.contact_dataset",
+    "gfmd_numba.contact.load_path",
+    "gfmd_numba.roughness.measured",
+]
 _SECONDS = 600
 
 
 def lives(folder, file, there, instead, options):
     """Whether the tests of some pytest options pass with a mistake in one file, in a copy made in a new folder.
 
-    Every process is forked from one that has imported the libraries and nothing of the package: to start Python and
-    import them takes longer than most of the tests.
+    The file is one of `analysis`, or of what stands above it. Every process is forked from one that has imported the
+    libraries and of the package what stands below: to start Python and import them takes longer than most of the tests.
     """
     _copy(folder, file, there, instead)
     context = multiprocessing.get_context("forkserver")
-    context.set_forkserver_preload(_LIBRARIES)
+    context.set_forkserver_preload(_LIBRARIES + _BELOW_ANALYSIS)
     process = context.Process(target=_test, args=(folder, list(map(str, options))))
     process.start()
     process.join(_SECONDS)
@@ -56,13 +61,16 @@ def _copy(folder, file, there, instead):
 def _test(folder, options):
     gc.freeze()  # pytest collects garbage twice, and that of libraries takes longer than a test
     sys.dont_write_bytecode = True
-    sys.path.insert(0, str(folder))
     silence = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silence, 1)
     os.dup2(silence, 2)
     import gfmd_numba
 
-    found = Path(gfmd_numba.__file__).parents[1] == folder
+    assert "gfmd_numba.analysis" not in sys.modules
+    gfmd_numba.__path__[:] = [str(folder / "gfmd_numba")]
+    import gfmd_numba.analysis
+
+    found = Path(gfmd_numba.analysis.__file__).parents[2] == folder
     alone = ["-x", "-q", "-p", "no:cacheprovider", "-n", "0", "-m", ""]  # long ones as well
     imported = ["-p", "no:hypothesispytest", "-W", "ignore:Module already imported"]
     sys.exit(pytest.main([*alone, *imported, *options]) if found else 0)  # 0: nothing was killed

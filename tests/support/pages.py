@@ -108,6 +108,8 @@ def smaller(record):
                 group["eps_f"] = small if isinstance(value, list) else small[0]
     if "realisations" in record:
         record["realisations"] = 8 if limits else 2
+    known = record.get("fit", {}).get("fixed", {})
+    known |= {eps: sum(map(_number, each)) / 2 for eps, each in known.items() if isinstance(each, list)}
     if "target" in record:
         record["target"] = dict.fromkeys(record["target"], 0.3)
         if dimension == 2 and not found:  # a run that chooses its levels would solve hundreds of large maps

@@ -31,7 +31,6 @@ _LOADS = {"displacement": ("Punch displacement", "L_x"), "force": ("Force", ""),
 _OVER_SPEED = (("hysteretic_friction", "Friction by hysteresis", "", False), *_PANELS[:2], _PANELS[3])
 _IN_TIME = (*_PANELS[:2], ("n_segments", "Separate contacts", "", False), _PANELS[3])
 
-
 _OVER = {"time": ("Time", "", _IN_TIME), "speed": ("Sliding speed", "L_x", _OVER_SPEED)}  # label, unit, panels
 
 

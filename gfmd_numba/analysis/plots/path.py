@@ -23,7 +23,6 @@ _ARROWS = 5  # along a loop
 _JUMP = 0.2  # least part of all that happens along a path
 _OF_PATH = {"hysteresis": ("Energy lost per area", "E^*L_x"), "pull_off_pressure": ("Pull-off pressure", "E^*")}
 
-
 _OVER = {
     "step": ("Step", ""),
     "step_sliding": ("Sliding of the punch", "L_x"),

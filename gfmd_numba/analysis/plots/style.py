@@ -33,7 +33,6 @@ _FENCE = 3.5  # of the distance of the quartiles: three of them beyond either qu
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
 _SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 
-
 Width = Annotated[Literal["single", "double"], Kind(Literal["single", "double"], "'single' or 'double'")]
 _INCHES = {"single": 3.4, "double": 7.0}  # columns of journals
 _POINTS, _POINTS_OF_COLUMNS = 11.0, 8.0

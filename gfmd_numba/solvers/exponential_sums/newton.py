@@ -195,7 +195,7 @@ class DecayNewton:
         self.wall, self.load = batch.punch, batch.loads
         self._free_mean = batch.load is not None
         self.pressure, self._u, self._restoring = (aligned_rows(rows, n) for _ in range(3))
-        self.state = kernels.State.of_normal(self._u, self._restoring, self.wall, self.load)
+        self.state = kernels.SurfaceState.of_normal(self._u, self._restoring, self.wall, self.load)
         self.certificate = batch.certificate()
         self._residual = options.residual
         limit = SOLVERS[options.solver].gives_up_after
@@ -290,8 +290,10 @@ class DecayNewton:
             return False
         level.displacement[: self.field.n] = self.wall[i]
         level.field.read(level.displacement)
-        if self._free_mean and self.field.n > _SMALL and self._would_be_dense(float(self.load[i])):
-            return True
+        if self._free_mean and self.field.n > _SMALL:
+            scale = sqrt(2.0 * kernels.power(level.field.waves[0], self._model.stiffness))
+            if self.load[i] > _HEAVY * scale:  # for the wall whose spectrum the grid holds
+                return True
         levels = [level]
         while levels[-1].coarser is not None:
             levels.append(levels[-1].coarser)
@@ -324,10 +326,6 @@ class DecayNewton:
         self._transforms[i] += cost
         return False
 
-    def _would_be_dense(self, load: float) -> bool:
-        """Whether a load is heavy for the wall whose spectrum the grid holds."""
-        return load > _HEAVY * sqrt(2.0 * kernels.power(self._level.field.waves[0], self._model.stiffness))
-
 
 def _rows(batch: Batch, some: list[int]) -> Batch:
     """Some rows of a batch alone."""
@@ -354,7 +352,7 @@ class _Level:
         self.at_zero = float(model.compliance[0]) * n
         near = np.empty((POWERS + 2 * (n // POWERS + 1), model.weights.shape[1]))
         near[:POWERS] = model.powers[:POWERS]
-        level = kernels.Level(
+        level = kernels.DecayLevel(
             kernels.DecaySum(model.powers, near, model.weights, model.white, model.mean),
             model.preconditioner.decays,
             model.preconditioner.room(n),

@@ -100,7 +100,7 @@ class FrictionGuess:
         gives_way = self.contact & ~slips & ~leaves & (strength > held + unsure)
         turns_back = slips & ~((self.direction * slid).sum(axis=0) > 0.0)
         goes_on = slips & ~turns_back & ~leaves
-        starts = joins & (size > bound.coulomb_bound(overlap))
+        starts = joins & (size > bound.friction * np.where(joins, overlap, 1.0))
         direction, slip_compliance = np.zeros_like(self.direction), np.zeros_like(size)
         for where, way, of in ((goes_on | starts, slid, size), (gives_way, -shear, strength)):
             direction[:, where] = way[:, where] / of[where]

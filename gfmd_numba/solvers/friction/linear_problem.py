@@ -119,7 +119,7 @@ _LEAST_GROWTH = 1e-12  # slope of friction by slip, over the stiffness of a node
 _STIFF = 0.3
 
 
-class Body(NamedTuple):
+class CoupledBody(NamedTuple):
     """What the linear problems of one row have in common.
 
     `deflect` turns tractions on the body into displacements, both `[component, n]`; `near` is about its inverse.
@@ -176,7 +176,7 @@ class NormalRows(NamedTuple):
 class StickSlip:
     """Nodes and loads of one guess, its compliance, and an approximate inverse of that; `law` acts on open nodes."""
 
-    def __init__(self, guess: FrictionGuess, law: Tangent | None, body: Body) -> None:
+    def __init__(self, guess: FrictionGuess, law: Tangent | None, body: CoupledBody) -> None:
         self._body, self._shape, components = body, guess.tractions.shape, len(guess.direction)
         self._rows = rows = NormalRows.of(guess, law, body.near)
         slips = np.asarray(guess.direction.any(axis=0))

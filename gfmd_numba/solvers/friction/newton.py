@@ -17,7 +17,7 @@ from gfmd_numba.solvers.friction.coulomb_cone import (
     median_slip_node,
     on_coarser_grid,
 )
-from gfmd_numba.solvers.friction.linear_problem import Body, NearTractions, StickSlip, minimal_residual
+from gfmd_numba.solvers.friction.linear_problem import CoupledBody, NearTractions, StickSlip, minimal_residual
 from gfmd_numba.solvers.iteration import Batch, Start, begin, leave_pressures
 from gfmd_numba.solvers.preconditioners import PRECONDITIONERS
 from gfmd_numba.solvers.products import Products
@@ -67,11 +67,6 @@ class _Progress:
         self.changed, self.fewest = changed, min(changed, self.fewest)
         self.nearest = min(self.moved, self.nearest)
 
-    @property
-    def changes_one_node(self) -> bool:
-        """Whether the next step changes one node alone: out of patience, or in every third try with a law."""
-        return self.patience < 0 or (self.tries > 0 and self.tries % 3 == 0)
-
 
 class FrictionalNewton:
     """Tractions of a batch, found by guessing which nodes touch, stick and slip which way (Alart & Curnier 1991).
@@ -108,7 +103,7 @@ class FrictionalNewton:
         anchor, wall = np.zeros_like(u[:, :-1]), np.zeros_like(u[:, -1])
         wall[:, :n] = punch.reshape(rows, n)
         anchor[..., :n] = start.anchor.reshape(rows, -1, n)
-        self.state = kernels.State(u, ku, wall, batch.loads.copy(), anchor)
+        self.state = kernels.SurfaceState(u, ku, wall, batch.loads.copy(), anchor)
         self.certificate = batch.certificate()
         self._condensed = response.condensed()
         self._softest = 1.0 / float(self._condensed.normal.ravel()[1:].min())
@@ -146,7 +141,7 @@ class FrictionalNewton:
         sure, strongest = active[stands], np.zeros(active.size)
         self._products.restore(sure)
         if self._law is not None:
-            self._law.pull(u[:, -1], ku[:, -1], wall, sure, n)
+            ku[sure, -1, :n] -= self._law.traction(wall[sure, :n] - u[sure, -1, :n])
             gap = wall[active, :n] - u[active, -1, :n]
             strongest = np.abs(self._law.traction(gap)).max(axis=1)
         for i in active[~stands]:
@@ -232,7 +227,7 @@ class FrictionalNewton:
     def _step(self, i: int) -> None:
         guess, progress, n = self._guesses[i], self._progress[i], self.field.n
         total = None if self._batch.load is None else self.state.load[i] * n
-        body = Body(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
+        body = CoupledBody(lambda f: self._products.deflect(i, f), self._near, self._bound, total, self._drifts)
         wall = self.state.wall[i, :n]
         law = None if self._law is None else Tangent.of(self._law, wall - guess.normal, self._softest)
         problem = StickSlip(guess, law, body)
@@ -282,7 +277,7 @@ class FrictionalNewton:
         revision = guess.revision(found, self._bound, self._rounding[i], unsure)
         nears = not self._is_linear and progress.moved < _CLOSER * progress.nearest
         progress.judge(revision.wrong.size, nears or (revision.wrong.size == 0 and self._is_close(progress)))
-        if progress.changes_one_node:
+        if progress.patience < 0 or (progress.tries > 0 and progress.tries % 3 == 0):  # every third try with a law
             revision.keep(guess, revision.wrong[:-1])
         if np.isinf(self.certificate.conditions.friction):
             guess.released |= revision.leaves

@@ -35,7 +35,7 @@ _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linea
 
 
 @dataclass
-class Level:
+class TileLevel:
     """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it once it is asked for.
 
     `held` are the nodes (y, x) in a corner, in whole tiles, which alone are ever in contact.
@@ -95,7 +95,7 @@ class Level:
         return float(sum(each.transforms * grid.relative_cost(each.nodes, n) for each in made if each is not None))
 
     @classmethod
-    def of(cls, stiffness: Reals, shape: tuple[int, ...], share: tuple[float, ...]) -> "Level":
+    def of(cls, stiffness: Reals, shape: tuple[int, ...], share: tuple[float, ...]) -> "TileLevel":
         """Prepare a grid of which contacts stay in a corner, a share of it in each direction."""
         held = tuple(TILE * math.ceil(n * part / TILE) for n, part in zip(shape, share, strict=True))
         return cls(shape, stiffness, held)
@@ -108,7 +108,7 @@ class MapContact:
     punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
-    def __init__(self, level: Level, wall: Reals, transform: Transform, load: float | None) -> None:
+    def __init__(self, level: TileLevel, wall: Reals, transform: Transform, load: float | None) -> None:
         self._level, self.wall, self.transform, self._load = level, wall, transform, load
         self.rows = transform.memory[0, : wall.shape[0]]
         self.free_mean, self.approach, self.error = load is not None, 0.0, np.inf
@@ -370,19 +370,19 @@ _COARSEST = 64  # nodes along the shorter side up to which the first guess is fu
 _SETTLED = 0.03  # relative error of the pressure with which a coarser grid is left
 
 
-def levels(stiffness: Reals, shape: tuple[int, ...], held: tuple[int, ...]) -> list[Level]:
+def levels(stiffness: Reals, shape: tuple[int, ...], held: tuple[int, ...]) -> list[TileLevel]:
     """Grids from the given one down, each about half as fine as the one before; punches are `held` in a corner."""
     share = tuple(m / n for m, n in zip(held, shape, strict=True))
-    made = [Level.of(stiffness, shape, share)]
+    made = [TileLevel.of(stiffness, shape, share)]
     while min(shape) > _COARSEST:
         shape = tuple(TILE * -(-n // (2 * TILE)) for n in shape)
         stiffness = stiffness[grid.wave_indices(shape)]
-        made.append(Level.of(stiffness, shape, share))
+        made.append(TileLevel.of(stiffness, shape, share))
     return made
 
 
 def guess(
-    grids: list[Level],
+    grids: list[TileLevel],
     wall: Reals,
     around: float,
     transform: Transform,
@@ -458,7 +458,7 @@ class TileNewton:
         borne = batch.room_of_pressure
         borne = borne if borne is not None and borne.shape == wall.shape else np.zeros(wall.shape)
         self.load, self._transform, self._pressure = batch.loads, grids[0].transform(rows), borne.reshape(rows, -1)
-        self.state = kernels.State.of_normal(self.displacement, self._pressure, self.wall, self.load)
+        self.state = kernels.SurfaceState.of_normal(self.displacement, self._pressure, self.wall, self.load)
         self.certificate = batch.certificate()
         self._bears = self.certificate.bears = np.zeros(rows, dtype=np.bool_)
         if batch.around is not None:
@@ -517,9 +517,11 @@ class TileNewton:
             self.load[i] = mean
         largest, total = kernels.tractions_around(memory, ny, nx, transform.shape[1], float(self.load[i]) - shift)
         kernels.restore_map(contact.pressure, contact.tiles, contact.rows, shift, borne)
-        self.certificate.look(self.state, np.array([i]), self.field.n)
-        share = self.field.n / transform.n
-        return self.certificate.with_surroundings(i, self.load, largest, total / transform.n, share)
+        look, row = self.certificate, np.array([i])
+        look.look(self.state, row, self.field.n)  # in the corner, which is a share of the grid
+        look.violation[i] = max(look.violation[i], largest)
+        look.imbalance[i] = (self.field.n * look.imbalance[i] + abs(total)) / transform.n
+        return float(look.residual(self.load, row)[0])
 
 
 class Held(NamedTuple):

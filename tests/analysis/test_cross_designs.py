@@ -40,6 +40,7 @@ def test_an_accuracy_that_interactions_forbid_asks_for_cross_levels():
     assert min(of_limit(dataset, design, "cross")) >= 20
 
 
+@pytest.mark.long
 def test_cross_levels_get_more_realisations_where_the_error_is_that_of_interactions():
     dataset, seconds = priced(crossed(*CROSS))
     loose, tight = (
@@ -55,6 +56,7 @@ def test_a_cross_level_at_nyquist_is_never_worth_a_surface():
     assert of_limit(dataset, design, "cross")[0] == 0
 
 
+@pytest.mark.long
 def test_a_limit_keeps_its_own_levels_next_to_cross_ones():
     dataset, seconds = priced(crossed(*CROSS))
     design = cheapest_design(dataset, seconds, target=0.01, variable="kappa_r", fixed=ALPHA)

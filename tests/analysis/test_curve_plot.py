@@ -32,8 +32,10 @@ def test_a_curve_shows_four_quantities_over_the_pressure_with_their_errors(found
         assert axis.get_xscale() == "log"
         np.testing.assert_allclose(axis.lines[0].get_xdata(), found["mean_pressure"] * 1e-6)
         assert len(axis.collections) == 1
+        assert not any("warning" in line.get_label() for line in axis.lines)
 
 
+@pytest.mark.long
 def test_a_curve_says_which_bodies_it_is_of_within_its_frame(found):
     figure = plot_curve(found, "single")
     figure.draw_without_rendering()
@@ -56,10 +58,8 @@ def test_loads_without_a_result_are_left_out(found):
         plot_curve(failed)
 
 
-def test_loads_that_are_warned_of_are_hollow(found):
+def test_loads_that_are_warned_of_are_hollow():
     """Single nodes at the first two loads; every contact is some 20 nodes wide at the last."""
-    axes = plot_curve(found).axes
-    assert not any("warning" in line.get_label() for axis in axes for line in axis.lines)
     scene = scene_file(1e-4, 70e9) | {"discretisation": {"eps_c": 0.5, "eps_f": 0.01, "eps_t": 0.25}}
     with pytest.warns(UserWarning, match="contacts are narrow"):
         narrow = load_curve(scene, [2e-3, 4e-3, 0.5])
@@ -84,9 +84,7 @@ def test_a_stiffness_that_is_infinite_everywhere_is_called_so(found):
     assert [text.get_text() for text in plot_curve(full).axes[2].texts] == ["infinite"]
 
 
-@pytest.mark.parametrize(
-    ("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)"), (None, None, "($E^*/L_x$)")]
-)
+@pytest.mark.parametrize(("length", "modulus", "unit"), [(None, 70e9, "(GPa$/L_x$)"), (1e-4, None, "($E^*$/m)")])
 def test_a_stiffness_without_moduli_or_length_says_so(length, modulus, unit):
     stiffness = plot_curve(load_curve(scene_file(length, modulus), [0.05, 0.5])).axes[2]
     assert unit in stiffness.get_ylabel()

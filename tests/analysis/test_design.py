@@ -58,15 +58,12 @@ def test_a_level_that_costs_much_and_tells_little_is_left_out():
     levels = LEVELS | {"eps_c": [1 / 2, 1 / 4, 1 / 8, 1 / 4096]}
     dataset = noisy(campaign(realisations=40, levels=levels, cross=CROSS), np.random.default_rng(5))
     seconds = 1e-3 / (dataset["eps_c"] * dataset["eps_f"] * dataset["eps_t"]).values / 4096
-    loose = cheapest_design(
-        dataset, seconds, target=0.1, fixed=ALPHA
-    )  # for which each level has the fewest there may be
     design = cheapest_design(dataset, seconds, target=0.01, fixed=ALPHA)
-    for each in (loose, design):
-        assert each.realisations[dataset["eps_c"].values == 1 / 4096] == 0
+    assert design.realisations[dataset["eps_c"].values == 1 / 4096] == 0
     assert all(np.count_nonzero(of_limit(dataset, design, limit)) >= 2 for limit in ("eps_c", "eps_f", "eps_t"))
 
 
+@pytest.mark.long
 def test_half_the_error_costs_four_times_as_much():
     coarse, fine = (cheapest_design(*pilot(), target=target, fixed=ALPHA) for target in (0.01, 0.005))
     assert fine.seconds / coarse.seconds == pytest.approx(4.0, rel=0.1)

@@ -104,7 +104,7 @@ def test_a_limit_that_is_not_varied_has_an_unknown_part():
 @pytest.mark.parametrize(
     ("variable", "fixed"),
     [
-        pytest.param("kappa", ALPHA, id="exact"),
+        pytest.param("kappa", ALPHA, id="exact", marks=pytest.mark.long),
         pytest.param("kappa_r", ALPHA, id="another variable", marks=pytest.mark.long),
         pytest.param("kappa", RANGES, id="ranges", marks=pytest.mark.long),
     ],
@@ -161,7 +161,6 @@ def test_the_budget_survives_netcdf(tmp_path):
     [
         (0.007, None, (1024, 1), "verlet"),
         (0.05, None, (1024, 1), "active_set_newton"),
-        (0.3, None, (1024, 1), "conjugate_gradients"),
         (None, 0.03, (1024, 1), "verlet"),
         (0.05, None, (64, 2), "conjugate_gradients"),
     ],
@@ -174,7 +173,7 @@ def test_a_residual_changes_kappa_by_no_more_than_it_says(load, displacement, no
     problem = Problem(surface, body, Interactions(True), load, displacement, tight)
     exact = measure(solve(problem, range(6)))
     assert not exact["status"].any()
-    for residual in (1e-2, 1e-3, 1e-5, 1e-8):
+    for residual in (1e-2, 1e-5):
         loose = measure(solve(replace(problem, numerics=Options(solver, residual=residual)), range(6)))
         assert not loose["status"].any()
         changed = abs(loose["kappa"] - exact["kappa"])

@@ -62,6 +62,7 @@ def test_no_power_of_eps_f_is_passed_off_as_a_limit_where_there_is_a_logarithm()
     assert ["1 / log(1 / eps_f)" in fit["message"].item() for fit in notes] == [False, True]
 
 
+@pytest.mark.long
 def test_without_a_correction_all_exponents_of_a_range_are_as_good():
     flat = dict.fromkeys(C, 0.0)
     dataset = noisy(campaign(coefficients=flat, realisations=60), np.random.default_rng(4))

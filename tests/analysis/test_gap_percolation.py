@@ -71,7 +71,7 @@ def widest(gap, axis):
 @pytest.mark.parametrize("share", [0.0, 0.3, 0.45])
 def test_the_critical_gap_is_that_of_the_widest_way(share):
     rng = np.random.default_rng(int(100 * share))
-    gaps = np.maximum(rng.random((8, 12, 12)) - share, 0.0)
+    gaps = np.maximum(rng.random((4, 12, 12)) - share, 0.0)
     found = gfmd_numba.gap_percolation(made(gaps == 0.0, gaps))
     expected = [[widest(gap, 1), widest(gap, 0)] for gap in gaps]
     np.testing.assert_array_equal(found["critical_gap"], expected)
@@ -80,7 +80,7 @@ def test_the_critical_gap_is_that_of_the_widest_way(share):
 
 def test_where_the_period_is_cut_changes_no_channel():
     rng = np.random.default_rng(3)
-    gaps = np.maximum(rng.random((20, 16, 16)) - 0.4, 0.0)
+    gaps = np.maximum(rng.random((8, 16, 16)) - 0.4, 0.0)
     dataset = made(gaps == 0.0, gaps)
     found = gfmd_numba.gap_percolation(dataset)
     for rolled in ({"x": 5}, {"y": 8}, {"x": 3, "y": 11}):

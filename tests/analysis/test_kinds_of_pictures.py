@@ -170,7 +170,7 @@ def test_ordered_colours_fall_apart_in_grey(count):
     assert (np.diff(lightness) > 0.4 / count).all()
 
 
-@pytest.mark.parametrize(("low", "high"), [(1.01, 1.4), (1.1, 4.5), (0.3, 9.0), (0.02, 50.0), (1e-9, 1e-3)])
+@pytest.mark.parametrize(("low", "high"), [(1.01, 1.4), (0.3, 9.0), (1e-9, 1e-3)])
 def test_a_logarithmic_axis_has_at_least_two_labels_that_do_not_collide(low, high):
     figure = Figure((4.0, 3.0), layout="constrained")
     axis = figure.subplots()

@@ -120,7 +120,7 @@ def test_where_the_period_is_cut_does_not_matter(closed):
     dataset = made(rng.random(OPEN.shape) < closed, rng.lognormal(0.0, 1.0, OPEN.shape))
     found = leakage(dataset)
     assert (found["hydraulic_gap"] > 0.0).all()
-    for rolled in ({"x": 11}, {"y": 5}, {"x": 16, "y": 23}):
+    for rolled in ({"x": 11}, {"x": 16, "y": 23}):
         again = leakage(dataset.roll(rolled))
         np.testing.assert_allclose(again["hydraulic_gap"], found["hydraulic_gap"], rtol=1e-9)
         np.testing.assert_allclose(again["local_flow"], found["local_flow"].roll(rolled), atol=1e-8)
@@ -160,7 +160,7 @@ def test_the_ends_of_a_window_are_at_one_pressure_each():
 
 def test_what_no_channel_connects_does_not_leak():
     rng = np.random.default_rng(6)
-    touching = rng.random((30, 24, 24)) < 0.4
+    touching = rng.random((12, 16, 16)) < 0.4
     dataset = made(touching, rng.random(touching.shape) + 0.1)
     leaks = leakage(dataset)["hydraulic_gap"] > 0.0
     connects = gfmd_numba.gap_percolation(dataset)["gap_connects"] > 0

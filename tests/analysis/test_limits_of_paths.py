@@ -53,6 +53,12 @@ def loaded(tmp_path_factory):
     return gfmd_numba.run(LOADED | PATH, tmp_path_factory.mktemp("loaded") / "out", workers=0)
 
 
+@pytest.fixture(scope="module")
+def whole(loaded, laws_that_hold):
+    """The limits of all its steps."""
+    return fit_tfc(loaded, fixed=ALPHA)
+
+
 @pytest.mark.long
 def test_a_step_has_the_limit_of_contacts_under_its_load(loaded, tmp_path):
     """Without friction and adhesion a contact does not remember how it was loaded."""
@@ -78,8 +84,8 @@ def test_a_pilot_predicts_the_error_of_each_step():
     assert expected[1] > 1.01 * expected[0]
 
 
-def test_a_step_that_is_taken_out_has_the_same_limit(loaded):
-    whole, last = fit_tfc(loaded, fixed=ALPHA), fit_tfc(loaded.isel(step=-1), fixed=ALPHA)
+def test_a_step_that_is_taken_out_has_the_same_limit(loaded, whole):
+    last = fit_tfc(loaded.isel(step=-1), fixed=ALPHA)
     assert np.array_equal(whole["kappa_tfc"].values[-2:], last["kappa_tfc"].values)
 
 
@@ -93,8 +99,8 @@ def test_what_is_known_of_the_path_as_a_whole_has_one_limit(loaded):
     assert fitted["hysteresis_tfc"].attrs["units"] == "J m-2"
 
 
-def test_a_limit_is_drawn_over_the_steps_and_the_path_at_the_reference(loaded):
-    panel = plot_fit(fit_tfc(loaded, fixed=ALPHA)).axes[0]
+def test_a_limit_is_drawn_over_the_steps_and_the_path_at_the_reference(loaded, whole):
+    panel = plot_fit(whole).axes[0]
     assert panel.get_xlabel() == "step of the path"
     lines = plot_path(loaded).axes[0].get_lines()
     mean = loaded["contact_area_fraction"].isel(case=loaded["is_reference"].values).mean("realisation")
@@ -115,8 +121,8 @@ def test_a_run_prints_limits_of_pull_off_and_of_every_step(tmp_path):
     assert gfmd("plot", fitted).exit_code == 0
 
 
-def test_one_step_is_fitted_alone_where_it_is_named(loaded):
-    whole, one = fit_tfc(loaded, fixed=ALPHA), fit_tfc(loaded, fixed=ALPHA, step=1)
+def test_one_step_is_fitted_alone_where_it_is_named(loaded, whole):
+    one = fit_tfc(loaded, fixed=ALPHA, step=1)
     assert one["path_step"].values.tolist() == [1, 1]
     assert np.array_equal(one["kappa_tfc"].values, whole["kappa_tfc"].values[2:4])
     for wrong in (loaded, loaded.isel(step=0)):

@@ -144,15 +144,11 @@ def crowded(figure):
 
 
 WIDE = ("contact of a map", "planes of a body", "loading path")  # which arrange their panels otherwise
-QUICK = ("campaign", "single")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
-    ("kind", "width"),
-    [
-        pytest.param(*each, marks=[pytest.mark.long] * (each != QUICK))
-        for each in (*((kind, "single") for kind in DRAWN), *((kind, "double") for kind in WIDE))
-    ],
+    ("kind", "width"), [*((kind, "single") for kind in DRAWN), *((kind, "double") for kind in WIDE)]
 )
 def test_a_picture_of_a_column_can_be_read(kind, width, recwarn):
     figure = DRAWN[kind](width)

@@ -23,6 +23,11 @@ def solved():
     )
 
 
+@pytest.fixture(scope="module")
+def drawn(solved):
+    return plot_contact(solved)
+
+
 @pytest.fixture
 def rough(solved):
     return solved.copy(deep=True)
@@ -57,7 +62,7 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension):
         }
     )
     assert found["pressure"].max() < 0.0 < found["gap"].min()
-    plot_contact(found).draw_without_rendering()
+    plot_contact(found)
     statistics = gfmd_numba.contact_statistics(found)
     assert float(statistics["pressure_density"].sum()) == 0.0
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
@@ -75,7 +80,7 @@ def test_surfaces_that_overlap_under_a_cohesive_law_are_counted_and_drawn(rough,
     apart = rough.assign(gap=(rough["gap"] - shift).assign_attrs(rough["gap"].attrs))
     statistics = gfmd_numba.contact_statistics(apart)
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
-    plot_contact(apart).draw_without_rendering()
+    plot_contact(apart)
 
 
 def test_a_punch_that_is_drawn_off_has_no_contact_in_perssons_theory(rough):
@@ -84,8 +89,8 @@ def test_a_punch_that_is_drawn_off_has_no_contact_in_perssons_theory(rough):
     assert not statistics["pressure_density_persson"].any()
 
 
-def test_touching_nodes_have_a_colour_that_no_gap_has(rough):
-    gap = panels(plot_contact(rough))[0][2]
+def test_touching_nodes_have_a_colour_that_no_gap_has(rough, drawn):
+    gap = panels(drawn)[0][2]
     touching = rough["gap"].values == 0.0
     np.testing.assert_array_equal(np.ma.getmaskarray(gap.get_array()), touching)
     colours = gap.to_rgba(gap.get_array())
@@ -94,9 +99,9 @@ def test_touching_nodes_have_a_colour_that_no_gap_has(rough):
     assert nearest > 0.2
 
 
-def test_a_gap_a_hundredth_of_another_is_told_from_it(rough):
+def test_a_gap_a_hundredth_of_another_is_told_from_it(drawn):
     """Colours of a linear scale would differ by a hundredth."""
-    gap = panels(plot_contact(rough))[0][2]
+    gap = panels(drawn)[0][2]
     large = gap.norm.vmax
     one, other = gap.to_rgba(np.array([0.01 * large, 0.0101 * 0.01 * large]))
     assert abs(one - other).max() > 0.05
@@ -110,8 +115,8 @@ def test_pressure_has_an_outline_where_contacts_are_large_enough():
     assert outlined == [1, 0]
 
 
-def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough):
-    assert len(panels(plot_contact(rough))[1]) == 2
+def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough, drawn):
+    assert len(panels(drawn)[1]) == 2
     images, densities = panels(plot_contact(rough.assign(status=((), 1))))
     assert len(images) == 3
     assert densities == []

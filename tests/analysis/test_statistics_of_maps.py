@@ -25,6 +25,11 @@ def rough():
     return gfmd_numba.solve(ROUGH | {"path": [{"reduced_pressure": load} for load in (0.1, 0.3, 5.0)]})
 
 
+@pytest.fixture(scope="module")
+def statistics(rough):
+    return gfmd_numba.contact_statistics(rough)
+
+
 def width(statistics, dim):
     return float(statistics[dim][1] - statistics[dim][0])
 
@@ -46,7 +51,7 @@ def test_pressures_of_a_paraboloid_are_those_of_hertz():
     assert float(found["perimeter"]) == pytest.approx(2.0 * np.pi * a, rel=0.02)
 
 
-@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("axis", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_ridges_have_the_pressures_and_gaps_of_westergaard(axis):
     n, amplitude, load = 256, 0.01, 0.3 * np.pi * 0.01
     dataset = pressed(wave(n, amplitude, axis), load)
@@ -74,8 +79,8 @@ def test_the_stiffness_of_ridges_is_that_of_koiters_cracks():
     assert float(found["stiffness"][0]) == pytest.approx(np.pi / -np.log(load), rel=5e-3)
 
 
-def test_distributions_hold_every_node_and_cluster_of_a_map(rough):
-    found = gfmd_numba.contact_statistics(rough)
+def test_distributions_hold_every_node_and_cluster_of_a_map(rough, statistics):
+    found = statistics
     touching = rough["contact_area_fraction_counted"]
     assert found.sizes["step"] == 4
     np.testing.assert_allclose(found["pressure_density"].sum("pressure") * width(found, "pressure"), touching)
@@ -85,9 +90,9 @@ def test_distributions_hold_every_node_and_cluster_of_a_map(rough):
     np.testing.assert_allclose(found["mean_gap"], rough["mean_gap"] / rough["height"].std(["y", "x"]))
 
 
-def test_perssons_area_and_pressures_stand_next_to_a_map(rough):
+def test_perssons_area_and_pressures_stand_next_to_a_map(rough, statistics):
     """On a half-space s = g E*/2 for any spectrum; in full contact the pressures are Gaussian as the heights are."""
-    found = gfmd_numba.contact_statistics(rough)
+    found = statistics
     expected = erf(np.sqrt(2.0) * rough["reduced_pressure"].values)
     np.testing.assert_allclose(found["contact_area_fraction_persson"], expected, rtol=1e-9)
     full = rough["pressure"].isel(step=3) / rough["full_contact_pressure"].isel(step=3)

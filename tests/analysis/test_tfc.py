@@ -18,7 +18,7 @@ KNOWN = {"eps_f": ALPHA["eps_f"]}
 
 @pytest.mark.parametrize(
     ("exponents", "fixed"),
-    [("shared", {}), ("free", {}), ("shared", {"eps_t": 1.0}), ("free", ALPHA)],
+    [("shared", {}), ("free", {}), ("free", ALPHA)],
 )
 def test_planted_parameters_are_recovered_exactly(exponents, fixed):
     """With cross levels, which tell that corrections add up; kappa_r has no law but powers."""
@@ -237,11 +237,11 @@ def test_of_several_references_the_finest_counts():
 
 
 def test_result_survives_netcdf(tmp_path):
-    fit = fit_tfc(campaign((0.3, 0.8)), fixed={"eps_t": 1.0})
+    fit = fit_tfc(campaign((0.3, 0.8)), fixed=ALPHA)
     fit.to_netcdf(tmp_path / "fit.nc")
     with xr.open_dataset(tmp_path / "fit.nc") as again:
         np.testing.assert_array_equal(again["kappa_tfc"], fit["kappa_tfc"])
-        assert again.attrs["fixed"] == "eps_t: 1"
+        assert again.attrs["fixed"] == "eps_c: 1.1, eps_f: 0.6, eps_t: 1"
         assert again.attrs["variable"] == "kappa"
         assert again["fit_status"].values.tolist() == ["ok", "ok"]
 
@@ -263,7 +263,8 @@ def test_a_fit_in_python_takes_the_options_of_the_campaign_unless_others_are_giv
         found.drop_vars("seconds"), fit_tfc(results, exponents="free", fixed=ALPHA).drop_vars("seconds")
     )
     assert found.attrs["exponents"] == "free"
-    assert gfmd_numba.fit_tfc(results, exponents="shared", fixed={}).attrs["fixed"] == "none"
+    asked = gfmd_numba.fit_tfc(results, exponents="shared", fixed=ALPHA | {"eps_c": 2.0})
+    assert (asked.attrs["exponents"], asked.attrs["fixed"]) == ("shared", "eps_c: 2, eps_f: 0.6, eps_t: 1")
 
 
 def test_python_fits_a_target_as_the_run_did():

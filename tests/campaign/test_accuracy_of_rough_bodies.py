@@ -23,7 +23,8 @@ def of(scene, order=0, **more):
 
 
 @pytest.mark.parametrize(
-    ("axis", "dimension"), [("eps_c", 1), pytest.param("eps_f", 2, marks=pytest.mark.long), ("eps_t", 1)]
+    ("axis", "dimension"),
+    [pytest.param("eps_c", 1, marks=pytest.mark.long), pytest.param("eps_f", 2, marks=pytest.mark.long), ("eps_t", 1)],
 )
 def test_at_order_0_the_errors_are_those_of_the_rigid_punch_with_the_same_roughness(axis, dimension):
     """Half-spaces, which the flat bodies are: pressed into each other they are a rigid punch on one body."""

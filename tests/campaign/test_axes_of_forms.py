@@ -36,23 +36,27 @@ def test_radius_and_load_of_a_cylinder_vary(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("form", "axis", "values"),
+    ("form", "grid", "levels"),
     [
-        ({"slope": 0.01}, "slope", [0.01, 0.02]),
-        ({"width": "0.1 mm", "edge_radius": "5 mm"}, "width", ["0.1 mm", "0.2 mm"]),
-        ({"width": "0.1 mm", "edge_radius": "5 mm"}, "edge_radius", ["5 mm", "20 mm"]),
-        ({"radius": "5 mm"}, "radius", ["5 mm", "20 mm"]),
+        ({"slope": 0.01}, {"slope": [0.01, 0.02]}, LEVELS),
+        (
+            {"width": "0.1 mm", "edge_radius": "5 mm"},
+            {"width": ["0.1 mm", "0.2 mm"], "edge_radius": ["5 mm", "20 mm"]},
+            {"reference": LEVELS["reference"]},
+        ),
     ],
+    ids=["slope", "width and edge"],
 )
-def test_every_length_is_an_axis_and_leaves_the_gradient_to_the_roughness(tmp_path, form, axis, values):
-    file = campaign(form, PSD, {axis: values}, {"reduced_pressure": 0.05}, seed=1, realisations=2, **LEVELS)
+def test_every_length_is_an_axis_and_leaves_the_gradient_to_the_roughness(tmp_path, form, grid, levels):
+    file = campaign(form, PSD, grid, {"reduced_pressure": 0.05}, seed=1, realisations=2, **levels)
     found = gfmd_numba.run(file, tmp_path)
-    assert found.sizes == {"case": 6, "realisation": 2}
+    assert found.sizes == {"case": 6 if "limits" in levels else 4, "realisation": 2}
     assert (found["status"] == 0).all()
     np.testing.assert_allclose(found["rms_gradient"], 0.01, rtol=1e-9)
     np.testing.assert_allclose(found["reduced_pressure"], 0.05)
-    first, second = (found["contact_radius"].where(found[axis] == value).mean() for value in np.unique(found[axis]))
-    assert float(first) != float(second)
+    for axis in grid:
+        first, second = (found["contact_radius"].where(found[axis] == value).mean() for value in np.unique(found[axis]))
+        assert float(first) != float(second)
 
 
 def test_the_files_of_a_grid_have_a_form_too(tmp_path, monkeypatch):

@@ -55,6 +55,7 @@ def test_a_realisation_has_the_numbers_of_solve(wave, tmp_path, scene, more):
     assert_as_solved(found, 0, 1, scene | {"boundary": wave}, more | {"discretisation": REFERENCE})
 
 
+@pytest.mark.long
 def test_a_file_is_found_next_to_the_campaign_and_by_whoever_resumes_it(wave, tmp_path):
     campaign = of({"normal_traction": "wave.npy"}, grid={"hurst": [0.3, 0.8]})
     (tmp_path / "tractions.yaml").write_text(yaml.safe_dump(campaign))
@@ -68,11 +69,8 @@ def test_a_file_is_found_next_to_the_campaign_and_by_whoever_resumes_it(wave, tm
     assert again.attrs["content_sha256"] == whole.attrs["content_sha256"]
 
 
-def test_tractions_are_part_of_the_identity_and_of_what_is_found(wave, tmp_path):
-    nothing = {"normal_traction": 0.0}
-    assert plan(of(wave)).problems[0].identity != plan(of(nothing)).problems[0].identity
-    pressed = [gfmd_numba.run(of(given), tmp_path / str(i), workers=0) for i, given in enumerate((wave, nothing))]
-    assert (abs(pressed[0]["kappa"] - pressed[1]["kappa"]) > 1e-3).all()
+def test_tractions_are_part_of_the_identity(wave):
+    assert plan(of(wave)).problems[0].identity != plan(of({"normal_traction": 0.0})).problems[0].identity
 
 
 @pytest.mark.long

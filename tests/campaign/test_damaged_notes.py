@@ -82,6 +82,7 @@ def test_a_damaged_failure_is_forgotten_and_its_block_computed(out, content):
     xr.testing.assert_identical(numbers(gfmd_numba.open_campaign(out)), before)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("content", FEW[:1])
 def test_damaged_notes_of_a_run_stop_nothing(out, content):
     (out / "run.json").write_bytes(content.encode("utf-8", "surrogatepass"))
@@ -105,7 +106,8 @@ def test_notes_of_a_run_replace_nothing_that_the_results_say(out):
         assert after[name] == before[name]
 
 
-@pytest.mark.parametrize("name", ["campaign", pytest.param("fit", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["campaign", "fit"])
 def test_verify_notices_results_that_say_something_else_of_the_campaign(out, name):
     assert gfmd("collect", out).exit_code == 0
     assert gfmd("verify", out).exit_code == 0

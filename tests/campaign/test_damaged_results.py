@@ -12,7 +12,7 @@ from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.roughness.measurements import measurement
 from gfmd_numba.roughness.surface_files import read_content
-from support.campaigns import campaign
+from support.campaigns import TINY, campaign
 from support.faulty_files import refusal
 from support.forked_trial import tried_in_a_fork  # noqa: F401
 
@@ -20,7 +20,7 @@ from support.forked_trial import tried_in_a_fork  # noqa: F401
 @pytest.fixture(scope="module")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
-    return run(campaign(folder, **{"limits:": "#"}), folder / "out", Workers(0))[0]
+    return run(campaign(folder, TINY), folder / "out", Workers(0))[0]
 
 
 def damaged(content, pick):

@@ -10,31 +10,31 @@ from support.campaigns import TINY, campaign
 
 def test_output_directory_of_another_campaign_is_refused(tmp_path):
     out = tmp_path / "out"
-    gfmd_numba.run(campaign(tmp_path), out, 0)
+    gfmd_numba.run(campaign(tmp_path, TINY), out, 0)
     with pytest.raises(
-        InputError, match=r"out: you gave the output directory of campaign 'small'; gfmd allows .*'other'"
+        InputError, match=r"out: you gave the output directory of campaign 'tiny'; gfmd allows .*'other'"
     ):
-        gfmd_numba.run(campaign(tmp_path, **{"name: small": "name: other"}), out, 0)
+        gfmd_numba.run(campaign(tmp_path, TINY, **{"name: tiny": "name: other"}), out, 0)
 
 
-@pytest.mark.parametrize("text", ["x", "name: ["])
-def test_a_damaged_label_says_what_to_do(tmp_path, text):
+def test_a_damaged_label_says_what_to_do(tmp_path):
     path, out = campaign(tmp_path, TINY), tmp_path / "out"
     gfmd_numba.run(path, out)
-    (out / "campaign.yaml").write_text(text)
-    with pytest.raises(
-        InputError, match=r"out/campaign.yaml: you gave a copy .* that somebody has changed.*move it away"
-    ):
-        gfmd_numba.run(path, out)
+    for text in ("x", "name: ["):
+        (out / "campaign.yaml").write_text(text)
+        with pytest.raises(
+            InputError, match=r"out/campaign.yaml: you gave a copy .* that somebody has changed.*move it away"
+        ):
+            gfmd_numba.run(path, out)
     (out / "campaign.yaml").unlink()
     gfmd_numba.run(path, out)
     assert (out / "campaign.yaml").read_text() == path.read_text()
 
 
 def test_one_run_at_a_time(tmp_path):
-    path, out = campaign(tmp_path), tmp_path / "out"
+    path, out = campaign(tmp_path, TINY), tmp_path / "out"
     with (
-        claimed(out, "small", "name: small"),
+        claimed(out, "tiny", "name: tiny"),
         pytest.raises(InputError, match=r"out: you gave an output directory in which another run is at work"),
     ):
         gfmd_numba.run(path, out)

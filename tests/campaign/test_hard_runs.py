@@ -12,7 +12,7 @@ from gfmd_numba.campaign.shards import Finished, path_of
 from support.campaigns import campaign
 
 
-@pytest.mark.parametrize("cases", [60, pytest.param(500, marks=pytest.mark.long)])
+@pytest.mark.parametrize("cases", [30, pytest.param(500, marks=pytest.mark.long)])
 def test_memory_and_file_handles_stay_flat_over_many_cases(tmp_path, cases):
     (tmp_path / "shards").mkdir()
     problems = plan(campaign(tmp_path)).problems
@@ -26,7 +26,7 @@ def test_memory_and_file_handles_stay_flat_over_many_cases(tmp_path, cases):
             path_of(tmp_path, [task[0].name]).unlink()
         return process.memory_info().rss, process.num_fds()
 
-    memory, handles = perform_some(40)
+    memory, handles = perform_some(20)
     more_memory, more_handles = perform_some(cases)
     assert more_handles <= handles
     assert more_memory - memory < 8e6, f"{more_memory - memory} bytes more after {cases} cases"

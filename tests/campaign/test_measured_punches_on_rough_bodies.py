@@ -67,7 +67,8 @@ SCENES = {
 }
 
 
-@pytest.mark.parametrize("name", [pytest.param("random body", marks=pytest.mark.long), "measured body"])
+@pytest.mark.long
+@pytest.mark.parametrize("name", ["random body", "measured body"])
 def test_each_punch_of_a_grid_has_the_numbers_of_solve(folder, name):
     scene, realisation, seed = SCENES[name]
     found = gfmd_numba.run(written(folder, scene), folder / "out", workers=0)

@@ -1,8 +1,9 @@
 """More or fewer realisations of a campaign use what is finished, and change no number."""
 
+import shutil
+
 import pytest
 import xarray as xr
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -11,19 +12,8 @@ from gfmd_numba.campaign import cases, execution
 from gfmd_numba.campaign.cases import blocks
 from gfmd_numba.campaign.plan import plan
 from gfmd_numba.campaign.status import progress, verify
-from gfmd_numba.cli import main
 from support.campaigns import campaign, numbers
-
-
-def test_more_realisations_keep_the_finished_ones(tmp_path, monkeypatch):
-    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 128 * 3)
-    out = tmp_path / "out"
-    few = gfmd_numba.run(realisations(tmp_path, 6), out, 0)
-    stamps = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
-    more = gfmd_numba.run(realisations(tmp_path, 9), out, 0)
-    same = numbers(more).isel(realisation=slice(6)).drop_vars("realisations")
-    xr.testing.assert_identical(same, numbers(few).drop_vars("realisations"))
-    assert stamps.items() <= {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}.items()
+from support.command_line import gfmd
 
 
 def realisations(folder, number):
@@ -32,9 +22,18 @@ def realisations(folder, number):
 
 
 @pytest.fixture(scope="module")
-def of_six(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("six")
-    return gfmd_numba.run(realisations(folder, 6), folder / "out")
+def ran(tmp_path_factory):
+    """Campaigns that were run afresh with 4 and with 6 realisations."""
+    folder = tmp_path_factory.mktemp("ran")
+    for number in (4, 6):
+        gfmd_numba.run(realisations(folder, number), folder / str(number))
+    return folder
+
+
+@pytest.fixture
+def begun(ran, tmp_path):
+    """A run of 4 realisations to go on with."""
+    return shutil.copytree(ran / "4", tmp_path / "out")
 
 
 @pytest.fixture
@@ -52,63 +51,53 @@ def solved(monkeypatch):
     return counted
 
 
-def test_more_realisations_solve_only_the_new_ones(tmp_path, of_six, solved):
-    out = tmp_path / "out"
-    gfmd_numba.run(realisations(tmp_path, 4), out)
-    assert set(solved) == {(0, 4)}
-    solved.clear()
-    more = gfmd_numba.run(realisations(tmp_path, 6), out)
+def test_more_realisations_solve_only_the_new_ones(tmp_path, ran, begun, solved):
+    stamps = {shard: shard.stat().st_mtime_ns for shard in begun.glob("shards/*.shard")}
+    more, fresh = gfmd_numba.run(realisations(tmp_path, 6), begun), gfmd_numba.open_campaign(ran / "6")
     assert set(solved) == {(4, 6)}
     assert len(solved) == 2
-    assert more.attrs["content_sha256"] == of_six.attrs["content_sha256"]
-    xr.testing.assert_identical(numbers(more), numbers(of_six))
-    found, verdict = progress(out), verify(out)
+    assert more.attrs["content_sha256"] == fresh.attrs["content_sha256"]
+    xr.testing.assert_identical(numbers(more), numbers(fresh))
+    found, verdict = progress(begun), verify(begun)
     assert (found.done, found.blocks) == (4, 4)
     assert (verdict.sound, verdict.damaged, verdict.missing, verdict.foreign) == (4, [], 0, [])
+    assert stamps.items() <= {shard: shard.stat().st_mtime_ns for shard in begun.glob("shards/*.shard")}.items()
 
 
-def test_fewer_realisations_solve_nothing(tmp_path, of_six, solved):
-    out, fresh = tmp_path / "out", tmp_path / "fresh"
-    gfmd_numba.run(realisations(tmp_path, 6), out)
-    expected = gfmd_numba.run(realisations(tmp_path, 4), fresh)
-    solved.clear()
+def test_fewer_realisations_solve_nothing(tmp_path, ran, begun, solved):
+    out = shutil.copytree(ran / "6", tmp_path / "six")
     fewer = gfmd_numba.run(realisations(tmp_path, 4), out)
     assert solved == []
     assert fewer.sizes["realisation"] == 4
-    assert fewer.attrs["content_sha256"] == expected.attrs["content_sha256"]
-    gfmd_numba.run(realisations(tmp_path, 3), fresh)
-    verdict = verify(fresh)
+    assert fewer.attrs["content_sha256"] == gfmd_numba.open_campaign(ran / "4").attrs["content_sha256"]
+    gfmd_numba.run(realisations(tmp_path, 3), begun)
+    verdict = verify(begun)
     assert (verdict.sound, verdict.missing, verdict.foreign) == (2, 0, [])
 
 
-def test_a_surplus_shard_is_not_foreign(tmp_path, of_six):
+@pytest.mark.long
+def test_a_surplus_shard_is_not_foreign(tmp_path, begun):
     """A damaged one is not used, so nothing computes it again."""
-    out = tmp_path / "out"
-    gfmd_numba.run(realisations(tmp_path, 4), out)
-    gfmd_numba.run(realisations(tmp_path, 6), out)
-    gfmd_numba.run(realisations(tmp_path, 4), out)
-    assert (verify(out).sound, verify(out).foreign) == (4, [])
-    surplus = next(out.glob("shards/*-000004-000006.shard"))
+    gfmd_numba.run(realisations(tmp_path, 6), begun)
+    gfmd_numba.run(realisations(tmp_path, 4), begun)
+    assert (verify(begun).sound, verify(begun).foreign) == (4, [])
+    surplus = next(begun.glob("shards/*-000004-000006.shard"))
     surplus.write_bytes(b"")
-    assert (verify(out).sound, verify(out).damaged, verify(out).foreign) == (3, [], [surplus.stem])
+    assert (verify(begun).sound, verify(begun).damaged, verify(begun).foreign) == (3, [], [surplus.stem])
 
 
-def test_a_damaged_old_shard_is_computed_again(tmp_path, of_six):
-    out = tmp_path / "out"
-    gfmd_numba.run(realisations(tmp_path, 4), out)
-    next(out.glob("shards/*.shard")).write_bytes(b"")
-    more = gfmd_numba.run(realisations(tmp_path, 6), out)
-    assert more.attrs["content_sha256"] == of_six.attrs["content_sha256"]
+@pytest.mark.long
+def test_a_damaged_old_shard_is_computed_again(tmp_path, ran, begun):
+    next(begun.glob("shards/*.shard")).write_bytes(b"")
+    more = gfmd_numba.run(realisations(tmp_path, 6), begun)
+    assert more.attrs["content_sha256"] == gfmd_numba.open_campaign(ran / "6").attrs["content_sha256"]
 
 
-def test_a_part_of_a_run_with_more_realisations_is_collected(tmp_path, of_six):
-    path, out = realisations(tmp_path, 4), tmp_path / "out"
-    gfmd_numba.run(path, out)
-    ran = CliRunner().invoke(
-        main, ["run", str(realisations(tmp_path, 6)), "-o", str(out), "--workers=0", "--only=hurst=0.3"]
-    )
-    assert ran.exit_code == 0, ran.output
-    assert "2 of the 12 simulations of the whole campaign have not run yet" in ran.output
+@pytest.mark.usefixtures("undrawn")
+def test_a_part_of_a_run_with_more_realisations_is_collected(tmp_path, begun):
+    done = gfmd("run", realisations(tmp_path, 6), "-o", begun, "--workers=0", "--only=hurst=0.3")
+    assert done.exit_code == 0, done.output
+    assert "2 of the 12 simulations of the whole campaign have not run yet" in done.output
 
 
 ranges = st.tuples(st.integers(0, 30), st.integers(1, 8)).map(lambda r: (r[0], r[0] + r[1]))

@@ -67,12 +67,14 @@ def test_files_of_others_in_an_output_directory_survive_a_run(tmp_path):
 
 
 def test_an_edited_campaign_file_reuses_what_is_finished(tmp_path):
-    path, out = campaign(tmp_path), tmp_path / "out"
-    gfmd_numba.run(path, out)
+    one = SMALL.replace("[0.3, 0.8]", "[0.8]").replace("eps_c: [1/2, 1/4, 1/8], ", "")
+    path, out = campaign(tmp_path, one), tmp_path / "out"
+    whole = gfmd_numba.run(path, out)
     stamps = {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")}
-    text = SMALL.replace("eps_f: [1/8, 1/16, 1/32]", "eps_f: [1/8, 1/16]")
-    with pytest.warns(UserWarning, match="another version of this campaign"):
-        gfmd_numba.run(campaign(tmp_path, text), out)
+    text = one.replace("eps_f: [1/8, 1/16, 1/32]", "eps_f: [1/8, 1/16]")
+    with pytest.warns(UserWarning, match="holds another version of this campaign: its results are replaced"):
+        changed = gfmd_numba.run(campaign(tmp_path, text), out)
+    assert (whole.sizes["case"], changed.sizes["case"]) == (3, 2)
     assert {shard: shard.stat().st_mtime_ns for shard in out.glob("shards/*.shard")} == stamps
     assert (out / "campaign.yaml").read_text() == text
 

@@ -12,7 +12,8 @@ from support.paths import DRAGGED
 @pytest.fixture(scope="module")
 def dragged(tmp_path_factory):
     return gfmd_numba.run(
-        DRAGGED | {"realisations": 1, "path": DRAGGED["path"][:1]}, tmp_path_factory.mktemp("dragged") / "out"
+        DRAGGED | {"realisations": 1, "grid": {}, "path": DRAGGED["path"][:1]},
+        tmp_path_factory.mktemp("dragged") / "out",
     )
 
 

@@ -103,14 +103,13 @@ def test_many_small_blocks_share_files_and_give_the_same_results(tmp_path, monke
     assert failures == {}
     assert len(list(out.glob("shards/*"))) < 4
     assert (verify(out).sound, verify(out).damaged, verify(out).missing) == (4, [], 0)
-    for kept in (0, -1):  # all blocks of a bundle are damaged, or one of them
-        bundle = next(out.glob("shards/*.bundle"))
-        bundle.write_bytes(bundle.read_bytes()[:kept])
-        assert verify(out).missing or verify(out).damaged
-        results, _ = run(path, out, Workers(0))
-        assert (verify(out).sound, verify(out).damaged, verify(out).missing) == (4, [], 0)
-        with open(results, "rb") as file:
-            assert apart.encode() in file.read()
+    bundle = next(out.glob("shards/*.bundle"))
+    bundle.write_bytes(bundle.read_bytes()[:-1])  # of one block
+    assert verify(out).damaged
+    results, _ = run(path, out, Workers(0))
+    assert (verify(out).sound, verify(out).damaged, verify(out).missing) == (4, [], 0)
+    with open(results, "rb") as file:
+        assert apart.encode() in file.read()
 
 
 def test_an_interrupt_keeps_the_blocks_before_it(folder, tmp_path, monkeypatch):

@@ -20,6 +20,7 @@ def test_worker_count_changes_no_number(finished, tmp_path):
     xr.testing.assert_identical(numbers(result), numbers(finished))
 
 
+@pytest.mark.long
 def test_an_existing_scheduler_changes_no_number(finished, tmp_path):
     with LocalCluster(n_workers=1, threads_per_worker=1, processes=False, dashboard_address="127.0.0.1:0") as cluster:
         path, failures = run_campaign(campaign(tmp_path), tmp_path / "out", Workers(address=cluster.scheduler_address))

@@ -7,7 +7,7 @@ from gfmd_numba.campaign.workers import Workers
 from support.campaigns import campaign
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture(scope="session")
 def results(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     return run_campaign(campaign(folder), folder / "out", Workers(0))[0]

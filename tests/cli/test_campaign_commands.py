@@ -22,20 +22,23 @@ def test_plan_counts_cases_and_distinct_problems(tmp_path):
     assert "Poisson's ratio" in output
 
 
-def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
+def test_a_campaign_is_run_and_drawn(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    path = campaign(tmp_path)
+    path = campaign(tmp_path, **{"[0.3, 0.8]": "[0.8]", "eps_c: [1/2, 1/4, 1/8], ": ""})
     done = gfmd("run", path, "--workers=0")
     assert done.exit_code == 0
     assert "results  small/small.nc" in done.output
     assert (tmp_path / "small" / "small.png").stat().st_size > 10_000
-    assert xr.open_dataset(tmp_path / "small" / "small.nc").sizes["case"] == 10
-    done = gfmd("fit", "small", "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", "fit.nc")
+    assert xr.open_dataset(tmp_path / "small" / "small.nc").sizes["case"] == 3
+
+
+def test_a_fit_is_written_and_printed(results, tmp_path):
+    done = gfmd("fit", results.parent, "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", tmp_path / "fit.nc")
     assert done.exit_code == 0
     fitted = xr.open_dataset(tmp_path / "fit.nc")
     assert (fitted["fit_status"] == "ok").all()
     assert with_error(float(fitted["kappa_tfc"][0]), float(fitted["kappa_tfc_error"][0])) in done.output
-    done = gfmd("fit", "small", "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", "fit.csv")
+    done = gfmd("fit", results.parent, "--fixed", "eps_c=1", "--fixed", "eps_f=0.5:1", "-o", tmp_path / "fit.csv")
     assert done.exit_code == 0
     table = pd.read_csv(tmp_path / "fit.csv", comment="#")
     assert table["hurst (1)"].tolist() == [0.3, 0.8]
@@ -43,7 +46,8 @@ def test_a_campaign_is_run_fitted_and_drawn(tmp_path, monkeypatch):
         np.testing.assert_array_equal(table[f"{name} (1)"], fitted[name])
 
 
-def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, monkeypatch):
+@pytest.mark.long
+def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, monkeypatch, undrawn):
     monkeypatch.chdir(tmp_path)
     first = gfmd("run", campaign(tmp_path, TINY), "--workers=0")
     again = gfmd("run", campaign(tmp_path, TINY), "--workers=0")
@@ -73,10 +77,10 @@ def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations, undr
 
 
 def test_runs_that_do_not_converge_exit_with_3(tmp_path, undrawn):
-    path = campaign(tmp_path, **{"grid:": "numerics: {max_iterations: 1}\ngrid:"})
+    path = campaign(tmp_path, **{"grid:": "numerics: {max_iterations: 1}\ngrid:", "limits:": "#"})
     done = gfmd("run", path, "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 3
-    assert "60 of 60 simulations are not ok" in done.stderr
+    assert "12 of 12 simulations are not ok" in done.stderr
 
 
 @pytest.mark.long

@@ -65,10 +65,8 @@ def test_units_that_the_scene_leaves_open_stand_in_the_table(tmp_path):
     ("loads", "megapascals"),
     [
         ("1:4MPa:3", [1, 2, 4]),
-        ("1,2,4MPa", [1, 2, 4]),
         ("1, 4 MPa", [1, 4]),
-        ("1000 kPa:4MPa:3", [1, 2, 4]),
-        ("4:1N/mm^2:3", [4, 2, 1]),
+        ("4000 kPa:1N/mm^2:3", [4, 2, 1]),
     ],
 )
 def test_the_unit_of_the_last_load_is_that_of_numbers_before_it(tmp_path, loads, megapascals):

@@ -45,18 +45,20 @@ def test_workers_start_without_standard_streams(tmp_path):
     assert (tmp_path / "out" / "tiny.nc").is_file()
 
 
-@pytest.mark.parametrize("stream", ["2>&-", pytest.param("2>/dev/full", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("stream", ["2>&-", "2>/dev/full"])
 def test_bad_input_exits_with_2_though_nobody_can_be_told(tmp_path, stream):
     done = gfmd(tmp_path, f"gfmd check bad.yaml {stream}")
     assert done.returncode == 2
     assert done.stderr == ""
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "command",
     [
-        pytest.param("run tiny.yaml -o out --workers 0", marks=pytest.mark.long),
-        pytest.param("solve scene.yaml -o out.nc", marks=pytest.mark.long),
+        "run tiny.yaml -o out --workers 0",
+        "solve scene.yaml -o out.nc",
         "check scene.yaml",
     ],
 )

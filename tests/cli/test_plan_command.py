@@ -96,6 +96,7 @@ def compared(tmp_path, monkeypatch):
     return of
 
 
+@pytest.mark.long
 def test_it_tells_the_realisations_and_the_error_of_the_next_round(tmp_path, monkeypatch, compared):
     without_doubts(monkeypatch)
     said, first, second = compared(campaign(tmp_path, **ONE), "kappa=3%")

@@ -70,7 +70,7 @@ def test_a_problem_that_cases_share_is_paid_for_once(capsys):
 
 
 def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
-    fit = fit_of(0.3, 0.8)
+    fit = fit_of(0.8)
     assert "cpu_seconds" not in fit.attrs
     tell(of_fit(fit))
     assert "processor time" not in capsys.readouterr().out
@@ -79,7 +79,7 @@ def test_a_campaign_that_does_not_tell_its_seconds_prints_none(capsys):
 def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
     dataset = noisy(campaign(), np.random.default_rng(1))
     dataset["mean_gap"] = (1e-6 * dataset["kappa"]).assign_attrs(units="m")
-    of_gap, of_kappa = (fit_tfc(dataset, name, fixed=ALPHA | {"eps_f": (0.5, 1.0)}) for name in ("mean_gap", "kappa"))
+    of_gap = fit_tfc(dataset, "mean_gap", fixed=ALPHA | {"eps_f": (0.5, 1.0)})
     tell(of_fit(of_gap))
     said = unfolded(capsys.readouterr().out)
     assert "mean_gap (µm) and its limit" in said
@@ -87,7 +87,7 @@ def test_parts_of_the_error_and_notes_have_the_unit_of_the_table(capsys):
     assert f"sampling {sampling:.2g}" in said
     assert "largest parts in µm, added in quadrature" in said
     assert "nm: add `cross` to the limits" in said
-    tell(of_fit(of_kappa))
+    tell(of_fit(fit_of(0.8)))
     assert "parts in" not in capsys.readouterr().out
 
 

@@ -33,8 +33,9 @@ def contact(tmp_path_factory):
     return folder / "contact.nc"
 
 
-@pytest.mark.parametrize("command", ["fit", "plot"])
-@pytest.mark.parametrize(("name", "content"), [("results.nc", ""), ("results.yaml", "name: text\n")])
+@pytest.mark.parametrize(
+    ("command", "name", "content"), [("fit", "results.yaml", "name: text\n"), ("plot", "results.nc", "")]
+)
 def test_files_that_are_no_results_are_refused(tmp_path, command, name, content):
     (tmp_path / name).write_text(content)
     message = refused(command, tmp_path / name, "-o", tmp_path / f"out.{'nc' if command == 'fit' else 'png'}")

@@ -58,7 +58,7 @@ def test_a_prescribed_displacement_has_no_pressure_in_the_table_but_a_picture(tm
     changes = {
         "{reduced_pressure: 0.05}": "{displacement: 1e-4}",
         "0.33}": "0.33, aspect_ratio: 0.5}",
-        "grid:": "fit: {fixed: {eps_c: 1, eps_f: 1}}\ngrid:",
+        "grid: {hurst: [0.3, 0.8]}": "fit: {fixed: {eps_c: 1, eps_f: 1}}",
     }
     done = gfmd("run", campaign(tmp_path, **changes), "-o", tmp_path / "out", "--workers=0")
     assert done.exit_code == 0

@@ -9,6 +9,7 @@ OURS = "import gfmd_numba.fourier.transform as ours"
 THEIRS = "import pyfftw, pyfftw.interfaces.numpy_fft, numpy as np"
 
 
+@pytest.mark.long
 def test_transforms_load_no_other_library_of_transforms():
     names = ("dask", "scipy.fftpack", "pyfftw.interfaces", "pyfftw.builders")
     assert python(f"import sys; {OURS}; print([name for name in {names} if name in sys.modules])") == "[]\n"

@@ -25,7 +25,7 @@ def folder(undrawn, tmp_path_factory):
         "map": MAP,
         "path": MAP + "path: [{reduced_pressure: 0.5}]\n",
         "profile": SCENE,
-        "failed": MAP + "numerics: {solver: conjugate_gradients, max_iterations: 1}\n",
+        "failed": SCENE + "numerics: {max_iterations: 1}\n",
     }.items():
         (folder / f"{name}.yaml").write_text(text)
         gfmd("solve", folder / f"{name}.yaml", "-o", folder / f"{name}.nc")

@@ -36,7 +36,7 @@ fit small --fixed eps_c=0.5:2 --exponents free --variable kappa_counted -o fit.n
 init new.yaml
 leakage map.nc -o leakage.nc
 leakage steps.nc
-plan campaign.yaml --pilot=0.1
+plan campaign.yaml --pilot=0.01
 plan campaign.yaml --target=3% --workers=0
 plot small
 relaxation dma.csv --unit=Pa
@@ -57,18 +57,19 @@ surface surface.yaml -o surface.nc
 verify small
 """
 LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
+RARE = ("accuracy", "doctor", "plan campaign.yaml --target", "statistics map", "curve one.yaml --loads 1e-3:1:2 --real")
+RARE += ("curve broken", "leakage map", "run broken", "conductance steps")
 
 
 @pytest.fixture(scope="module")
 def folder(undrawn, tmp_path_factory):
     """Files of every kind under short names, for long ones are never folded."""
     folder = tmp_path_factory.mktemp("terminal")
-    campaign(folder, **{"grid:": "numerics: {max_iterations: 1}\ngrid:", "small": "broken"}).rename(
-        folder / "broken.yaml"
-    )
+    broken = {"grid:": "numerics: {max_iterations: 1}\ngrid:", "small": "broken", "limits:": "#"}
+    campaign(folder, **broken).rename(folder / "broken.yaml")
     slabs = "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], "
     campaign(folder, **{"limits:": "#", "grid: {": slabs, "small": "means"}).rename(folder / "means.yaml")
-    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: [1, 2], eps_f: [0.5, 1]}}\ngrid:"})
+    campaign(folder, **{"grid:": "fit: {fixed: {eps_c: 1, eps_f: 0.75}}\ngrid:"})
     (folder / "scene.yaml").write_text(SCENE)
     friction = SCENE.replace("{hard_wall: {}}", "{hard_wall: {}, friction: {coefficient: 0.3}}")
     (folder / "broken-scene.yaml").write_text(friction + STEPS + "numerics: {max_iterations: 1}\n")
@@ -98,12 +99,7 @@ def folder(undrawn, tmp_path_factory):
 @pytest.mark.parametrize(
     "command",
     [
-        *(
-            pytest.param(
-                line, marks=LONG if line.startswith(("accuracy", "doctor", "plan campaign.yaml --target")) else ()
-            )
-            for line in LINES
-        ),
+        *(pytest.param(line, marks=LONG if line.startswith(RARE) else ()) for line in LINES),
         "-h",
         *(f"{name} -h" for name in main.commands),
     ],

@@ -56,7 +56,7 @@ def test_a_mutant_is_read_or_refused_with_a_reason(tmp_path_factory, kind):
     folder = tmp_path_factory.mktemp(kind)
 
     @given(pick=st.randoms(use_true_random=False))
-    @settings(derandomize=True, deadline=None, max_examples=50)
+    @settings(derandomize=True, deadline=None, max_examples=25)
     def mutants(pick):
         assert_loads_or_says_why(folder, kind, changed_text(KINDS[kind][1], pick))
 

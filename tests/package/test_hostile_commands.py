@@ -1,6 +1,7 @@
 """Every command, given anything for each of its arguments and options: an end of its own or a reason."""
 
 import re
+from unittest.mock import Mock
 
 import click
 import pytest
@@ -177,10 +178,10 @@ def ends_well(line):
     assert done.exit_code == 0 or done.output.strip()
 
 
-def test_every_command_and_each_of_its_options_is_called(things):
+def test_every_command_and_each_of_its_options_is_called():
     assert set(main.list_commands(click.Context(main))) == COMMANDS.keys()
     for name, made in COMMANDS.items():
-        assert made(things).keys() == {parameter.name for parameter in command_of(name).params}, name
+        assert made(Mock()).keys() == {parameter.name for parameter in command_of(name).params}, name
 
 
 @pytest.mark.long

@@ -1,5 +1,7 @@
 """Every variable and coordinate of every dataset says what it is and in which unit, and cases can be looked up."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -35,6 +37,17 @@ def scene(path=(), **changes):
     return {"scene": asked | {"length": 1e-4} | changes, "discretisation": COARSE, "path": list(path)}
 
 
+@cache
+def contact():
+    return gfmd_numba.solve(scene())
+
+
+@cache
+def a_map():
+    return gfmd_numba.solve(scene(dimension=2))
+
+
+@cache
 def a_path():
     return gfmd_numba.solve(scene(path=[{"reduced_pressure": 0.1}, {"reduced_pressure": 0.2}]))
 
@@ -55,25 +68,25 @@ def described(found):
 
 
 KINDS = {
-    "contact": lambda: gfmd_numba.solve(scene()),
+    "contact": contact,
     "dimensionless": lambda: gfmd_numba.solve(scene(length=None)),
     "both components": lambda: gfmd_numba.solve(scene(interface={"hard_wall": {}, "friction": {"coefficient": 0.3}})),
     "path": a_path,
-    "map": lambda: gfmd_numba.solve(scene(dimension=2)),
+    "map": a_map,
     "rough body": lambda: gfmd_numba.solve(scene(roughness=None, body=BODY | {"roughness": ROUGH})),
     "loaded body": lambda: gfmd_numba.solve(
         {"scene": {"body": BODY, "boundary": {"normal_traction": 1e5}}, "points": 8}
     ),
     "surface": lambda: gfmd_numba.make_surface({"surface": SURFACE}),
     "map of heights": lambda: gfmd_numba.make_surface({"surface": SURFACE, "dimension": 2}),
-    "fields": lambda: gfmd_numba.body_fields(gfmd_numba.solve(scene())),
+    "fields": lambda: gfmd_numba.body_fields(contact()),
     "fields of a path": lambda: gfmd_numba.body_fields(a_path()),
-    "statistics": lambda: gfmd_numba.contact_statistics(gfmd_numba.solve(scene())),
+    "statistics": lambda: gfmd_numba.contact_statistics(contact()),
     "statistics of a path": lambda: gfmd_numba.contact_statistics(a_path()),
-    "statistics of a map": lambda: gfmd_numba.contact_statistics(gfmd_numba.solve(scene(dimension=2))),
-    "percolation": lambda: gfmd_numba.gap_percolation(gfmd_numba.solve(scene(dimension=2))),
-    "leakage": lambda: gfmd_numba.leakage(gfmd_numba.solve(scene(dimension=2))),
-    "conductance": lambda: gfmd_numba.contact_conductance(gfmd_numba.solve(scene(dimension=2))),
+    "statistics of a map": lambda: gfmd_numba.contact_statistics(a_map()),
+    "percolation": lambda: gfmd_numba.gap_percolation(a_map()),
+    "leakage": lambda: gfmd_numba.leakage(a_map()),
+    "conductance": lambda: gfmd_numba.contact_conductance(a_map()),
     "stiffness": lambda: contact_stiffness(a_path()),
     "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0, "kappa", 0.1, 0.1, 1e-5)]),
 }

@@ -99,7 +99,7 @@ def test_what_a_file_of_results_says_is_escaped(tmp_path):
 
 def test_a_message_is_bounded_whatever_is_wrong(tmp_path):
     path = tmp_path / "bad.yaml"
-    path.write_text("".join(f"{'k' * 50}{i}: 1\n" for i in range(3000)), encoding="utf-8")
+    path.write_text("".join(f"{'k' * 50}{i}: 1\n" for i in range(1200)), encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_scene(path)
     said = str(caught.value)

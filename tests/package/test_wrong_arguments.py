@@ -108,7 +108,7 @@ def test_a_path_stands_for_the_results_in_it(tmp_path, function):
         function(tmp_path / "absent.nc")
     if function is gfmd_numba.fit_tfc:
         path = tmp_path / "out"
-        results = gfmd_numba.run(campaign(tmp_path), path)
+        results = gfmd_numba.run(campaign(tmp_path, **{"[0.3, 0.8]": "[0.8]"}), path)
     else:
         path = tmp_path / "contact.nc"
         results = gfmd_numba.solve(SCENE)

@@ -7,7 +7,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc, run
-from gfmd_numba.analysis import contact_stiffness, plot_campaign
+from gfmd_numba.analysis import contact_stiffness
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
@@ -165,10 +165,10 @@ def test_a_campaign_over_anisotropies_names_them(tmp_path):
     assert along_x > 4.0 * along_y
 
 
+@pytest.mark.long
 def test_isotropic_results_have_no_such_coordinate_and_are_fitted_and_paired(tmp_path):
     path = campaign(tmp_path, CAMPAIGN, **{"anisotropy: [1, 4]": "reduced_pressure: [0.02, 0.05]"})
     dataset = run(path, output=tmp_path / "out", workers=0)
     assert "anisotropy" not in dataset.coords
     assert (fit_tfc(dataset, fixed={"eps_c": 1.0})["kappa_tfc"] > 0).all()
     assert (contact_stiffness(dataset)["stiffness"] > 0).all()
-    assert plot_campaign(dataset).axes

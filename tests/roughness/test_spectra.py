@@ -72,7 +72,7 @@ def test_the_exponential_spectrum_has_its_closed_form(q):
     assert stretched_exponential(np.array([q]), 0.5, 2)[0] == pytest.approx((1 + q**2) ** -1.5 / (2 * np.pi), rel=1e-12)
 
 
-@pytest.mark.parametrize("hurst", [0.05, 0.3, 0.5, 0.95, 0.999])
+@pytest.mark.parametrize("hurst", [0.05, 0.5, 0.999])
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_exponential_spectrum_has_no_seams(hurst, dimension):
     """Table and direct sum, integral and inverse powers agree; the value at 0 is a gamma function."""
@@ -89,10 +89,10 @@ def test_exponential_spectrum_has_no_seams(hurst, dimension):
 
 
 def models(dimension):
-    for hurst in (0.3, 0.8, 1.0):
+    for hurst in (0.3, 0.8):
         for model in (ExponentialSpectrum(dimension, hurst, 1.3), KCorrelationSpectrum(dimension, hurst, 1.3)):
             yield model
-            yield Mounded(model, 1.5 if hurst in (0.3, 1.0) else 6.0)
+            yield Mounded(model, 1.5 if hurst == 0.3 else 6.0)
 
 
 @pytest.mark.parametrize("model", [*models(1), *models(2)], ids=repr)

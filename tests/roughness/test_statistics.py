@@ -138,7 +138,7 @@ def test_scaled_heights_have_the_rms_asked_for():
         statistics.scaled(np.ones((1, 8)), (1.0,), rms_height=1.0)
 
 
-@pytest.mark.parametrize("size", [1024, 1025])
+@pytest.mark.parametrize("size", [pytest.param(1024, marks=pytest.mark.long), 1025])
 def test_threads_share_what_is_made_and_known_of_a_map_and_change_no_bit_of_it(size, monkeypatch):
     weight, shared = np.random.default_rng(1).random((1, size, size)), []
     by_rows, waves = Team.by_rows, SelfAffineWaves(0.7, 2.0, (size - 1) // 2)

@@ -22,8 +22,15 @@ def written(folder, rows, separator=",", decimal=".", header="", name="p.csv"):
     return folder / name
 
 
-@pytest.mark.parametrize("name", ["p.csv", "p.txt", "p.dat"])
-@pytest.mark.parametrize("header", ["", "# made by hand, on Monday 3.5\n", "Sample 7\nx [mm]{0}z [um]\n", "\n%\n\n"])
+@pytest.mark.parametrize(
+    ("name", "header"),
+    [
+        ("p.csv", ""),
+        ("p.txt", "# made by hand, on Monday 3.5\n"),
+        ("p.dat", "Sample 7\nx [mm]{0}z [um]\n"),
+        ("p.csv", "\n%\n\n"),
+    ],
+)
 @pytest.mark.parametrize(("separator", "decimal"), LAYOUTS)
 def test_every_layout_gives_the_same_numbers_bit_by_bit(tmp_path, separator, decimal, header, name):
     columns = written(tmp_path, np.column_stack([X, Z]), separator, decimal, header.format(separator), name)

@@ -141,6 +141,7 @@ def test_every_quantity_of_a_file_is_compared_with_something():
     assert named - COMMON.keys() - LOADS.keys() - of_boundaries <= of_measured
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.filterwarnings("ignore")
 def test_check_solve_curve_plan_and_surface_say_it(tmp_path):
     text = """
@@ -162,7 +163,7 @@ scene:
         ("solve", "scene.yaml", "-o", tmp_path / "contact.nc"),
         ("curve", "scene.yaml", "--loads", "1Pa,2Pa", "-o", tmp_path / "curve.nc"),
         ("check", "campaign.yaml"),
-        ("plan", "campaign.yaml", "--pilot=0.1"),
+        ("plan", "campaign.yaml", "--pilot=0"),
     ):
         done = gfmd(command[0], tmp_path / command[1], *command[2:])
         assert done.exit_code == 0, done.output

@@ -62,7 +62,7 @@ def folder(tmp_path_factory):
     (folder / "surface.yaml").write_text(SURFACE)
     text = campaign(folder).read_text()
     (folder / "means.yaml").write_text(text.replace("small", "means").replace("limits:", "# limits:"))
-    path = campaign(folder, **{"grid:": "fit: {fixed: {eps_c: 1, eps_f: 1}}\ngrid:"})
+    path = campaign(folder, **{"grid: {hurst: [0.3, 0.8]}": "fit: {fixed: {eps_c: 1, eps_f: 1}}"})
     for command in (["run", path, "-o", folder / "out", "--workers=0"], ["solve", folder / "scene.yaml"]):
         command += ["-o", folder / "contact.nc"] if command[0] == "solve" else []
         assert gfmd(list(map(str, command))).exit_code == 0

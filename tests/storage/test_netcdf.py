@@ -41,6 +41,7 @@ def test_text_flags_and_gaps_are_written_as_xarray_writes_them(tmp_path):
     assert_the_same(written(dataset, tmp_path / "campaign.nc"), tmp_path / "expected.nc")
 
 
+@pytest.mark.long
 def test_a_file_with_texts_can_be_opened_again_before_it_is_closed(tmp_path):
     """With strings of variable length HDF5 reads memory that it has freed, and the process ends (HDF5 issue 5359)."""
     text = xr.Dataset({"case": ("x", ["a", "µ", ""]), "none": ("y", ["", ""]), "one": ((), "length: 1 mm\n")})

@@ -44,8 +44,8 @@ def test_what_does_not_come_to_rest_says_so():
     assert et.steps_to_equilibrium(one, one[0], 0.1, [1.0], 1e-6, 50) == 51
 
 
-@pytest.mark.parametrize("stiffness", [0.01, 1.0, 40.0])
-@pytest.mark.parametrize("z", [3e-3, 0.02, 0.3, 0.9])
+@pytest.mark.parametrize("stiffness", [0.01, 40.0])
+@pytest.mark.parametrize("z", [3e-3, 0.3, 0.9])
 @pytest.mark.parametrize("fraction", [1e-4, 1e-14])
 def test_critical_equilibrium_time_is_the_marched_one(stiffness, z, fraction):
     dt = z / np.sqrt(stiffness)

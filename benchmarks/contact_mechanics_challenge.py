@@ -17,8 +17,8 @@ import numpy as np
 
 from gfmd_numba.contact import solution
 from gfmd_numba.contact.evaluation import measure
-from gfmd_numba.contact.law_resolution import resolution
 from gfmd_numba.contact.problem import Problem
+from gfmd_numba.contact.relative_softening import softening
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -64,7 +64,7 @@ def solve(cut_off, nodes, length, surface, pressure=PRESSURE, period=PERIOD):
     contact = solution.solve(problem, range(surface, surface + 1))
     seconds, found = time.perf_counter() - begun, measure(contact)
     assert found["status"][0] == Status.ok
-    shown = "      -      -" if law is None else f"{length * 1e9:7.2f} {resolution(problem):6.2f}"
+    shown = "      -      -" if law is None else f"{length * 1e9:7.2f} {softening(problem):6.2f}"
     print(
         f"{nodes:5}^2 {PERIOD / cut_off * 1e6:9.2f} {shown} {pressure / 1e3:9.1f}"
         f"{found['contact_area_fraction_counted'][0]:10.5f} {found['contact_area_fraction'][0]:10.5f}"

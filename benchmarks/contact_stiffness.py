@@ -9,7 +9,7 @@ import tempfile
 from pathlib import Path
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from gfmd_numba.roughness import self_affine, statistics
 
 SEED, HURSTS, LENGTHS = 2018, (0.3, 0.8), (2, 8, 32)  # L_x/lambda_l
@@ -59,7 +59,7 @@ def main(surfaces=100):
         path.write_text(text)
         dataset = gfmd_numba.run(path, Path(folder) / "stiffness")
     heights = [rms_heights(dataset.isel(case=i), surfaces) for i in range(dataset.sizes["case"])]
-    found = contact_stiffness(dataset.assign(rms_height=(("case", "realisation"), heights)))
+    found = secant_stiffness(dataset.assign(rms_height=(("case", "realisation"), heights)))
     columns = [(hurst, length) for hurst in HURSTS for length in LENGTHS]
     print(f"K h_rms / p of {surfaces} surfaces\n     p*", *(f"H = {h}, L_x/lambda_l = {n:<2} " for h, n in columns))
     for load in PRESSURES:

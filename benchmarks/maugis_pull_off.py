@@ -79,7 +79,7 @@ def drawn_off(nodes, law, work, least, step, begun, solve=gfmd_numba.solve):
     below, here, above = forces[i - 1 : i + 2]
     curved = below - 2.0 * here + above
     refined = here - (above - below) ** 2 / (8.0 * curved) if curved > 0.0 else forces.min()
-    return refined, float(found["law_resolution"].max()), int(found["n_transforms"].sum())
+    return refined, float(found["relative_softening"].max()), int(found["n_transforms"].sum())
 
 
 def rings_under_lennard_jones(mu, length, rings):

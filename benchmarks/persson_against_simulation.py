@@ -37,7 +37,7 @@ def press(hurst, body, load):
     pressed = solution.solve(Problem(surface, body, Interactions(True), load, None, numerics), range(SURFACES))
     assert (pressed.equilibrium.status == 0).all()
     values = evaluation.measure(pressed)
-    ratio = pressed.equilibrium.pressure / values["full_contact_pressure"][:, np.newaxis]
+    ratio = pressed.equilibrium.pressure / values["full_contact_rms_pressure"][:, np.newaxis]
     histogram = np.histogram(ratio[pressed.equilibrium.touching], LEVELS)[0] / (ratio.size * np.diff(LEVELS))
     return values, histogram, (pressed.equilibrium.pressure**2).mean(axis=1)
 
@@ -51,7 +51,7 @@ for (name, body), (areas, densities) in zip(BODIES.items(), axes.T, strict=True)
         drawn = []
         for load in PRESSURES:
             values, histogram, squares = press(hurst, body, load)
-            s, area = values["full_contact_pressure"], values["contact_area_fraction"]
+            s, area = values["full_contact_rms_pressure"], values["contact_area_fraction"]
             theory = persson.contact_area_fraction(load, s)
             error = area.std(ddof=1) / np.sqrt(SURFACES)
             ratio, spread = (area / theory).mean(), (area / theory).std(ddof=1) / np.sqrt(SURFACES)

@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import Any
 
 from gfmd_numba.analysis.contact_statistics import contact_statistics
-from gfmd_numba.analysis.contact_stiffness import contact_stiffness
 from gfmd_numba.analysis.extrapolation import fit_tfc
 from gfmd_numba.analysis.forms import UnusableDataError
+from gfmd_numba.analysis.secant_stiffness import secant_stiffness
 from gfmd_numba.analysis.selection import ensemble_mean, select_limit
 from gfmd_numba.analysis.smooth_function import smooth_function
 
@@ -21,7 +21,7 @@ _LATER = {  # by their modules, which are loaded when they are asked for: Matplo
     "plot_rounds": "plots.rounds",
     "plot_surface": "plots.surface",
 }
-__all__ = ["UnusableDataError", "contact_statistics", "contact_stiffness", "ensemble_mean", "fit_tfc", "select_limit"]
+__all__ = ["UnusableDataError", "contact_statistics", "ensemble_mean", "fit_tfc", "secant_stiffness", "select_limit"]
 __all__ += ["smooth_function", *_LATER]  # noqa: PLE0604
 
 

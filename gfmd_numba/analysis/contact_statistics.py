@@ -40,7 +40,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
     nodes = check_fields(dataset, (*_NEEDED, *["relaxed_pressure"] * creeps))
     touching = on_wall(dataset["gap"])
     rms_height = dataset["height"].std(nodes)
-    full_contact = dataset["full_contact_pressure"]
+    full_contact = dataset["full_contact_rms_pressure"]
     if creeps:  # of the modulus with which the body has crept so far
         stiffer = dataset["mean_pressure"] / dataset["relaxed_pressure"].mean(nodes)
         full_contact = full_contact * stiffer.where(stiffer > 0.0, 1.0)
@@ -82,7 +82,7 @@ def contact_statistics(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 
 
 _SMOOTHED = 1.5  # nodes: straight edges at any angle are then right to 0.3 %, and discs of 3 nodes and more to 1 %
-_NEEDED = ("height", "pressure", "gap", "mean_pressure", "full_contact_pressure")
+_NEEDED = ("height", "pressure", "gap", "mean_pressure", "full_contact_rms_pressure")
 _LONG_NAMES = {
     "pressure": "pressure over its rms fluctuation in full contact",
     "gap": "gap over the rms height of the punch",

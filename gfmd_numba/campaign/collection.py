@@ -20,7 +20,7 @@ from gfmd_numba.campaign.provenance import content_digest, doubt, git_commit, jo
 from gfmd_numba.campaign.results import read_results
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.validity import result_warnings
-from gfmd_numba.contact import contact_dataset, law_resolution, observables
+from gfmd_numba.contact import contact_dataset, observables, relative_softening
 from gfmd_numba.contact.contact_dataset import Units, cf_attributes
 from gfmd_numba.contact.load_path import recorded_of as recorded_of_problem
 from gfmd_numba.contact.observables import Observable
@@ -99,8 +99,8 @@ def _assemble(planned: Plan, directory: Path) -> xr.Dataset:
         cf_attributes("processor time of the case, shared by all cases of one problem", "s"),
     )
     if scene.interface.reaches_across:
-        resolutions = [law_resolution.resolution(case.problem) for case in planned.cases]
-        dataset[law_resolution.NAME] = ("case", resolutions, cf_attributes(law_resolution.LONG_NAME))
+        softenings = [relative_softening.softening(case.problem) for case in planned.cases]
+        dataset[relative_softening.NAME] = ("case", softenings, cf_attributes(relative_softening.LONG_NAME))
     made_in = rounds.read(directory)
     if made_in is not None and len(made_in.now.realisations) == len(planned.cases):
         dataset = dataset.assign(made_in.variables()).assign_attrs(made_in.attributes())

@@ -34,7 +34,7 @@ from gfmd_numba.campaign.execution import Task, compile_kernels
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.shards import Finished
 from gfmd_numba.campaign.validity import least_resolved, rough_body_warnings, unresolved_law_warning
-from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact import relative_softening
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES
 from gfmd_numba.contact.problem import Effect, Problem
 from gfmd_numba.scene import Document, InputError
@@ -58,7 +58,7 @@ def check_resolved(document: Document, campaign: Campaign, cases: Sequence[Case]
                 return ("grid", axis.name, values.index(axis.value(worst.scene, worst.discretisation)))
         return location
 
-    law_resolution.check_resolved(document, worst.scene.interface, worst.problem, worst.discretisation, locate)
+    relative_softening.check_resolved(document, worst.scene.interface, worst.problem, worst.discretisation, locate)
 
 
 def refused_limits(campaign: Campaign, cases: Sequence[Case]) -> list[str]:

@@ -19,7 +19,7 @@ from gfmd_numba.campaign.cost import UNITS
 from gfmd_numba.campaign.file import Campaign, load_campaign
 from gfmd_numba.campaign.goal import Goal
 from gfmd_numba.campaign.plan import Plan
-from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact import relative_softening
 from gfmd_numba.contact.contact_dataset import cf_attributes
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage import json_file
@@ -267,7 +267,7 @@ def _is_usable(campaign: Campaign, level: dict[str, float]) -> bool:
         load_campaign(crossed)
     except InputError:  # waves that are not whole, or too coarse a grid
         return False
-    return all(law_resolution.resolution(case.problem) <= law_resolution.REFUSED for case in expand(crossed))
+    return all(relative_softening.softening(case.problem) <= relative_softening.REFUSED for case in expand(crossed))
 
 
 def _with(campaign: Campaign, levels: list[dict[str, float]]) -> Campaign:

@@ -9,7 +9,7 @@ import xarray as xr
 
 from gfmd_numba.analysis.selection import at_nyquist
 from gfmd_numba.campaign.cases import Case
-from gfmd_numba.contact import law_resolution, validity
+from gfmd_numba.contact import relative_softening, validity
 from gfmd_numba.contact.rough_surfaces import STEEPEST, rough_body
 from gfmd_numba.elasticity.scales import scales_of
 from gfmd_numba.roughness.surfaces import SummedSurface
@@ -50,16 +50,16 @@ def unresolved_law_warning(cases: Sequence[Case]) -> str:
     """Return a warning about interaction laws that the grids do not resolve, with the worst case; else nothing."""
     if not cases[0].scene.interface.reaches_across:
         return ""
-    affected = [case for case in cases if law_resolution.resolution(case.problem) > law_resolution.COARSEST]
+    affected = [case for case in cases if relative_softening.softening(case.problem) > relative_softening.COARSEST]
     if not affected:
         return ""
     worst = least_resolved(affected)
-    return f"in {len(affected)} of {len(cases)} cases {law_resolution.warning(worst.problem, worst.discretisation)}"
+    return f"in {len(affected)} of {len(cases)} cases {relative_softening.warning(worst.problem, worst.discretisation)}"
 
 
 def least_resolved(cases: Sequence[Case]) -> Case:
     """Case whose grid resolves its law least."""
-    return max(cases, key=lambda case: law_resolution.resolution(case.problem))
+    return max(cases, key=lambda case: relative_softening.softening(case.problem))
 
 
 def result_warnings(cases: Sequence[Case], numerics: Numerics, dataset: xr.Dataset) -> Iterator[str]:

@@ -605,13 +605,13 @@ def of_steps(dataset: xr.Dataset) -> Told:
     """Yield the steps of a path: what was prescribed, and what came of it."""
     import numpy as np
 
-    from gfmd_numba.analysis import contact_stiffness
+    from gfmd_numba.analysis import secant_stiffness
 
     view, nothing = _with_meaning(dataset)
     laws = json.loads(dataset.attrs["scene"])["scene"]["interface"]
     only_wall = [name for name, law in laws.items() if law is not None] == ["hard_wall"]
     if only_wall and dataset.sizes["step"] > 1:  # stiffness since the step before, where the load changed
-        between = contact_stiffness(dataset)["stiffness"].values
+        between = secant_stiffness(dataset)["stiffness"].values
         view = view.assign({_SECANT: ("step", np.append(nan, np.where(np.isfinite(between), between, nan)))})
     prescribed = [name for name in _PRESCRIBED if name in view.coords and view[name].any() and name not in nothing]
     steps = {"step": [str(step) for step in range(dataset.sizes["step"])]}

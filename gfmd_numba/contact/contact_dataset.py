@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.threads import team
-from gfmd_numba.contact import jumps, law_resolution, plastic_measures
+from gfmd_numba.contact import jumps, plastic_measures, relative_softening
 from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
@@ -229,8 +229,8 @@ def path_dataset(given: ContactInput, solved: Iterable[Contact]) -> xr.Dataset:
         joined.update(_recorded(given, record))
     dataset = _with_loads(joined, given, problem)
     if file.scene.interface.reaches_across:
-        resolution = law_resolution.resolution(problem)
-        dataset[law_resolution.NAME] = ((), resolution, cf_attributes(law_resolution.LONG_NAME))
+        resolution = relative_softening.softening(problem)
+        dataset[relative_softening.NAME] = ((), resolution, cf_attributes(relative_softening.LONG_NAME))
     warned = path_warnings(given, problem, dataset)
     dataset.attrs |= {
         **given.record,

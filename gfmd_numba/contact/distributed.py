@@ -73,7 +73,7 @@ def _contact(problem: Problem, heights: Reals, found: SlabEquilibrium, took: flo
         n_iterations=np.array([found.n_iterations]),
         n_transforms=np.array([found.n_transforms]),
         wall_time=np.array([took]),
-        full_contact_pressure=pressure_scale(punch, response),
+        full_contact_rms_pressure=pressure_scale(punch, response),
     )
     state = State.untouched(heights, ())
     return Contact(heights, punch, equilibrium, state, problem.step, NO_CHANGE, stiffness=of_waves)

@@ -379,7 +379,7 @@ def _traction_along(contact: Contact, surface: Reals) -> Reals:
     return np.asarray(products.sum(axis=_nodes(contact)))
 
 
-def full_contact_pressure(contact: Contact) -> Reals:
+def full_contact_rms_pressure(contact: Contact) -> Reals:
     """Rms fluctuation of the pressure in full contact in g E* `[realisation]`.
 
     That of a window is g E*/2, as if its roughness went on beyond the ends.
@@ -390,7 +390,7 @@ def full_contact_pressure(contact: Contact) -> Reals:
     if contact.ends:
         return np.asarray(0.5 * rms_gradient(contact))
     if change.factor == 1.0 and change.wear_compliance == 0.0:
-        return contact.equilibrium.full_contact_pressure
+        return contact.equilibrium.full_contact_rms_pressure
     # the solver knows a division of the step alone, with what has crept before and what wears off
     bodies = SpectralResponse.of_normal(contact.stiffness(grid.magnitudes(contact.heights.shape[1:])))
     return pressure_scale(contact.heights - contact.memory.get("worn", 0.0), bodies)

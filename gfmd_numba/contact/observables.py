@@ -169,7 +169,7 @@ OBSERVABLES = {
         "gradient", "rms gradient of the punch over the contact", undefined_at_times=True, held="gradient"
     ),
     "nayak": Observable("1", "Nayak's parameter m0 m4 / m2^2 of the punch", needs="period", of="surface"),
-    "full_contact_pressure": Observable(
+    "full_contact_rms_pressure": Observable(
         "pressure", "rms fluctuation of the pressure in full contact, (sum_q K(q)^2 |h(q)|^2)^(1/2)", of="surface"
     ),
     "status": Observable("1", "how the run ended", of="run"),

@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from gfmd_numba.arrays.regions import closed
-from gfmd_numba.contact import law_resolution
+from gfmd_numba.contact import relative_softening
 from gfmd_numba.contact.area_correction import edge
 from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
@@ -96,7 +96,7 @@ def input_warnings(given: Input) -> list[str]:
     found = given.doubts
     if not isinstance(given, ContactInput):
         return found
-    coarse = law_resolution.warning(given.reduced[0], given.file.discretisation)
+    coarse = relative_softening.warning(given.reduced[0], given.file.discretisation)
     return [*found, *filter(None, (_mirrored_load(given), coarse))]
 
 
@@ -378,7 +378,7 @@ def _hertz(time: float) -> str:
 def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     """Yield a warning about a contact that is a single node, or narrow under a form, with a grid that would do.
 
-    Where a law acts across the gap, the nodes that touch say little, and `law_resolution` tells what the grid resolves.
+    Where a law acts across the gap, the nodes that touch say little: `relative_softening` tells what the grid resolves.
     """
     scene, discretisation = given.file.scene, given.file.discretisation
     if scene.interface.reaches_across:
@@ -397,7 +397,7 @@ def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     if not fewest < least:
         return
     points = ceil(found["x"].size * FEWEST / fewest)
-    finer = f"at least {points} {law_resolution.POINTS[len(nodes)]}"
+    finer = f"at least {points} {relative_softening.POINTS[len(nodes)]}"
     if discretisation is not None:
         finer = f"eps_c = 1/{ceil(points / (2 * discretisation.shortest_wave_index))} or finer ({finer})"
     off = "the radius of a ball is off by up to 30 % with 5, and by 65 % with 3"

@@ -17,7 +17,7 @@ import xarray as xr
 from pydantic import BaseModel, Field, create_model
 from pydantic_core import PydanticCustomError
 
-from gfmd_numba.analysis.contact_stiffness import nearness
+from gfmd_numba.analysis.secant_stiffness import nearness
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact.contact_dataset import CONVENTIONS, cf_attributes, load_attributes, step_dataset, units_of
 from gfmd_numba.contact.contact_input import ContactInput, check_loads, check_room, read_contact, with_measured_surfaces

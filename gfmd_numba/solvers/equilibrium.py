@@ -56,7 +56,7 @@ class Equilibrium:
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
-    `Certificate.residual`. `full_contact_pressure` is the rms fluctuation of the pressure were the punch in full
+    `Certificate.residual`. `full_contact_rms_pressure` is the rms fluctuation of the pressure were the punch in full
     contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
     unless there is one. Of a punch that fills a corner of the grid, fields are those in there. Then `mean_displacement`
     is that of the whole grid, and `touching_around` says whether anything touches beyond the corner.
@@ -71,7 +71,7 @@ class Equilibrium:
     n_iterations: npt.NDArray[np.int64]
     n_transforms: npt.NDArray[np.int64]
     wall_time: Reals
-    full_contact_pressure: Reals
+    full_contact_rms_pressure: Reals
     growing_wave: Indices | None = None
     plastic: Flags | None = None
     mean_displacement: Reals | None = None
@@ -93,7 +93,7 @@ class Equilibrium:
             n_iterations=np.zeros(rows, dtype=np.int64),
             n_transforms=np.zeros(rows, dtype=np.int64),
             wall_time=np.zeros(rows),
-            full_contact_pressure=scale,
+            full_contact_rms_pressure=scale,
             plastic=None if interface.hardness is None else np.zeros(punch.shape, dtype=np.bool_),
             mean_displacement=np.zeros(rows) if is_corner else None,
             touching_around=np.zeros(rows, dtype=np.bool_) if is_corner else None,
@@ -216,10 +216,10 @@ def _solve(
     """
     solver, whole = SOLVERS[options.solver], batch(rows, laws)
     iteration = begin(whole, options)
-    unknown = np.isnan(result.full_contact_pressure[rows])
+    unknown = np.isnan(result.full_contact_rms_pressure[rows])
     if unknown.any():
         found = iteration.certificate.full_contact
-        result.full_contact_pressure[rows] = pressure_scale(whole.punch, whole.response) if found is None else found
+        result.full_contact_rms_pressure[rows] = pressure_scale(whole.punch, whole.response) if found is None else found
     _iterate(iteration, rows, borne, options, result, hardness)
     asked = {*laws.abilities, *(("rigid mean",) if whole.response.is_rigid else ())}
     if solver.successor is None or not asked <= SOLVERS[solver.successor].can:
@@ -278,7 +278,7 @@ def _iterate(
     """Advance all rows until each is certified, stagnates, gives up or will surely yield; store each as it ends."""
     limit = min(options.max_iterations, SOLVERS[options.solver].gives_up_after or options.max_iterations)
     active, stagnation = np.arange(rows.size), Stagnation(rows.size)
-    blown_up = _BLOWN_UP * (result.full_contact_pressure[rows] + borne)
+    blown_up = _BLOWN_UP * (result.full_contact_rms_pressure[rows] + borne)
     iterations = 0
     while active.size:
         steps = min(solver.check_every, limit - iterations)

@@ -105,11 +105,11 @@ def test_distributions_hold_every_node_and_segment(path):
     np.testing.assert_allclose(result["gap_density"].sum("gap") * width["gap"], 1.0 - touching, atol=1e-12)
     np.testing.assert_array_equal(result["segments"].sum("length"), np.maximum(path["n_segments"], 1))
     mean = (result["pressure"] * result["pressure_density"]).sum("pressure") * width["pressure"]
-    np.testing.assert_allclose(mean, path["mean_pressure"] / path["full_contact_pressure"], rtol=0.05)
+    np.testing.assert_allclose(mean, path["mean_pressure"] / path["full_contact_rms_pressure"], rtol=0.05)
     assert touching[2] == 1.0
     # full contact: Persson's theory has the second moment of the nodes, but for its tail beyond the last of them
     theory = (result["pressure"] ** 2 * result["pressure_density_persson"]).sum("pressure") * width["pressure"]
-    found = float((path["pressure"].isel(step=2) ** 2).mean() / path["full_contact_pressure"].isel(step=2) ** 2)
+    found = float((path["pressure"].isel(step=2) ** 2).mean() / path["full_contact_rms_pressure"].isel(step=2) ** 2)
     assert float(theory.isel(step=2)) == pytest.approx(found, rel=0.01)
 
 
@@ -117,7 +117,7 @@ def test_segments_of_contacts_made_by_hand_are_found():
     rows = ["1000000000001101", "0000000000000000", "1111111111111111", "0111100111111110"]
     gap = np.array([[float(node == "0") for node in row] for row in rows])
     fields = {name: (("realisation", "x"), gap) for name in ("gap", "height", "pressure")}
-    scalars = {name: ("realisation", np.ones(4)) for name in ("mean_pressure", "full_contact_pressure")}
+    scalars = {name: ("realisation", np.ones(4)) for name in ("mean_pressure", "full_contact_rms_pressure")}
     scalars["status"] = ("realisation", np.zeros(4))
     dataset = xr.Dataset(fields | scalars, {"x": np.arange(16) / 16})
     dataset["height"] = dataset["height"] + dataset["x"]

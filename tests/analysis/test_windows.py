@@ -13,7 +13,7 @@ def window(touching, *attributes):
     gap = np.where(touching, 0.0, 1.0)
     fields = {"gap": gap, "height": 0.1 - gap, "pressure": touching.astype(float)}
     found = xr.Dataset({name: (dims, values) for name, values in fields.items()})
-    found = found.assign(status=0, mean_pressure=float(touching.mean()), full_contact_pressure=1.0)
+    found = found.assign(status=0, mean_pressure=float(touching.mean()), full_contact_rms_pressure=1.0)
     attributes = attributes if len(attributes) > 1 else (attributes or ("points_per_window",)) * touching.ndim
     for dim, n, attribute in zip(dims, touching.shape, attributes, strict=True):
         found = found.assign_coords({dim: (dim, np.arange(n) / n, {attribute: n, "units": "1"})})

@@ -7,7 +7,7 @@ import pytest
 import yaml
 
 import gfmd_numba
-from gfmd_numba.contact.law_resolution import NAME
+from gfmd_numba.contact.relative_softening import NAME
 from support.command_line import gfmd, unfolded
 
 pytestmark = pytest.mark.usefixtures("undrawn")

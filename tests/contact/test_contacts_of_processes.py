@@ -52,7 +52,7 @@ def test_processes_find_the_nodes_and_numbers_of_one(tmp_path, old, new):
     assert int(found["status"]) == Status.ok
     np.testing.assert_array_equal(found["height"], expected["height"])
     np.testing.assert_array_equal(found["pressure"] > 0.0, expected["pressure"] > 0.0)
-    for name in ("pressure", "displacement", "gap", "kappa", "elastic_energy", "mean_gap", "full_contact_pressure"):
+    for name in ("pressure", "displacement", "gap", "kappa", "elastic_energy", "mean_gap", "full_contact_rms_pressure"):
         size = float(abs(expected[name]).max())
         np.testing.assert_allclose(found[name], expected[name], atol=1e-7 * size)
         np.testing.assert_array_equal(first[name], found[name])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from support.faulty_files import assert_complaint, changed, complaint, load_checked
 
 YOUNG, NU, GRADIENT, PERIOD = 70e9, 0.33, 0.01, 2e-4
@@ -127,7 +127,7 @@ def test_a_campaign_varies_each_load(name, tmp_path):
     assert (dataset[load].units, dataset[load].attrs["axis"]) == (unit, "physics")
     assert dataset["reduced_pressure"].values.tolist() == [0.05, 0.1, 0.2]
     assert "axis" not in dataset["reduced_pressure"].attrs
-    stiffness = contact_stiffness(dataset)
+    stiffness = secant_stiffness(dataset)
     assert stiffness.sizes["interval"] == 2
     assert (stiffness["stiffness"] > 0.0).all()
 

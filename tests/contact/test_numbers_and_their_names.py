@@ -6,7 +6,7 @@ import yaml
 from click.testing import CliRunner
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from gfmd_numba.cli import main
 from gfmd_numba.contact.observables import OBSERVABLES
 
@@ -51,7 +51,7 @@ def test_a_coefficient_that_is_not_there_is_printed_as_a_dash(adhesive):
 
 
 def test_surfaces_behind_a_stiffness_are_counted(adhesive):
-    counted = contact_stiffness(gfmd_numba.solve(adhesive))["n_realisations"]
+    counted = secant_stiffness(gfmd_numba.solve(adhesive))["n_realisations"]
     assert np.issubdtype(counted.dtype, np.integer)
     assert counted.values.tolist() == [1, 1]
 

@@ -9,7 +9,7 @@ import slab_stiffness
 from scipy.special import ive
 
 import gfmd_numba
-from gfmd_numba.contact.law_resolution import COARSEST
+from gfmd_numba.contact.relative_softening import COARSEST
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.interface.exponential import ExponentialLaw

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from gfmd_numba.contact.law_resolution import COARSEST, REFUSED, resolution, warning
 from gfmd_numba.contact.problem import DeformableBody, Problem
+from gfmd_numba.contact.relative_softening import COARSEST, REFUSED, softening, warning
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
@@ -50,8 +50,8 @@ def test_the_larger_of_gap_and_slip_counts_over_the_stiffness_of_its_own_displac
     found = body.response((256,))  # at Nyquist the other displacement is free
     by_slip = 4 * 6e-3 / 5e-3**2 * np.exp(-1.5) / found.elements[0][-1]
     by_gap = 6e-3 / 0.0125**2 * np.exp(-2.0) / found.normal[-1]
-    assert resolution(problem(nodes, LAW, body)) == pytest.approx(max(by_slip, by_gap))
-    assert resolution(problem(nodes, XuNeedlemanLaw(6e-3, 0.0125, 1.0), body)) == pytest.approx(by_gap)
+    assert softening(problem(nodes, LAW, body)) == pytest.approx(max(by_slip, by_gap))
+    assert softening(problem(nodes, XuNeedlemanLaw(6e-3, 0.0125, 1.0), body)) == pytest.approx(by_gap)
 
 
 @pytest.mark.parametrize("body", [ElasticBody(0.3, None), ElasticBody(0.5, 1e-3)])
@@ -70,8 +70,8 @@ def test_on_maps_a_wave_that_slips_across_its_direction_counts(body):
     map_ = replace(problem(64, LAW, body), surface=of_map)
     slips_along, _, slips_across, *_ = body.response((64, 64)).elements[:, 0, -1]
     by_slip = LAW.slip_softening / min(slips_along, slips_across)
-    assert resolution(map_) == pytest.approx(by_slip)
-    assert resolution(map_) >= resolution(problem(64, LAW, body))
+    assert softening(map_) == pytest.approx(by_slip)
+    assert softening(map_) >= softening(problem(64, LAW, body))
 
 
 @pytest.mark.parametrize("dimension", [1, 2])
@@ -82,7 +82,7 @@ def test_between_two_bodies_the_compliances_to_slip_add_up(dimension):
     elements = found.in_series(facing, 0.9).elements
     slips = [np.ravel(element[..., -1])[0] for element in elements]  # at Nyquist along x
     by_slip = LAW.slip_softening / (slips[0] if dimension == 1 else min(slips[0], slips[2]))
-    assert resolution(replace(problem(64, LAW, body), surface=surface, counter=counter)) == pytest.approx(by_slip)
+    assert softening(replace(problem(64, LAW, body), surface=surface, counter=counter)) == pytest.approx(by_slip)
 
 
 def test_the_length_that_is_too_short_is_named_as_in_the_scene():

@@ -99,7 +99,7 @@ def test_full_contact_is_that_of_the_relaxed_body_and_the_punch_as_worn():
     )
     waves = np.fft.rfft(found["height"] - found["worn_depth"]) / found.sizes["x"]
     expected = np.sqrt((2.0 * abs(np.pi * np.arange(waves.shape[-1]) * waves) ** 2).sum(axis=-1))
-    np.testing.assert_allclose(found["full_contact_pressure"], expected, rtol=1e-3)
+    np.testing.assert_allclose(found["full_contact_rms_pressure"], expected, rtol=1e-3)
 
 
 def test_units_make_no_difference():

@@ -151,7 +151,7 @@ def test_a_path_of_a_ridge_jumps_and_loses_energy_like_the_profile():
         "jump_displacement",
         "mean_pressure",
         "contact_area_fraction_counted",
-        "law_resolution",
+        "relative_softening",
     ):
         scale = np.nanmax(abs(expected[name].values))
         np.testing.assert_allclose(found[name].values, expected[name].values, atol=1e-8 * scale, err_msg=name)

@@ -65,7 +65,7 @@ FUNCTIONS = {
         "seal": ["1 mm", 0.3],
     },
     "gfmd_numba.contact_conductance": lambda things: {"contact": things.map(), "conductivity": "60 MS/m"},
-    "gfmd_numba.analysis.contact_stiffness": lambda things: {"dataset": things.results()},
+    "gfmd_numba.analysis.secant_stiffness": lambda things: {"dataset": things.results()},
     "gfmd_numba.analysis.ensemble_mean": lambda things: {"cases": things.results(), "variable": "kappa"},
     "gfmd_numba.analysis.plot_accuracy": lambda things: {"dataset": things.accuracy(), "width": "single"},
     "gfmd_numba.analysis.plot_body": lambda things: {

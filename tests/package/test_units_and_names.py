@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from gfmd_numba.campaign.work_precision import Point, dataset
 from gfmd_numba.storage.atomic_file import write_dataset
 
@@ -87,7 +87,7 @@ KINDS = {
     "percolation": lambda: gfmd_numba.gap_percolation(a_map()),
     "leakage": lambda: gfmd_numba.leakage(a_map()),
     "conductance": lambda: gfmd_numba.contact_conductance(a_map()),
-    "stiffness": lambda: contact_stiffness(a_path()),
+    "stiffness": lambda: secant_stiffness(a_path()),
     "accuracy": lambda: dataset([Point("surfaces", "reference", 4.0, 0.1, 1.0, 10.0, 0, "kappa", 0.1, 0.1, 1e-5)]),
 }
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness, plot_curve, plot_fit
+from gfmd_numba.analysis import plot_curve, plot_fit, secant_stiffness
 from gfmd_numba.scene import InputError
 from gfmd_numba.storage.atomic_file import write_dataset
 from support.campaigns import campaign
@@ -92,7 +92,7 @@ def test_results_with_another_scene_are_told(scene):
         (gfmd_numba.gap_percolation, "you gave no results of a map's contact; gfmd allows what `gfmd solve` leaves"),
         (gfmd_numba.leakage, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves of one"),
         (gfmd_numba.contact_conductance, "you gave no results of a contact; gfmd allows what `gfmd solve` leaves of"),
-        (contact_stiffness, "you gave no results of several loads; gfmd allows a campaign's, or those of a path"),
+        (secant_stiffness, "you gave no results of several loads; gfmd allows a campaign's, or those of a path"),
         (plot_fit, "you gave no fit; gfmd allows what `gfmd fit -o` leaves"),
         (plot_curve, "you gave no load curve; gfmd allows what `gfmd curve` leaves"),
     ],

@@ -7,7 +7,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba import fit_tfc, run
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.contact import evaluation, solution
 from gfmd_numba.contact.problem import Problem
@@ -171,4 +171,4 @@ def test_isotropic_results_have_no_such_coordinate_and_are_fitted_and_paired(tmp
     dataset = run(path, output=tmp_path / "out", workers=0)
     assert "anisotropy" not in dataset.coords
     assert (fit_tfc(dataset, fixed={"eps_c": 1.0})["kappa_tfc"] > 0).all()
-    assert (contact_stiffness(dataset)["stiffness"] > 0).all()
+    assert (secant_stiffness(dataset)["stiffness"] > 0).all()

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 
 import gfmd_numba
-from gfmd_numba.analysis import contact_stiffness
+from gfmd_numba.analysis import secant_stiffness
 from gfmd_numba.contact.area_correction import HALF_SPACE
 from support.solved_maps import made, paraboloid, pressed, wave
 
@@ -123,7 +123,7 @@ def test_a_rough_map_conducts_as_it_is_stiff():
     np.testing.assert_array_equal(path["pressure"][0] > 0.0, path["pressure"][1] > 0.0)
     found = gfmd_numba.contact_conductance(path)["conductance"]
     assert found.dims == ("step",)
-    assert float(contact_stiffness(path)["stiffness"][0]) == pytest.approx(float(found[0]), rel=1e-3)
+    assert float(secant_stiffness(path)["stiffness"][0]) == pytest.approx(float(found[0]), rel=1e-3)
 
 
 def test_no_contact_does_not_conduct_and_full_contact_does_not_resist():

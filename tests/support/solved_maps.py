@@ -39,6 +39,6 @@ def made(touching, gap=1.0):
     fields = {"gap": np.where(touching, 0.0, gap), "pressure": touching * 1.0, "height": height}
     dataset = xr.Dataset({name: (dims, values) for name, values in fields.items()})
     outer = touching.shape[:-2]
-    for name, value in (("status", 0), ("mean_pressure", 1.0), ("full_contact_pressure", 1.0)):
+    for name, value in (("status", 0), ("mean_pressure", 1.0), ("full_contact_rms_pressure", 1.0)):
         dataset[name] = (dims[:-2], np.full(outer, value))
     return dataset.assign_coords(y=np.arange(n_y) / n_x, x=np.arange(n_x) / n_x)

@@ -7,7 +7,7 @@ import xarray as xr
 import yaml
 
 import gfmd_numba
-from gfmd_numba.analysis import UnusableDataError, contact_stiffness
+from gfmd_numba.analysis import UnusableDataError, secant_stiffness
 from gfmd_numba.fourier import grid
 from gfmd_numba.theory import closed_forms
 
@@ -44,7 +44,7 @@ def test_the_stiffness_of_a_wave_is_westergaards(wave):
     pressures = full * np.array([0.02, 0.021, 0.2, 0.21, 0.9, 0.91])
     gaps = np.array([textbook.westergaard_mean_gap(p, AMPLITUDE) for p in pressures])
     exact = np.diff(pressures) / -np.diff(gaps)
-    coarse, fine = (contact_stiffness(wave(nodes, pressures)) for nodes in (512, 2048))
+    coarse, fine = (secant_stiffness(wave(nodes, pressures)) for nodes in (512, 2048))
     error = abs(fine["stiffness"].values / exact - 1)
     assert (error < 2e-3).all()
     assert error.max() < 0.3 * abs(coarse["stiffness"].values / exact - 1).max()
@@ -58,7 +58,7 @@ def test_a_load_that_dwells_has_no_stiffness(wave):
     """Its pressures differ by rounding."""
     dataset = wave(256, [0.003, 0.006, 0.006])
     dataset["mean_pressure"].loc[{"step": 2}] *= 1.0 + 1e-15
-    found = contact_stiffness(dataset)["stiffness"].values
+    found = secant_stiffness(dataset)["stiffness"].values
     assert found[0] > 0.0
     assert np.isnan(found[1])
 
@@ -95,7 +95,7 @@ def test_stiffness_is_one_linear_solve_with_the_contact_held():
     n, e_star = path.sizes["x"], 70e9 / (1 - 0.33**2)
     stiffness = grid.signal(0.5 * grid.wavenumbers(n) * grid.coefficients(np.eye(n)), n)[np.ix_(free[0], free[0])]
     exact = n / np.linalg.solve(stiffness, np.ones(free[0].sum())).sum() * e_star / 1e-4
-    found = contact_stiffness(path)
+    found = secant_stiffness(path)
     assert float(found["stiffness"][0]) == pytest.approx(exact, rel=1e-4)
     assert found["stiffness"].units == "Pa m-1"
     assert np.isnan(found["stiffness_error"]).all()
@@ -125,7 +125,7 @@ def campaign(tmp_path_factory):
 
 
 def test_campaign_is_compared_load_by_load(campaign):
-    found = contact_stiffness(campaign)
+    found = secant_stiffness(campaign)
     assert found.sizes == {"interval": 8}  # two intervals of two Hurst exponents and two grids
     assert (found["n_realisations"] == 5).all()
     between = sorted(set(np.round(found["reduced_pressure"].values, 6)))
@@ -149,20 +149,20 @@ def test_stiffness_stores_the_elastic_energy(campaign):
         cases = cases.sortby("reduced_pressure")
         stored = np.diff(cases["elastic_energy"].mean("realisation"))[0]
         pressures = cases["mean_pressure"].mean("realisation").values
-        found = float(contact_stiffness(cases)["stiffness"][0])
+        found = float(secant_stiffness(cases)["stiffness"][0])
         assert pressures.mean() * np.diff(pressures)[0] / found == pytest.approx(stored, rel=2 * np.log(1.2) ** 2 / 12)
 
 
 def test_a_surface_that_failed_at_one_load_is_left_out(campaign):
     spoilt = campaign.copy(deep=True)
     spoilt["status"][0, 2] = 1
-    found = contact_stiffness(spoilt)
+    found = secant_stiffness(spoilt)
     assert sorted(found["n_realisations"].values) == [4, 5, 5, 5, 5, 5, 5, 5]
 
 
 def test_reduced_stiffness_is_that_of_each_surface(campaign):
     heights = xr.full_like(campaign["mean_gap"], 2e-8)
-    found = contact_stiffness(campaign.assign(rms_height=heights))
+    found = secant_stiffness(campaign.assign(rms_height=heights))
     np.testing.assert_allclose(found["stiffness_reduced"], found["stiffness"] * 2e-8 / found["mean_pressure"])
     relative = found["stiffness_reduced_error"] / found["stiffness_reduced"]
     np.testing.assert_allclose(relative, found["stiffness_error"] / found["stiffness"])
@@ -178,7 +178,7 @@ def test_reduced_stiffness_is_that_of_each_surface(campaign):
 )
 def test_one_load_has_no_stiffness(campaign, change, message):
     with pytest.raises(UnusableDataError, match=message):
-        contact_stiffness(change(campaign))
+        secant_stiffness(change(campaign))
 
 
 @pytest.mark.parametrize("a", [0.5, 1.0, 1.5, 3.0])
@@ -187,7 +187,7 @@ def test_the_difference_of_loads_is_off_as_the_docstring_says(a):
     p = np.array([1.0, 1.3])
     closed = np.log(p) if a == 1.0 else p ** (1.0 - a) / (1.0 - a)
     values = {"mean_pressure": p, "mean_gap": 10.0 - closed, "status": np.zeros(2, dtype=np.int8)}
-    found = contact_stiffness(xr.Dataset({name: ("step", each) for name, each in values.items()}))
+    found = secant_stiffness(xr.Dataset({name: ("step", each) for name, each in values.items()}))
     off = float(found["stiffness"][0] / found["mean_pressure"][0] ** a) - 1.0
     assert off == pytest.approx(a * (1.0 - a) * np.log(1.3) ** 2 / 24.0, rel=0.1, abs=1e-12)
 
@@ -203,7 +203,7 @@ def test_under_a_hardness_the_way_of_the_punch_includes_the_flattening():
     path = gfmd_numba.solve({**file, "path": [{"pressure": load} for load in loads[1:]]})
     pressure = path["mean_pressure"].values
     of_energies = float(path["elastic_energy"][-1] - path["elastic_energy"][0] + path["energy_lost"][1:].sum())
-    ways = np.diff(pressure) / contact_stiffness(path)["stiffness"].values
+    ways = np.diff(pressure) / secant_stiffness(path)["stiffness"].values
     assert np.sum(0.5 * (pressure[1:] + pressure[:-1]) * ways) == pytest.approx(of_energies, rel=1e-3)
     of_curve = gfmd_numba.load_curve(file, loads)["contact_stiffness"].values
     assert np.trapezoid(pressure / of_curve, pressure) == pytest.approx(of_energies, rel=0.05)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.law_resolution import COARSEST, resolution, warning
+from gfmd_numba.contact.relative_softening import COARSEST, softening, warning
 from gfmd_numba.scene import InputError, load_scene
 
 
@@ -40,7 +40,7 @@ def read(*scene):
 def test_a_verdict_knows_no_units_and_no_gradient(range_, x, random):
     given = [read(*units, range_, random) for units in UNITS]
     problems = [each.reduced[0] for each in given]
-    np.testing.assert_allclose([resolution(each) for each in problems], x, rtol=1e-3)
+    np.testing.assert_allclose([softening(each) for each in problems], x, rtol=1e-3)
     (said,) = {warning(problem, each.file.discretisation) for problem, each in zip(problems, given, strict=True)}
     assert (said == "") == (x < COARSEST)
     if random:  # heights of an array that is multiplied by a number are rounded anew

@@ -5,8 +5,8 @@ import pytest
 import slab_stiffness
 
 import gfmd_numba
-from gfmd_numba.contact.law_resolution import COARSEST, resolution, warning
 from gfmd_numba.contact.problem import DeformableBody, Problem
+from gfmd_numba.contact.relative_softening import COARSEST, softening, warning
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.interface.exponential import ExponentialLaw
 from gfmd_numba.interface.interactions import Interactions
@@ -45,21 +45,21 @@ ATTRACTION = Interactions(True, ExponentialLaw(WORK, RANGE))
 
 
 def test_of_an_exponential_law_it_is_that_of_its_range():
-    assert resolution(problem(512, ATTRACTION)) == pytest.approx(WORK / RANGE**2 / (np.pi * 512 / 2))
-    assert resolution(problem(512, Interactions(True))) == 0.0
-    assert resolution(problem(512, Interactions(False, ExponentialLaw(-WORK, RANGE)))) == 0.0
+    assert softening(problem(512, ATTRACTION)) == pytest.approx(WORK / RANGE**2 / (np.pi * 512 / 2))
+    assert softening(problem(512, Interactions(True))) == 0.0
+    assert softening(problem(512, Interactions(False, ExponentialLaw(-WORK, RANGE)))) == 0.0
 
 
 def test_the_shortest_wave_is_as_stiff_as_the_bodies_make_it():
     """A thin incompressible slab stiffens all waves of the grid, a second half-space halves them."""
-    half_space = resolution(problem(512, ATTRACTION))
-    thin = resolution(problem(512, ATTRACTION, ElasticBody(0.5, 1e-3)))
+    half_space = softening(problem(512, ATTRACTION))
+    thin = softening(problem(512, ATTRACTION, ElasticBody(0.5, 1e-3)))
     factor = slab_stiffness.slab_factor(np.array([np.pi * 512 * 1e-3]), 0.5)[0]
     assert factor > 2
     assert thin == pytest.approx(half_space / factor)
-    two = resolution(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(None, None), 0.5)))
+    two = softening(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(None, None), 0.5)))
     assert two == pytest.approx(half_space)
-    softer = resolution(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(0.5, 1e-3), 0.5)))
+    softer = softening(problem(512, ATTRACTION, counter=DeformableBody(ElasticBody(0.5, 1e-3), 0.5)))
     assert softer == pytest.approx(half_space * (0.5 + 0.5 / factor))
 
 
@@ -68,7 +68,7 @@ def test_the_grid_it_asks_for_resolves_the_law(body):
     told = warning(problem(512, ATTRACTION, body), None)
     nodes = int(told.rpartition("at least ")[2].split()[0])
     assert nodes > 512
-    assert resolution(problem(nodes, ATTRACTION, body)) <= COARSEST
+    assert softening(problem(nodes, ATTRACTION, body)) <= COARSEST
     assert warning(problem(nodes, ATTRACTION, body), None) == ""
 
 
@@ -88,6 +88,6 @@ def test_a_law_that_no_grid_within_reach_resolves_is_refused_without_one(dimensi
 def test_a_map_is_told_by_the_shortest_wave_along_an_axis():
     surface = RandomSurface(SelfAffineWaves(0.8, 2, 32), 128, 1, dimension=2)
     of_map = Problem(surface, ElasticBody(None, None), ATTRACTION, 0.1, None, Options("truncated_newton"))
-    assert resolution(of_map) == resolution(problem(128, ATTRACTION))
+    assert softening(of_map) == softening(problem(128, ATTRACTION))
     assert "over 8 % too large at 0.9. Take at least 4776 points both ways" in warning(of_map, None)
     assert "over 25 % too large at 0.9. Take at least 4776 points, " in warning(problem(128, ATTRACTION), None)

@@ -13,7 +13,7 @@ from gfmd_numba.scene import Discretisation, Document, Interface
 from gfmd_numba.scene.document import Location
 from gfmd_numba.scene.units import in_unit_of
 
-NAME = "law_resolution"
+NAME = "relative_softening"
 LONG_NAME = "largest softening of the interaction law over the stiffness of the shortest wave of the grid"
 COARSEST = 0.2  # up to it, pull-off of Johnson's adhesive wave, or a paraboloid, is right to 1 % in however short steps
 _TOO_LARGE = {1: 25, 2: 8}  # percent of the pull-off of either at 0.9, by the dimension
@@ -24,7 +24,7 @@ POINTS = {1: "points", 2: "points both ways"}  # of a grid, by the dimension
 _MOST_NODES = 2**50  # so that a number of nodes is exact
 
 
-def resolution(problem: Problem) -> float:
+def softening(problem: Problem) -> float:
     """Ratio x of the largest softening of the law to the stiffness of the shortest wave; 0 without attraction.
 
     It is (w / range^2) / (pi n E* / (2 L_x)) for an exponential law on a half-space of n nodes; of a map the
@@ -36,7 +36,7 @@ def resolution(problem: Problem) -> float:
 
 def warning(problem: Problem, discretisation: Discretisation | None) -> str:
     """Return a warning about a law that the grid does not resolve, with a grid that would; else nothing."""
-    x = resolution(problem)
+    x = softening(problem)
     if x <= COARSEST:
         return ""
     dimension = len(problem.surface.shape)
@@ -61,7 +61,7 @@ def check_resolved(
 
     `asked` is what acts in the scene, and `locate` tells where one of its values stands in the file.
     """
-    x = resolution(problem)
+    x = softening(problem)
     if x <= REFUSED:
         return
     name, law = next((name, law) for name, law in asked.laws.items() if law.across_open_gap)

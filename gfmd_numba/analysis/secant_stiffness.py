@@ -17,7 +17,7 @@ _OTHER_LOADS = ("prescribed_pressure", "line_load", "force")  # which it follows
 
 
 @checked
-def contact_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
+def secant_stiffness(dataset: Annotated[xr.Dataset, LOADS]) -> xr.Dataset:
     """Return the secant stiffness K = -(difference of p) / (that of the mean gap) `[interval]` of neighbouring loads.
 
     The gap is that of the surfaces as they were made: a hardness flattens them, which brings them nearer, too.

@@ -63,11 +63,12 @@ def _read_once():
 
     def read_once(path, *others):
         content = Path(path).read_bytes()
-        if content not in known:
-            known[content] = read(path, *others)
+        asked = (content, *others)
+        if asked not in known:
+            known[asked] = read(path, *others)
             if len(known) > 20:
                 del known[next(iter(known))]
-        return known[content].copy(deep=True)
+        return known[asked].copy(deep=True)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(results, "read_dataset", read_once)

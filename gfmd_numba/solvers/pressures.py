@@ -166,7 +166,7 @@ class Closing(NamedTuple):
         """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
 
         Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
-        gap, and the others carry what was lost.
+        gap, and the others carry what was lost. If all have lost it, full contact begins anew.
         """
         (p, gap, _, _), nodes, rounding, approach = self.iterate, self.nodes, self.rounding, 0.0
         if self.free_mean and nodes.size:
@@ -176,9 +176,14 @@ class Closing(NamedTuple):
             lambda some: kernels.revise_contact(p[some], gap[some], contact[some], approach, rounding), p.size
         )
         changed = sum(each for each, _ in found)
-        if self.free_mean and changed:
-            scale = kernels.quotient(load, _added(total for _, total in found))
+        if not self.free_mean or not changed:
+            return int(changed)
+        total = _added(each for _, each in found)
+        if total > 0.0:
+            scale = load / total
             team().in_pieces(lambda some: np.multiply(p[some], scale, out=p[some]), p.size)
+        else:  # no node kept any: where digits were lost the pressure is no number
+            p[:], contact[:] = load / p.size, True
         return int(changed)
 
     def _sum(self, work: Callable[[slice], float]) -> float:

@@ -196,6 +196,16 @@ def test_sums_in_pieces_close_gaps_in_as_many_steps(monkeypatch, free_mean):
         np.testing.assert_allclose(whole, pressure[nodes] - np.linalg.solve(own, gap[nodes]), rtol=1e-7)
 
 
+@pytest.mark.parametrize("lost", [np.nan, -1.0])
+def test_full_contact_bears_the_load_that_every_node_in_contact_has_lost(lost):
+    contact = np.array([True, True, False, False])
+    iterate = kernels.Iterate(np.where(contact, lost, 0.0), np.zeros(4), np.zeros(4), np.zeros(4))
+    closing = Closing(iterate, np.array([0, 1]), None, None, np.ones(2), 0.0, True, np.zeros((2, 4)))
+    assert closing.revise(contact, 2.0) == 2
+    assert contact.all()
+    np.testing.assert_array_equal(iterate.p, 0.5)
+
+
 @pytest.mark.parametrize("load", [0.001, 0.003])
 def test_a_run_that_is_cut_short_tells_the_residual_of_what_it_returns(load):
     punch, stiff = rough(128), body((128, 128))

@@ -117,6 +117,7 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
 
 Measures = dict[str, npt.NDArray[Any]]
 
+_ROUNDED = 1e-6  # of a tension, by which solutions of one load differ
 _RISE, _HALVINGS = 3e-3, 8  # of the largest tension, by which it may rise further; halvings of a step at most
 
 
@@ -195,7 +196,8 @@ class PathRecord:
         least = [self._pressures[deepest], *self._least[deepest + 1 :]]
         at = deepest + int(np.argmin(least))
         tension = -min(least)
-        falls = at > deepest and self._loads[at] < self._loads[at - 1] and -self._pressures[at] < tension
+        fallen = -self._pressures[at] < (1.0 - _ROUNDED) * tension
+        falls = at > deepest and self._loads[at] < self._loads[at - 1] and fallen
         further = min(self._loads[at:]) < self._loads[at]
         return tension if tension > 0.0 and (falls or further) else nan
 

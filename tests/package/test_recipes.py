@@ -67,7 +67,7 @@ class Quadratic(LawRecord):
 
 
 ''',
-            "Law = HardWall |",
+            "Law = (\n",
         ),
         (
             '    quadratic: Quadratic | None = Field(None, description="Attraction of finite range")\n',

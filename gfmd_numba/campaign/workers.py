@@ -115,7 +115,7 @@ def _start_method() -> str:
         with _imports_as_here(), _interrupts(False):
             forkserver.set_forkserver_preload(["distributed.nanny", "gfmd_numba.campaign.execution"])
             forkserver.ensure_running()
-    except OSError:  # no socket, as in a temporary folder with a long name
+    except OSError:  # there is no socket, as in a temporary folder with a long name
         return "spawn"
     return "forkserver"
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, wraps
 from itertools import pairwise
-from typing import Annotated, Any, Literal, ParamSpec
+from typing import Annotated, Any, Literal
 
 import matplotlib as mpl
 import numpy as np
@@ -20,7 +20,7 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.text import Text
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 
-from gfmd_numba.analysis.arguments import Kind, checked
+from gfmd_numba.analysis.arguments import Given, Kind, checked
 from gfmd_numba.analysis.forms import UnusableDataError
 from gfmd_numba.arrays import Reals
 from gfmd_numba.text.input_error import brief
@@ -77,9 +77,6 @@ class _Picture(Figure):
 
 
 _Place = Literal["outside upper center", "outside lower center"]
-
-
-Given = ParamSpec("Given")
 
 
 def drawn(figure: Callable[Given, Figure]) -> Callable[Given, Figure]:

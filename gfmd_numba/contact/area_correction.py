@@ -64,7 +64,7 @@ class Edge:
         """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
         sides = np.maximum(facing_x + facing_y, 1)
         stretched = np.abs(facing_x - facing_y) / sides
-        return np.asarray(np.interp(stretched, _STRETCHED[-len(self.of_sides) :], self.of_sides))
+        return np.asarray(np.interp(stretched, _STRETCHED, self.of_sides))
 
 
 _ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0
@@ -80,7 +80,7 @@ HALF_SPACE = Edge(
 )
 
 
-def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) -> Edge:
+def edge(stiffness: Callable[[Reals], Reals], spacing: float) -> Edge:
     """Edge of contact on a body of a stiffness (E*/L_x) at wave numbers q > 0, on nodes of a `spacing` (L_x).
 
     All bodies are half-spaces to their shortest waves: what base and layers add to ln K they add to that of its edge.
@@ -96,18 +96,16 @@ def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) ->
     zone = np.pi * _CUBES  # ln K has a logarithm's singularity at 0
     second = HALF_SPACE.second + float(_WEIGHTS @ (logarithm(zone) * np.cos(zone)))
     on_axis = HALF_SPACE.excess + _along(0.0, logarithm)
-    of_sides = [on_axis]
-    if dimension == 2:
-        directions = 0.5 * np.pi * _CUBES  # edges of long contacts mostly face along an axis
-        each = np.array([_along(direction, logarithm) for direction in directions]) * 0.5 * np.pi * _WEIGHTS
-        for stretched, bias in zip(_STRETCHED[:-1], HALF_SPACE.of_sides, strict=False):
-            r = (1.0 + stretched) / (1.0 - stretched)
-            rho = np.hypot(np.cos(directions) / r, np.sin(directions))
-            of_sides.insert(-1, bias + float((each / rho**3).sum()) / (r * (1.0 + r)))
+    directions, of_sides = 0.5 * np.pi * _CUBES, []  # edges of long contacts mostly face along an axis
+    each = np.array([_along(direction, logarithm) for direction in directions]) * 0.5 * np.pi * _WEIGHTS
+    for stretched, bias in zip(_STRETCHED[:-1], HALF_SPACE.of_sides, strict=False):
+        r = (1.0 + stretched) / (1.0 - stretched)
+        rho = np.hypot(np.cos(directions) / r, np.sin(directions))
+        of_sides.append(bias + float((each / rho**3).sum()) / (r * (1.0 + r)))
     long = np.array([1.0, 2.0]) * max(0.1, 2.0 * np.pi * spacing)
     long[1] = max(long[1], 1.0)
     steepness = float(np.diff(logarithm(long))[0] / np.diff(np.log(long))[0])  # K ~ q^(1 + steepness)
-    return Edge(on_axis, second, tuple(of_sides), 0.25 * abs(steepness) / np.pi)
+    return Edge(on_axis, second, (*of_sides, on_axis), 0.25 * abs(steepness) / np.pi)
 
 
 def _along(direction: float, logarithm: Callable[[Reals], Reals]) -> float:
@@ -121,6 +119,11 @@ def _along(direction: float, logarithm: Callable[[Reals], Reals]) -> float:
     alias = logarithm(np.hypot(x - period * np.round(x / period), y - period * np.round(y / period)))
     beyond = (_WEIGHTS @ logarithm(last / _CUBES) - alias @ dq / dq.sum()) / last
     return float(((logarithm(q) - alias) / q**2) @ dq + beyond) / np.pi
+
+
+def radius(size: Reals, dimension: int) -> Reals:
+    """Half a length, or the radius of a disc of an area."""
+    return np.asarray((size / {1: 2.0, 2: np.pi}[dimension]) ** (1.0 / dimension))
 
 
 def contact_length(

@@ -25,20 +25,17 @@ def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
 
 def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, ...]:
     """Second derivatives xx, xy, yy, xz, yz and zz of the energy by the displacements of the body, or xx, xz and zz."""
-    if len(slip) == 1:
-        return law.stiffness(gap, slip[0])
     r = length(slip)
     along, both, normal = law.stiffness(gap, r)
-    x, y = _direction(slip, r)
+    way = _direction(slip, r)
     across = np.divide(law.tangential_traction(gap, r), r, out=along.copy(), where=r > 0.0)
-    stretched = along - across
-    return across + stretched * x * x, stretched * x * y, across + stretched * y * y, both * x, both * y, normal
+    pairs = [(i, j) for i in range(len(slip)) for j in range(i + 1)]
+    in_plane = [along * (way[i] * way[j]) + across * ((i == j) - way[i] * way[j]) for i, j in pairs]
+    return (*in_plane, *(both * way), normal)
 
 
 def energy_change(law: XuNeedlemanLaw, gap: Reals, slip: Reals, closing: Reals, dragged: Reals) -> Reals:
     """Change of the energy per area as the body closes gaps and is dragged along, without cancellation."""
-    if len(slip) == 1:
-        return law.energy_change(gap, slip[0], closing, dragged[0])
     r, left = length(slip), slip - dragged
     both = r + length(left)
     shorter = np.divide((dragged * (slip + left)).sum(axis=0), both, out=np.zeros_like(both), where=both > 0.0)

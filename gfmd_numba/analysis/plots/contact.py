@@ -119,7 +119,7 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | N
     without these fields.
     """
     step, dataset = style.last_step(dataset)
-    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, step, width)
+    return style.by_nodes(dataset, _plot_profile, _plot_map)(dataset, step, width)
 
 
 def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:

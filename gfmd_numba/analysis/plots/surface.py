@@ -10,7 +10,19 @@ from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.forms import SURFACE
 from gfmd_numba.analysis.plots.map_image import draw_image
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, drawn, edges, log_ticks, prefix, scaled, sheet
+from gfmd_numba.analysis.plots.style import (
+    COLOURS,
+    Width,
+    add_legend,
+    by_nodes,
+    drawn,
+    edges,
+    log_ticks,
+    prefix,
+    scaled,
+    sheet,
+)
+from gfmd_numba.arrays import Reals
 
 
 @drawn
@@ -18,13 +30,8 @@ def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = 
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
     with sheet(4, 2, (5.0, 3.6), width) as (figure, axes):
         heights, spectrum, correlation, distribution = axes
-        x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-        h, h_label = scaled(dataset["height"], "Height $h$", "L_x")
-        if h.ndim == 1:
-            heights.plot(x, h, color="0.25", lw=0.8)
-            heights.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
-        else:
-            draw_image(heights, dataset, h, h_label, cmap="cividis")
+        draw = by_nodes(dataset, _draw_line, _draw_heights)
+        draw(heights, dataset, *scaled(dataset["height"], "Height $h$", "L_x"))
         _draw_spectrum(spectrum, dataset)
         distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
         correlation.axhline(0.0, color="0.8", lw=0.8)
@@ -38,6 +45,16 @@ def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = 
         distribution.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
         add_legend(figure, spectrum.get_legend_handles_labels()[0], 3)
     return figure
+
+
+def _draw_line(axis: Axes, dataset: xr.Dataset, heights: Reals, label: str) -> None:
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    axis.plot(x, heights, color="0.25", lw=0.8)
+    axis.set(xlabel=x_label, ylabel=label, xlim=(x[0], x[-1]))
+
+
+def _draw_heights(axis: Axes, dataset: xr.Dataset, heights: Reals, label: str) -> None:
+    draw_image(axis, dataset, heights, label, cmap="cividis")
 
 
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:

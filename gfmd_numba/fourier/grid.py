@@ -120,12 +120,14 @@ def signal(spectrum: Complexes | Reals, *shape: int) -> Reals:
 
 def _along(axis: int, transform: Callable[..., object], given: npt.NDArray[Any], found: npt.NDArray[Any]) -> None:
     """Fill an array with transforms of another along an axis, whose lines across the other one threads share."""
-    lines, filled = (np.moveaxis(np.atleast_2d(each), -3 - axis, 0) for each in (given, found))
+    lines, filled = np.atleast_2d(given, found)
+    beyond = [slice(None)] * (2 + axis)
 
     def some(_: int, first: int, last: int) -> None:
-        transform(lines[first:last], out=filled[first:last])
+        piece = (..., slice(first, last), *beyond)
+        transform(lines[piece], axis=axis, out=filled[piece])
 
-    team().share(some, len(lines), found.size)
+    team().share(some, lines.shape[-3 - axis], found.size)
 
 
 def of_half_a_period(samples: Reals, axis: int = -1, odd: bool = False) -> Reals:

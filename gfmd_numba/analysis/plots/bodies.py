@@ -120,7 +120,7 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
             level = dataset.isel(z=i)
             values, label = scaled(level["von_mises"], "von Mises stress", "E^*")
             usual = float(np.quantile(values, _USUAL))
-            draw_image(axis, level, values, label, "max", cmap="cividis", vmin=0.0, vmax=usual)
+            draw_image(axis, level, values, label, "max", vmin=0.0, vmax=usual)
             row, column = np.unravel_index(int(np.argmax(values)), values.shape)
             (x, _), (y, _) = (scaled(level[dim], "", "") for dim in ("x", "y"))
             axis.plot(x[column], y[row], "+", color=COLOURS[1], ms=8, mew=1.5)
@@ -212,5 +212,5 @@ def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
                 ends: dict[str, Any] = (
                     {"vmin": -largest, "vmax": largest} if factor * size <= _ZERO * largest and largest else {}
                 )
-                draw_image(axis, dataset, factor * values.values, label, cmap="cividis", **ends)
+                draw_image(axis, dataset, factor * values.values, label, **ends)
     return figure

@@ -40,6 +40,7 @@ def draw_image(
 
     Without limits or a norm, outliers have the colours of the ends, which then are arrows.
     """
+    look = {"cmap": "cividis"} | look
     if not look.keys() & {"norm", "vmin", "vmax"}:
         look["vmin"], look["vmax"] = ends = usual(values)
         beyond = bool((values < ends[0]).any()), bool((values > ends[1]).any())
@@ -161,10 +162,7 @@ Look = tuple[tuple[float, float], dict[str, Any], Draw]
 def _look(dataset: xr.Dataset, across: float, draw: Draw) -> Look:
     """Inches of a panel, what the sheet is told, and what draws: `draw` of maps."""
     of_profiles: Look = (9.0, 3.6), {}, _draw_profile
-    look: Callable[[], Look] = by_nodes(
-        dataset, lambda: of_profiles, lambda: (panel_of(dataset, across), OF_MAPS, draw)
-    )
-    return look()
+    return by_nodes(dataset, lambda: of_profiles, lambda: (panel_of(dataset, across), OF_MAPS, draw))()
 
 
 def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:

@@ -337,7 +337,7 @@ def usual(values: Reals) -> tuple[float, float]:
     return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))
 
 
-def by_nodes(dataset: xr.Dataset, of_profiles: T, of_maps: T) -> T:
+def by_nodes(dataset: xr.Dataset, of_profiles: Callable[..., T], of_maps: Callable[..., T]) -> Callable[..., T]:
     """Return what draws a dataset over x, or over x and y: all figures that differ by that ask here."""
     return of_maps if "y" in dataset.dims else of_profiles
 

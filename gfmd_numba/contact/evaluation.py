@@ -38,12 +38,15 @@ def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
     return found
 
 
-def of_profiles(function: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
-    """The same of profiles; of maps it is not known, and not-a-number `[realisation]`."""
+def of_profiles(
+    function: Callable[[Contact], Found],
+    of_maps: Callable[[Contact], Any] = lambda contact: np.full(len(contact.heights), np.nan),
+) -> Callable[[Contact], Found]:
+    """The same of profiles; of maps what another function finds, or not-a-number `[realisation]`: it is not known."""
 
     @wraps(function)
-    def found(contact: Contact) -> Reals:
-        return function(contact) if contact.heights.ndim == 2 else np.full(len(contact.heights), np.nan)
+    def found(contact: Contact) -> Found:
+        return function(contact) if contact.heights.ndim == 2 else of_maps(contact)
 
     return found
 
@@ -190,30 +193,26 @@ def contact_radius(contact: Contact) -> Reals:
 
     Edges are where the pressures next to them say, if these say so of nearly all, and elsewhere at their mean position.
     """
-    if len(_nodes(contact)) == 1:
-        area, unknown = located_length(contact)
-        located = unknown == 0.0
-    else:
-        area, located = _located_area(contact)
+    area, unknown = of_profiles(located_length, _located_area)(contact)
     # pressure at an edge is no root of the distance where open nodes bear tractions
     pulled = ((contact.equilibrium.pressure != 0.0) & ~touching(contact)).any(axis=_nodes(contact))
-    found = np.where(located & ~pulled, area, contact_area_fraction(contact))
+    found = np.where((unknown == 0.0) & ~pulled, area, contact_area_fraction(contact))
     return area_correction.radius(found, len(_nodes(contact)))
 
 
 def _located_area(contact: Contact) -> tuple[Reals, Flags]:
-    """Contact area of maps over L_x^2 with its edges located, and whether nearly all are `[realisation]`."""
+    """Contact area of maps over L_x^2 with its edges located, and whether many are unknown `[realisation]`."""
     now, sides = touching(contact), perimeter(contact)
     half_space = area_correction.HALF_SPACE.excess
     is_thin = abs(edge(contact).excess - half_space) > area_correction.HALF_SPACE_TO_EDGES * half_space
     # where a body has crept a node bears what it has been through, and not the root of its distance alone
     creeps = contact.before is not None and "springs" in contact.before.memory
     if is_thin or (creeps and np.any(contact.change.normal_offset)):
-        return np.zeros(len(now)), np.zeros(len(now), dtype=np.bool_)
+        return np.zeros(len(now)), np.ones(len(now), dtype=np.bool_)
     bias, ends = edge(contact).perimeter_bias(*sides), contact.ends or (False, False)
     pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
     area, share = area_correction.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
-    return area / now[0].size, share >= _NEARLY_ALL
+    return area / now[0].size, share < _NEARLY_ALL
 
 
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:

@@ -32,10 +32,10 @@ class _Ensemble:
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, coefficient) of the fit at the likeliest laws
     slopes: Reals  # (case, parameter) derivatives to the parameters of the laws
-    known: Reals  # (coefficient and parameter) what is known of each before the campaign: 1 / variance
+    prior_precision: Reals  # (coefficient and parameter) one over the variance of each before the campaign
     level: NDArray[np.intp]  # (case)
     kappa: float
-    doubt: float  # factor on variances
+    variance_factor: float  # on the covariance, which a pilot knows roughly
     freedom: float  # degrees of freedom of the variance of kappa
 
 
@@ -71,18 +71,18 @@ def _ensemble(group: Group, values: Reals, level: NDArray[np.intp], variable: st
     means = means_of(group, values)
     found = [weighed([means], laws) for laws in choices(list(group.levels), [group], given)]
     likeliest = max(found, key=lambda choice: choice.log_weight.max())
-    columns, slopes, known, kappa = linearised(means, likeliest)
+    columns, slopes, prior_precision, kappa = linearised(means, likeliest)
     covariance = pooled_covariance(values)
     freedom = degrees_of_freedom(values, covariance, columns)
     return _Ensemble(
         covariance=covariance,
         columns=columns,
         slopes=slopes,
-        known=known,
+        prior_precision=prior_precision,
         level=level,
         kappa=kappa,
         # levels' shares are chosen by it, too
-        doubt=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
+        variance_factor=float((freedom + len(level) - 1) / scipy.special.chdtri(freedom, _CONFIDENCE)),
         freedom=freedom,
     )
 
@@ -100,11 +100,11 @@ def _relative_errors(ensemble: _Ensemble, counts: Reals) -> tuple[float, float]:
     # how dear levels go with the cheap ones is told by few surfaces (Lavenberg and Welch 1981)
     dear = asked[(asked > 0) & (asked < before)]
     controlled = (fewest / dear).sum()
-    information /= ensemble.doubt * (fewest - 2) / max(1.0, fewest - controlled - 2)
+    information /= ensemble.variance_factor * (fewest - 2) / max(1.0, fewest - controlled - 2)
     variances = []
     for columns in (ensemble.columns, np.hstack([ensemble.columns, ensemble.slopes])):
-        known = np.diag(ensemble.known[: columns.shape[1]])
-        variances.append(np.linalg.pinv(columns.T @ information @ columns + known, hermitian=True)[0, 0])
+        prior_precision = np.diag(ensemble.prior_precision[: columns.shape[1]])
+        variances.append(np.linalg.pinv(columns.T @ information @ columns + prior_precision, hermitian=True)[0, 0])
     of_surfaces, error = np.sqrt(variances) / abs(ensemble.kappa)
     return float(error), float(of_surfaces)
 
@@ -132,14 +132,16 @@ class Prediction:
 def _predicted(ensemble: _Ensemble, counts: Reals) -> Prediction:
     """Error of one group for numbers of realisations (level)."""
     factor = float(np.sqrt(ensemble.freedom / scipy.special.chdtri(ensemble.freedom, _OF_THE_FACTOR)))
-    # the doubt is about the scatter of surfaces, not about what is known before
-    sober = replace(ensemble, doubt=factor**2)
+    # the factor is on the scatter of surfaces, not on the prior
+    sober = replace(ensemble, variance_factor=factor**2)
     error, of_surfaces = _relative_errors(sober, counts)
     caution = _relative_errors(ensemble, counts)[0] / error
-    known = ensemble.known.copy()
-    coefficients = known[: ensemble.columns.shape[1]]
+    prior_precision = ensemble.prior_precision.copy()
+    coefficients = prior_precision[: ensemble.columns.shape[1]]
     coefficients[coefficients > 0] = _WELL_KNOWN
-    additive = _relative_errors(replace(sober, known=known), counts)[0]  # with the interactions known
+    additive = _relative_errors(replace(sober, prior_precision=prior_precision), counts)[
+        0
+    ]  # with the interactions known
     exponents, interactions = (float(np.sqrt(max(0.0, error**2 - less**2))) for less in (of_surfaces, additive))
     return Prediction(error, exponents, interactions, factor, caution)
 

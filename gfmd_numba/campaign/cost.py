@@ -187,9 +187,9 @@ def _affordable(
         choice = [problem, *_smaller(problem)]
         for candidate in choice if known.rows else choice[-1:]:
             row = _features([candidate], kinds)[0]
-            doubt = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
+            deviation = float(np.sqrt(row @ found.covariance @ row + found.scatter**2)) if known.rows else 0.0
             count = known.realisations(candidate)
-            expected = count * float(np.exp(row @ found.coefficients + doubt))
+            expected = count * float(np.exp(row @ found.coefficients + deviation))
             fits = block_bytes(candidate, count) < psutil.virtual_memory().available / 2
             if candidate.identity not in known.tried and expected <= left and fits:
                 return candidate

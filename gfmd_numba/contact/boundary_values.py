@@ -12,7 +12,7 @@ from gfmd_numba.contact.contact_input import BoundaryInput
 from gfmd_numba.contact.rough_surfaces import RoughBody
 from gfmd_numba.elasticity import topography
 from gfmd_numba.solvers.boundary_value_problem import Deformed, deform
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _MOST_ROUNDS = 30
 
@@ -52,7 +52,7 @@ def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
         if is_still or flat.status != Status.ok:
             break
         added = new
-    status = flat.status if is_still or flat.status != Status.ok else Status.too_steep
+    status = Status(int(withdrawn(flat.status, not is_still, Status.too_steep)))
     iterations, transforms, seconds = (sum(of_rounds) for of_rounds in zip(*spent, strict=True))
     deformed = replace(
         flat,

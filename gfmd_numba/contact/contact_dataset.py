@@ -10,7 +10,7 @@ import xarray as xr
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.threads import team
-from gfmd_numba.contact import jumps, plastic_measures, relative_softening
+from gfmd_numba.contact import jumps, plastic_flow, relative_softening
 from gfmd_numba.contact.boundary_values import solve_boundary_values
 from gfmd_numba.contact.contact_input import BoundaryInput, ContactInput
 from gfmd_numba.contact.evaluation import finite_status, gap, measure
@@ -340,16 +340,16 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
 
 def _inside(contact: Contact, unit: Units, dims: tuple[str, ...]) -> dict[str, Any]:
     """Means of the sublayers of a body that may flow, and the depths of their middles."""
-    flow, (von_mises, along) = plastic_measures.flow_of(contact), plastic_measures.stresses(contact)
-    bottoms = np.cumsum(flow.body.waves.thickness)
+    plastic, (von_mises, along) = plastic_flow.plastic_state(contact), plastic_flow.stresses(contact)
+    bottoms = np.cumsum(plastic.body.waves.thickness)
     shape = len(bottoms), *contact.heights.shape[1:]
     own = (
-        ("equivalent_plastic_strain", "gradient", "equivalent plastic strain", flow.equivalent.reshape(shape)),
+        ("equivalent_plastic_strain", "gradient", "equivalent plastic strain", plastic.equivalent.reshape(shape)),
         ("von_mises_stress", "pressure", "von Mises stress", von_mises.reshape(shape)),
         ("stress_x", "pressure", "stress along x, tension above 0", along.reshape(shape)),
     )
     found = unit.variables(("depth", *dims), own)
-    middles = bottoms - 0.5 * flow.body.waves.thickness
+    middles = bottoms - 0.5 * plastic.body.waves.thickness
     return found | {"depth": unit.variable(("depth",), "length", "depth of the middle of a sublayer", middles)}
 
 

@@ -98,7 +98,7 @@ class Rubbing:
         assert contact.sideways is not None
         wall = wall_pressure(problem, contact)
         slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.sideways, wall)
-        held = held_by_friction(problem, contact, wall).ravel()
+        held = friction_limit(problem, contact, wall).ravel()
         return cls(held, components(found.traction, wall), slip)
 
     def linear(self, before: "Rubbing") -> float:
@@ -118,12 +118,12 @@ class Rubbing:
         return 0.5 * float((np.maximum(first, share * last) + last).mean())
 
 
-def held_by_friction(problem: Problem, contact: Contact, wall: Reals) -> Reals:
+def friction_limit(problem: Problem, contact: Contact, wall: Reals) -> Reals:
     """Largest tangential traction `[(y,) x]` in g E* by the pressure of the wall and the last slip."""
     found, step = contact.equilibrium.tangential, contact.step
     assert found is not None  # of contacts under friction
     assert step is not None
-    return problem.interface.lasting(step.duration).friction_bound(wall, vector_slip.length(found.slip[0]))
+    return problem.interface.lasting(step.duration).friction_limit(wall, vector_slip.length(found.slip[0]))
 
 
 def wall_pressure(problem: Problem, contact: Contact, slip: Reals | None = None) -> Reals:

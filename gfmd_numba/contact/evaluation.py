@@ -17,7 +17,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.roughness import statistics
 from gfmd_numba.solvers.certificate import pressure_scale
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 Found = TypeVar("Found")
 _NEARLY_ALL = 0.9  # of the sides of a smooth contact can be located
@@ -481,4 +481,4 @@ def finite_status(values: Mapping[str, npt.NDArray[Any]]) -> npt.NDArray[np.int8
     for name, value in values.items():
         wrong = np.isinf(value) if name in _UNDEFINED_AT_TIMES else ~np.isfinite(value)
         bad |= wrong.reshape(*status.shape, -1).any(axis=-1)
-    return np.where(bad & (status == Status.ok), np.int8(Status.nonfinite), status)
+    return withdrawn(status, bad, Status.nonfinite)

@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from gfmd_numba.arrays.threads import shared_by
 from gfmd_numba.contact import jumps, plastic_flow, solution, time_steps, two_step
-from gfmd_numba.contact.energy_balance import Balance, components, held_by_friction, wall_pressure
+from gfmd_numba.contact.energy_balance import Balance, components, friction_limit, wall_pressure
 from gfmd_numba.contact.evaluation import mean_pressure, measure, plastic_work, slid_over_peaks
 from gfmd_numba.contact.observables import (
     OF_PUNCH,
@@ -107,7 +107,7 @@ def _follower(problem: Problem, tell: Tell) -> Callable[[Problem, State], Contac
     """What makes a step of the path of a problem: in one piece, or divided at jumps or in time."""
     if problem.plasticity is not None:
         largest = max(step.load for step in (problem.step, *problem.path))
-        return partial(plastic_flow.follow, largest=largest, tell=tell)
+        return partial(plastic_flow.follow, solve=solution.solve, largest=largest, tell=tell)
     steps = problem.step, *problem.path
     divided = sum(map(time_steps.is_divided, repeat(problem), (None, *steps), steps))
     if divided and problem.time_tolerance is not None:
@@ -216,7 +216,7 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
     wall = wall_pressure(problem, contact)
     slack = float(found.residual[0]) * float(wall.max())
     rubbing = np.linalg.norm(components(found.tangential.traction, wall), axis=0).reshape(wall.shape)
-    sticks = rubbing < held_by_friction(problem, contact, wall) - slack
+    sticks = rubbing < friction_limit(problem, contact, wall) - slack
     return float((sticks & touching).sum() / touching.sum())
 
 

@@ -6,7 +6,7 @@ from typing import ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Flags, Reals
-from gfmd_numba.contact.plastic_measures import PlasticFlow
+from gfmd_numba.contact.plastic_flow import PlasticFlow
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State
 from gfmd_numba.contact.viscoelasticity import Relaxation

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from itertools import accumulate
 
 from gfmd_numba.contact.state import LoadStep
-from gfmd_numba.elasticity.plasticity import PlasticSublayers
+from gfmd_numba.elasticity.plastic_sublayers import PlasticSublayers
 from gfmd_numba.elasticity.scales import Scales
 from gfmd_numba.kernels import Hardening
 from gfmd_numba.scene import Body, Interface, Scene

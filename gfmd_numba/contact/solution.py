@@ -22,7 +22,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.roughness.surfaces import GivenSurface, SummedSurface
 from gfmd_numba.solvers.equilibrium import Equilibrium, equilibrate, following
 from gfmd_numba.solvers.iteration import Start
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _ROUNDING = 4.0 * float(np.finfo(np.float64).eps)
 
@@ -105,11 +105,10 @@ def _without_period(
     for farther in free_window.FARTHER:
         around = free_window.around(punch, load, laws, change.factor, farther)
         found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)
-        touching = found.touching_around
-        assert touching is not None  # of a corner it is known
+        touching = np.asarray(found.touching_around)  # known, as the punch fills a corner
         if not touching.any():
             break
-    found.status[touching & (found.status == Status.ok)] = Status.no_equilibrium
+    found = replace(found, status=withdrawn(found.status, touching, Status.no_equilibrium))
     if load is None:
         return found, np.zeros((len(punch), *(1 for _ in punch.shape[1:])))
     sunk = free_window.sunk_in(found, response, problem.ends)

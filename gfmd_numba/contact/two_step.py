@@ -14,7 +14,7 @@ from gfmd_numba.contact.state import Contact, State, with_costs
 from gfmd_numba.roughness.surfaces import SummedSurface, given_surface
 from gfmd_numba.solvers import anderson
 from gfmd_numba.solvers.equilibrium import Equilibrium
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, withdrawn
 
 _MOST_ROUNDS = 30
 _MOST_ROUNDS_INCLINED = 100
@@ -106,21 +106,21 @@ def solve(problem: Problem, state: State) -> RoughContact:
         correction = new
         state = state.remembering(slopes.name, correction)
     else:
-        solved = _failed(solved)
+        solved = _too_steep(solved)
     found = with_costs(solved.equilibrium, spent)
     solved = replace(solved, equilibrium=found, before=began.remembering(slopes.name, correction))
     error = slopes.next_order(solved, responses, correction.pairing)
     out = solved.change.normal_offset
     moved_by_all = found.displacement if out is None else found.displacement + out
-    if found.status[0] == Status.ok and error > _HALF * gradient * float(abs(moved_by_all).max()):
-        solved = _failed(solved)
+    if error > _HALF * gradient * float(abs(moved_by_all).max()):
+        solved = _too_steep(solved)
     of_contact = {each.name: getattr(solved, each.name) for each in fields(solved) if each.init}
     return RoughContact(**of_contact, responses=responses, next_order=error, correction=correction)
 
 
-def _failed(contact: Contact) -> Contact:
+def _too_steep(contact: Contact) -> Contact:
     """The same as a contact of bodies that are too steep."""
-    failed = np.full_like(contact.equilibrium.status, Status.too_steep)
+    failed = withdrawn(contact.equilibrium.status, True, Status.too_steep)
     return replace(contact, equilibrium=replace(contact.equilibrium, status=failed))
 
 

@@ -237,7 +237,7 @@ def put_nodes(values: Reals, nodes: Indices, image: Reals) -> None:
 
 
 @jit
-def soften_nodes(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
+def subtract_far_pressure(p: Reals, nodes: Indices, isolated: Reals, blocks: Indices, shared: Reals) -> None:
     """Take the displacement that the block of a tile shares off the pressures, times what `isolated` nodes resist."""
     for k in range(nodes.size):
         p[k] -= isolated[k] * shared[blocks[nodes[k] // TILE**2]]

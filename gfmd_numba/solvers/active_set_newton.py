@@ -127,8 +127,10 @@ class ActiveSetNewton(PressureIterate):
         """Find the pressure that closes the gap of a row on the nodes in contact; the problem that this was."""
         i, n, nodes, inverse, room = row[0], self.field.n, self._nodes[:count], self._inverse, self._room
         iterate = kernels.Iterate(*(each[:n] for each in self.rows[i]))
-        soften = partial(self.field.apply, self.compliance, row, source=1)
-        closing = Closing(iterate, nodes, inverse, soften, self._uniform, self.rounding[i], self.free_mean, room)
+        apply_compliance = partial(self.field.apply, self.compliance, row, source=1)
+        closing = Closing(
+            iterate, nodes, inverse, apply_compliance, self._uniform, self.rounding[i], self.free_mean, room
+        )
         if count == 0:
             return closing
         inverse.factor(nodes, count)

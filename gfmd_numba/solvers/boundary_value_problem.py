@@ -13,7 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.solvers.dynamics import Verlet, position_verlet
 from gfmd_numba.solvers.products import Products
-from gfmd_numba.solvers.status import Status
+from gfmd_numba.solvers.status import Status, certified
 from gfmd_numba.solvers.table import Options
 
 _CHECK_EVERY = 10  # iterations between two looks at the residual
@@ -53,11 +53,10 @@ def deform(response: SpectralResponse, traction: Reals, displacement: Reals, opt
             problem.advance()
         iterations += steps
         residual = problem.residual()
-    status = Status.ok if residual <= options.residual else Status.steps_used_up
     return Deformed(
         displacement=problem.displacement.reshape(displacement.shape).copy(),
         traction=problem.traction.reshape(displacement.shape).copy(),
-        status=status if np.isfinite(residual) else Status.nonfinite,
+        status=Status(int(certified(residual, options.residual, Status.steps_used_up))),
         residual=residual,
         n_iterations=iterations,
         n_transforms=int(problem.field.n_transforms.sum()),
@@ -93,7 +92,7 @@ class _BoundaryValueProblem:
     def advance(self) -> None:
         """Make one time step of the free nodes."""
         self.traction -= self._prescribed
-        self._step.step(self._state, kernels.Conditions(), _ROW, self.field.n)
+        self._step.step(self._state, kernels.ContactLimits(), _ROW, self.field.n)
         np.copyto(self.displacement, self._held, where=~self._free)
         self._restore()
 

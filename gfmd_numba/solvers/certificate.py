@@ -4,9 +4,9 @@ A contact is `ok` once its residual is at most `numerics.residual`, by default 1
 
     violation / peak pressure,    |imbalance| / load,    and the drift,
 
-which `Certificate` explains. How a solver keeps bodies from penetrating is its own matter, and the certificate does not
-depend on it: Newton's methods choose the nodes that touch and solve for their pressures (`active_set_newton.py`), time
-steps clip displacements at the wall (`kernels/steps.py`).
+which `Certificate` explains. `status.py` lists the later checks that may withdraw `ok`. The certificate does not depend
+on how a solver keeps bodies from penetrating: Newton's methods choose the nodes that touch and solve for their
+pressures (`active_set_newton.py`), and time steps clip displacements at the wall (`kernels/steps.py`).
 """
 
 from dataclasses import dataclass
@@ -61,23 +61,23 @@ class Certificate:
     hardness H, a touching node bears 0 <= p <= H and a penetrating one p = H; what differs from that is the violation.
     `peak`: the largest pressure of the wall. `imbalance`: the mean traction that nothing carries. With a `rigid_mean` a
     mean displacement is a violation too; `drift` is that over the largest displacement. (A uniform pressure deforms
-    nothing there: were it huge, it would make any other violation look small.) Where the state is that of a corner of
-    the grid alone, `mean_displacement` is that of the whole one. `bears` `[realisation]`: these rows of the state hold
-    the pressure itself, not the restoring traction.
-    `full_contact` `[realisation]` is the `pressure_scale`, where a solver has found it on its way.
+    nothing there: were it huge, it would make any other violation look small.) If the state has the nodes of a corner
+    of the grid alone, `mean_displacement` is the mean over the whole grid. `bears` `[realisation]`: these rows of the
+    state hold the pressure itself, not the restoring traction. `full_contact` `[realisation]` is the `pressure_scale`,
+    if a solver has found it on its way.
     """
 
     mean_displacement: Reals | None = None
     bears: Flags | None = None
     full_contact: Reals | None = None
 
-    def __init__(self, rows: int, conditions: kernels.Conditions, rigid_mean: RigidMean | None = None) -> None:
-        self.conditions, self.rigid_mean = conditions, rigid_mean
+    def __init__(self, rows: int, limits: kernels.ContactLimits, rigid_mean: RigidMean | None = None) -> None:
+        self.limits, self.rigid_mean = limits, rigid_mean
         self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
     def look(self, state: kernels.SurfaceState, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
         """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
-        kernels.wall_violation(state, self.conditions, active, n, self.violation, self.peak, self.imbalance)
+        kernels.wall_violation(state, self.limits, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:
             u = state.u[:, -1]
             self.violation[active] = np.maximum(self.violation[active], self.rigid_mean.violation(u, active, n))

@@ -16,7 +16,7 @@ from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.solvers.certificate import pressure_scale
 from gfmd_numba.solvers.iteration import HARD_WALL, Batch, Iteration, Start, begin, leave_pressures, tangential_shape
-from gfmd_numba.solvers.status import Stagnation, Status
+from gfmd_numba.solvers.status import Stagnation, Status, certified
 from gfmd_numba.solvers.table import SOLVERS, Options
 
 _BLOWN_UP = 1e12  # tractions over load and fluctuation of full contact, above which a run is called unstable
@@ -287,10 +287,8 @@ def _iterate(
         iterations += steps
         residual = solver.residual(active)
         stays = stagnation.look(residual, active)
-        status = np.where(stays, Status.stagnated, Status.steps_used_up).astype(np.int8)
-        status[residual <= options.residual] = Status.ok
-        status[solver.certificate.violation[active] > blown_up[active]] = Status.unstable
-        status[np.isnan(residual)] = Status.nonfinite
+        status = certified(residual, options.residual, np.where(stays, Status.stagnated, Status.steps_used_up))
+        status[(solver.certificate.violation[active] > blown_up[active]) & ~np.isnan(residual)] = Status.unstable
         ended = (status != Status.steps_used_up) | (iterations >= limit)
         ended |= (residual <= _RESIDUAL_TO_JUDGE) & (solver.certificate.peak[active] > _SURELY_YIELDS * hardness)
         done = active[ended]
@@ -298,7 +296,7 @@ def _iterate(
         leave_pressures(solver, done)
         _store(result, solver, done, where)
         if result.plastic is not None:
-            result.plastic[where] = result.pressure[where] >= solver.certificate.conditions.hardness
+            result.plastic[where] = result.pressure[where] >= solver.certificate.limits.hardness
         result.status[where] = status[ended]
         result.residual[where] = residual[ended]
         result.n_iterations[where] += iterations

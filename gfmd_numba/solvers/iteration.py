@@ -119,7 +119,7 @@ class Batch:
     def certificate(self) -> Certificate:
         """Return what measures how far a solver is from equilibrium."""
         rigid_mean = RigidMean.of(self.punch, self.response)
-        return Certificate(len(self.punch), self.interface.conditions, rigid_mean)
+        return Certificate(len(self.punch), self.interface.limits, rigid_mean)
 
     def law_stiffness(self) -> float:
         """Bound of the stiffness that the laws add to that of the bodies."""
@@ -183,6 +183,6 @@ def _implementation(path: str) -> Callable[[Batch, Options], Iteration | None]:
 
 def leave_pressures(solver: Iteration, rows: Indices) -> None:
     """Replace what restores normal displacements by the pressures of the wall, unless the solver has, in ended rows."""
-    bears, conditions = solver.certificate.bears, solver.certificate.conditions
+    bears, limits = solver.certificate.bears, solver.certificate.limits
     restored = rows if bears is None else rows[~bears[rows]]
-    kernels.wall_pressure(solver.state, conditions.hardness, restored, solver.field.n)
+    kernels.wall_pressure(solver.state, limits.hardness, restored, solver.field.n)

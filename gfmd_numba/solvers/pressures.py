@@ -43,7 +43,7 @@ class PressureIterate:
         self.rows = [kernels.Iterate(*row) for row in zip(*self.iterate, strict=True)]
         self.state = kernels.SurfaceState.of_normal(self.displacement, self.field.result, self.wall, self.load)
         self.certificate = batch.certificate()
-        self.certificate.conditions = kernels.Conditions(self.hardness)
+        self.certificate.limits = kernels.ContactLimits(self.hardness)
         self.rounding = np.finfo(np.float64).eps * np.ptp(punch, axis=1)
         self.elsewhere: Reals = np.zeros(rows)  # transforms on other grids, in those of this one
 
@@ -105,15 +105,15 @@ class Inverse(Protocol):
 class Closing(NamedTuple):
     """The linear problem of the pressure that closes the gap of a row on its `nodes` in contact.
 
-    `soften` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`) a change
-    of pressure loses what changes the load, by means of the pressure that a `uniform` displacement takes. Gaps within
-    `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
+    `apply_compliance` fills the displacement of the iterate under its direction. Under a prescribed load (`free_mean`)
+    a change of pressure may not change the load: a multiple of the pressure of a `uniform` displacement is subtracted.
+    Gaps within `rounding` are closed. The `room` `[2, node]` is free, and may be longer.
     """
 
     iterate: kernels.Iterate
     nodes: Indices
     inverse: Inverse
-    soften: Callable[[], None]
+    apply_compliance: Callable[[], None]
     uniform: Reals
     rounding: float
     free_mean: bool
@@ -152,7 +152,7 @@ class Closing(NamedTuple):
                 return iteration
             self._direct(step, last)
             last = energy
-            self.soften()
+            self.apply_compliance()
             step = self._update(energy)
             self.open(step)
         return most

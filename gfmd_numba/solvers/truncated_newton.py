@@ -204,7 +204,7 @@ class TruncatedNewton:
         batch, self._coarse_transforms = _on_coarser_grids(batch, options)
         self._held_mean = held = HeldMean.of(batch)
         response = batch.response if held is None else batch.response.with_mean(held.stiffness)
-        self.certificate = Certificate(rows, interface.conditions, None if held is None else held.condition)
+        self.certificate = Certificate(rows, interface.limits, None if held is None else held.condition)
         of_gap, self._target = EnergyOfGap(interface.normal_law or _NOTHING), options.residual
         self._law = of_gap if interface.cohesive is None else EnergyOfSlip(interface.cohesive)
         self._products = products = Products(response, rows, tuple(shape))
@@ -333,7 +333,7 @@ class TruncatedNewton:
 
     def _borne(self, i: int) -> Reals | float:
         """Pressure with which the hardness pushes back nodes that yield."""
-        return 0.0 if self._yields is None else self.certificate.conditions.hardness * self._yields[i]
+        return 0.0 if self._yields is None else self.certificate.limits.hardness * self._yields[i]
 
     def _split(self, i: int) -> None:
         """Prepare the preconditioner for the curvature of a row."""
@@ -461,7 +461,7 @@ class TruncatedNewton:
     def _let_yield(self, i: int, u: Reals, bounds: tuple[Reals, Reals], yields: Flags) -> None:
         """Tell which nodes of a row yield, and stop none of these at the wall."""
         punch, load = self._punch[i], self.state.load[i]
-        presses = load - self._nodes(self._restoring[i])[-1] > self.certificate.conditions.hardness
+        presses = load - self._nodes(self._restoring[i])[-1] > self.certificate.limits.hardness
         yields[:] = (u > punch) | ((u == punch) & presses)
         self._nodes(self._load[i])[-1] = load - self._borne(i)
         for bound in bounds:

@@ -21,7 +21,7 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
-from gfmd_numba.solvers.friction.coulomb_cone import Bound, FrictionGuess, Tangent
+from gfmd_numba.solvers.friction.friction_guess import FrictionGuess, FrictionLimits, Tangent
 from gfmd_numba.solvers.preconditioners import PRECONDITIONERS, as_stiffness
 
 
@@ -129,7 +129,7 @@ class CoupledBody(NamedTuple):
 
     deflect: Callable[[Reals], Reals]
     near: NearTractions
-    bound: Bound
+    friction: FrictionLimits
     total: float | None
     drifts: bool
 
@@ -185,7 +185,7 @@ class StickSlip:
         self._of_slipping = rows.touching[slips[at]]
         self.stuck, self.slipping = rows.nodes[of_stuck], rows.nodes[self._of_slipping]
         along = guess.direction[:, self.slipping]
-        limit, drag, growth = body.bound.linearised(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
+        limit, drag, growth = body.friction.linearised(guess.tractions[-1, self.slipping], guess.slid[self.slipping])
         self._drag = -drag * along  # tangential traction over pressure
         self._limit = None if limit is None else -limit * along
         # ways in which slipping nodes have tractions of their own, what they give way by for each, and from where

@@ -18,15 +18,16 @@ from gfmd_numba.kernels.tiles import TILE
 from gfmd_numba.solvers.iteration import Batch
 from gfmd_numba.solvers.pressures import Closing, between
 from gfmd_numba.solvers.table import SOLVERS, Options
-from gfmd_numba.solvers.tiles.compliance import FAR, NEAR, SplitCompliance, TileField, fits
+from gfmd_numba.solvers.tiles.compliance import FEW_TILES, MANY_TILES, SplitCompliance, fits
+from gfmd_numba.solvers.two_level_preconditioner import TiledTwoLevelPreconditioner
 
 T = TypeVar("T", bound=np.generic)
 
-_NEAR = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
+_MAY_CLOSE = 0.5  # gaps that may close, over the root-mean-square gap to be closed on the contact
 _MOST_LEFT = 0.1  # of the error before, by a step that goes on as the last one did
 _LOOSE = 0.2  # relative error allowed in the first pressure on a contact that is not yet known
 _TIGHTEN, _AHEAD = 0.5, 0.1  # largest factor on it after a step that changed the contact; over the share of changes
-_DILUTE = 1 / 64  # share of tiles up to which the compliance that sees far costs little
+_DILUTE = 1 / 64  # share of tiles up to which the closer compliance `of_few_tiles` costs little
 _DENSE = 0.25  # share of tiles of a period beyond which the exact compliance costs less than that between tiles
 _LARGE, _DENSE_NODES, _DENSE_NODES_OF_LARGE = 2**20, 1 / 24, 1 / 10  # share of nodes in contact for the same
 _SAMPLES, _MORE = 256, 1.1  # nodes in each direction of a half-space that feel one; all feel less than this times more
@@ -56,19 +57,19 @@ class TileLevel:
         return self.held[0] // TILE, self.held[1] // TILE
 
     @cached_property
-    def inverse(self) -> TileField:
+    def inverse(self) -> TiledTwoLevelPreconditioner:
         """Preconditioner of the compliance."""
-        return TileField(self.stiffness, self.shape, self.tiles_each_way[1])
+        return TiledTwoLevelPreconditioner(self.stiffness, self.shape, self.tiles_each_way[1])
 
     @cached_property
-    def near(self) -> SplitCompliance:
+    def of_many_tiles(self) -> SplitCompliance:
         """Compliance between tiles."""
-        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, NEAR)
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, MANY_TILES)
 
     @cached_property
-    def far(self) -> SplitCompliance:
+    def of_few_tiles(self) -> SplitCompliance:
         """Compliance between few tiles, which is closer to the exact one."""
-        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FAR)
+        return SplitCompliance(self.stiffness, self.shape, self.tiles_each_way, self.ends, FEW_TILES)
 
     @cached_property
     def largest_traction(self) -> float:
@@ -90,7 +91,7 @@ class TileLevel:
 
     def transforms(self) -> float:
         """Transforms of coarser grids made so far, in proportion to the cost of one of this grid."""
-        made = (self.__dict__.get(name) for name in ("inverse", "near", "far"))
+        made = (self.__dict__.get(name) for name in ("inverse", "of_many_tiles", "of_few_tiles"))
         n = math.prod(self.shape)
         return float(sum(each.transforms * grid.relative_cost(each.nodes, n) for each in made if each is not None))
 
@@ -184,7 +185,9 @@ class MapContact:
 
     def displace(self, load: OnRows | None = None) -> None:
         """Replace what is in the transform, or what `load` puts there, by the displacement that it causes."""
-        self.transform.soften(self._level.stiffness, self._level.ends[0], load)  # some rows are then never loaded
+        self.transform.apply_compliance(
+            self._level.stiffness, self._level.ends[0], load
+        )  # some rows are then never loaded
 
     def _on_rows(self, kernel: Callable[[Reals, Indices, int, int, Reals], None], values: Reals) -> OnRows:
         """Function that puts values of the tiles on some rows of the map, or takes them from there."""
@@ -206,7 +209,7 @@ class MapContact:
         across = self._level.tiles_each_way[1]
         self.count, mean, variance = kernels.gaps_in_contact(self.wall, displacement, self.tiles, self.contact)
         self.approach = mean if self.free_mean else 0.0
-        near = _NEAR * math.sqrt(variance + (mean - self.approach) ** 2)
+        near = _MAY_CLOSE * math.sqrt(variance + (mean - self.approach) ** 2)
         self._marks[:] = self.loaded_tiles().ravel()
 
         def some(_: int, first: int, last: int) -> None:
@@ -225,7 +228,7 @@ class MapContact:
         """Find the gap on the tiles as well as the compliance between them is known."""
         before = self._level.transforms()
         self._choose()
-        self._soften(self.pressure, self._gap)
+        self._apply_compliance(self.pressure, self._gap)
         self._take(self.wall, self._moved)
         self._gap += self._moved
         self.error = self._error()
@@ -255,7 +258,7 @@ class MapContact:
         most = nodes * (_DENSE_NODES if nodes < _LARGE else _DENSE_NODES_OF_LARGE)
         self._exact = not any(self._level.ends) and (share > _DENSE or self.count > most)
         if not self._exact:
-            self._compliance = self._level.far if share < _DILUTE else self._level.near
+            self._compliance = self._level.of_few_tiles if share < _DILUTE else self._level.of_many_tiles
 
     def settle(self, target: float) -> None:
         """Solve for pressure and contact on the tiles, as well as the compliance between them is known.
@@ -290,7 +293,7 @@ class MapContact:
         changed = closing.revise(contact, 0.0 if self._load is None else self._load * self.transform.n)
         if changed:
             team().in_pieces(lambda some: np.subtract(p[some], before[some], out=before[some]), p.size)
-            closing.soften()
+            closing.apply_compliance()
             closing.open(1.0)
         elif ahead:
             iterate.p[nodes] -= closing.change
@@ -302,19 +305,22 @@ class MapContact:
         nodes, inverse = np.flatnonzero(_flat(self.contact)), self._level.inverse
         inverse.factor(nodes, self.tiles, self._around)
         iterate = kernels.Iterate(*map(_flat, (self.pressure, self._gap, self._direction, self._moved)))
-        soften, room = partial(self._soften, self._direction, self._moved), np.empty((2, nodes.size))
+        apply_compliance, room = (
+            partial(self._apply_compliance, self._direction, self._moved),
+            np.empty((2, nodes.size)),
+        )
         # uniform pressures take off what changes the load
         uniform = np.broadcast_to(1.0, nodes.size)
-        return Closing(iterate, nodes, inverse, soften, uniform, self._rounding, self.free_mean, room)
+        return Closing(iterate, nodes, inverse, apply_compliance, uniform, self._rounding, self.free_mean, room)
 
-    def _soften(self, pressure: Reals, displacement: Reals) -> None:
+    def _apply_compliance(self, pressure: Reals, displacement: Reals) -> None:
         """Fill the displacement that a pressure on the tiles causes there."""
         if not self._exact:
             self._compliance.place(self.tiles, self._places)  # which other maps use too
             self._compliance.apply(pressure, displacement)
             return
         ways = (kernels.put_on_rows, pressure), (kernels.take_from_rows, displacement)
-        self.transform.soften(self._level.stiffness, False, *(self._on_rows(*way) for way in ways))
+        self.transform.apply_compliance(self._level.stiffness, False, *(self._on_rows(*way) for way in ways))
 
     def _error(self) -> float:
         """Relative error of the pressure, of nodes that overlap without being in contact too."""
@@ -511,7 +517,7 @@ class TileNewton:
             self._bears[i] = True
             imbalance = 0.0 if held else abs(mean - float(self.load[i]))
             return self.certificate.bounded(i, self.load, bound, float(contact.pressure.max(initial=0.0)), imbalance)
-        transform.stiffen(self._stiffness)
+        transform.apply_stiffness(self._stiffness)
         shift = 0.0 if held else mean  # nothing restores a mean displacement, or it is rigid
         if self.certificate.rigid_mean is not None:  # the mean pressure is the multiplier of a zero mean
             self.load[i] = mean

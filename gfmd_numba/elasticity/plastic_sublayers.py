@@ -1,4 +1,4 @@
-"""What makes a body flow, and the sublayers in which it may."""
+"""Yield stress of a body that may flow, and the sublayers in which it may."""
 
 from dataclasses import dataclass
 

@@ -206,10 +206,8 @@ def _fit(index: int, whole: _Weighed, others: Sequence[tuple[Rival, _Weighed]], 
     value = np.concatenate([_parameters(group, fit) for fit in fits])
     variance = np.concatenate([_parameters(group, fit, variances=True) for fit in fits])
     at_an_end = limit_errors.pressed(found, weights)
-    by_limit = (
-        np.concatenate([limit_errors.extrapolation_errors(index, group, means, choice, at_an_end) for choice in found])
-        ** 2
-    )
+    of_each = [limit_errors.extrapolation_errors(index, group, means, choice, at_an_end) for choice in found]
+    by_limit = np.concatenate(of_each) ** 2
     mine = whole.limit_of(index)
     by_rival = max((rival.error(*mine, *other.limit_of(index)) ** 2 for rival, other in others), default=0.0)
     variance[:, 0] += by_limit.sum(axis=1) + by_rival

@@ -25,8 +25,8 @@ from gfmd_numba.contact.observables import (
     recorded_along,
 )
 from gfmd_numba.contact.problem import Effect, Problem
+from gfmd_numba.contact.reduced_loads import SLIDING, times_of
 from gfmd_numba.contact.rough_surfaces import BODIES, RoughBody
-from gfmd_numba.contact.scales import SLIDING, times_of
 from gfmd_numba.contact.slopes import tractions_on
 from gfmd_numba.contact.state import Contact, Followed
 from gfmd_numba.contact.two_step import RoughContact

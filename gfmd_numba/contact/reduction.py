@@ -13,8 +13,8 @@ import numpy as np
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.problem import DeformableBody, Effect, Problem, Tractions
+from gfmd_numba.contact.reduced_loads import plasticity, reduced_step, steps_of
 from gfmd_numba.contact.rough_surfaces import FacingSurfaces
-from gfmd_numba.contact.scales import plasticity, reduced_step, steps_of
 from gfmd_numba.elasticity import free_body, moduli
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.scales import scales_of

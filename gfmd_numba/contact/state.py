@@ -176,21 +176,22 @@ class State:
 
 @dataclass(frozen=True)
 class Followed:
-    """What a step of a path lost: energy per nominal area (g^2 E* L_x), and the load at its largest jump.
+    """Energy `dissipated` in a step of a path, per nominal area (g^2 E* L_x), and the load at its largest jump.
 
-    The load is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a jump.
-    `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the tangential
-    displacement of the punch along x at the jump (g L_x). What has `yielded` took its part of the energy lost.
+    The load `jump_at` is the displacement of the punch (g L_x) or the mean pressure (g E*), not-a-number without a
+    jump. `least_pressure` is the smallest mean pressure of all solutions on the way (g E*), and `jump_sliding` the
+    tangential displacement of the punch along x at the jump (g L_x). The `plastic_work` is a part of the energy
+    dissipated.
     """
 
-    lost: float
+    dissipated: float
     jump_at: float
     least_pressure: float = np.nan
     jump_sliding: float = np.nan
-    yielded: float = 0.0
+    plastic_work: float = 0.0
 
 
-NOTHING_LOST = Followed(0.0, np.nan)
+NO_LOSS = Followed(0.0, np.nan)
 
 
 @dataclass(frozen=True)

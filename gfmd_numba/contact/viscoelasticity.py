@@ -12,7 +12,7 @@ from typing import ClassVar
 import numpy as np
 
 from gfmd_numba.arrays import Complexes, Reals
-from gfmd_numba.contact.energy_balance import Rubbing
+from gfmd_numba.contact.energy_balance import FrictionalWork
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.state import Change, Contact, LoadStep, State
 from gfmd_numba.elasticity.prony import PronySeries
@@ -97,23 +97,23 @@ class Relaxation:
         )
         old, both, new = series.losses(step.duration)
         along = tuple(range(2, moved.ndim))
-        lost = self._rubbed(state, solved)
+        dissipated = self._rubbed(state, solved)
         for i, modulus in enumerate(series.moduli):
             w, t = before.stretch[1 + i], before.traction[1 + i]
             products = old[i] * w * t + both[i] * (modulus * w * borne + t * moved) + new[i] * modulus * moved * borne
-            lost = lost + products.mean(axis=along).sum(axis=1)
+            dissipated = dissipated + products.mean(axis=along).sum(axis=1)
         sizes = float(abs(tractions_of(solved)).sum()), float(abs(stretch[0]).sum())
         traction_so_far, stretch_so_far = (max(each) for each in zip(before.largest, sizes, strict=True))
-        return Springs(stretch, traction, before.dissipated + lost, (traction_so_far, stretch_so_far))
+        return Springs(stretch, traction, before.dissipated + dissipated, (traction_so_far, stretch_so_far))
 
     def _rubbed(self, state: State, solved: Contact) -> Reals:
         """Energy per nominal area that friction takes `[realisation]`; 0 in the first step, whose path is unknown."""
-        lost = np.zeros(len(solved.heights))
+        dissipated = np.zeros(len(solved.heights))
         friction = self.problem.interface.friction
         if friction is not None and isfinite(friction) and state.last is not None:
-            now, last = (Rubbing.of(self.problem, each) for each in (solved, state.last))
-            lost[0] = now.lost(last)  # who follows steps follows one realisation
-        return lost
+            now, last = (FrictionalWork.of(self.problem, each) for each in (solved, state.last))
+            dissipated[0] = now.dissipated(last)  # who follows steps follows one realisation
+        return dissipated
 
     def _sliding(self, before: Springs, solved: Contact, traction: Reals, moved: Reals) -> Springs:
         """Springs under a punch that slides steadily; what the dashpots take then never ends, and is not added up."""

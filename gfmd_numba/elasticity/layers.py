@@ -19,7 +19,9 @@ decay upwards are followed, each in its own direction, so that only exp(-q h) oc
 the bottom. Transfer matrices of several layers are never multiplied: they lose all digits once exp(2 q h) exceeds the
 inverse of the rounding.
 
-All matrices are `[2, 2, wave]`, rows and columns being component 1 and 3.
+All matrices are `[2, 2, wave]`, rows and columns being component 1 and 3. For one layer on a rigid base S33 is the
+formula of a slab at the head of `body.py`. Layers are bonded to each other and to the base: at a rigid base
+U_1 = U_3 = 0. A base without friction, U_3 = t_1 = 0, is not built.
 """
 
 from dataclasses import dataclass
@@ -31,11 +33,12 @@ import numpy as np
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity import moduli
 from gfmd_numba.elasticity.moduli import Material
-from gfmd_numba.elasticity.stiffness import scaled_sinh_minus_x
 
 _FADED = 40.0  # q depth below which nothing is felt at the surface: exp(-2 q depth) (q depth)^2 < 1e-31
 _CHUNK = 2**14  # waves taken at once, whose matrices stay in the cache
 _THIN = 1.0  # q h below which a layer is taken as a whole
+
+_SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0, 1307674368000.0])
 
 
 @dataclass(frozen=True)
@@ -276,6 +279,15 @@ def of_waves(v: Reals, w: Reals, poissons_ratio: float) -> Reals:
             [difference[0] - (1.0 - 2.0 * nu) * difference[1], both[0] - 2.0 * (1.0 - nu) * both[1]],
         ]
     )
+
+
+def scaled_sinh_minus_x(x: Reals) -> Reals:
+    """(sinh x - x) exp(-x) without cancellation at small x or overflow at large x."""
+    decay = np.exp(-x)
+    small = np.minimum(x, 1.0)
+    series = small**3 * np.polynomial.polynomial.polyval(small**2, _SERIES) * decay
+    direct = -0.5 * np.expm1(-2.0 * x) - x * decay
+    return np.where(x < 1.0, series, direct)
 
 
 def half_space_compliance(poissons_ratio: float) -> Reals:

@@ -1,4 +1,4 @@
-"""Moduli of an isotropic body in plane strain, in units of its effective modulus E* (thesis 6.1.4)."""
+"""Moduli of an isotropic body in units of its effective modulus E*: in plane strain but for `plane_modulus` (6.1.4)."""
 
 from dataclasses import dataclass
 from typing import Literal, TypeVar

@@ -43,19 +43,20 @@ def elastic_body(own: Body) -> ElasticBody:
 
 @dataclass(frozen=True)
 class Scales:
-    """What the numbers of a scene count in, and its bodies in these units: all that loads do not change.
+    """Units of the numbers of a scene, and its bodies in these units, which no load changes.
 
-    `length` is L_x in m and `modulus` is E* in Pa, of all that deforms: under one pressure compliances 1/E* add up.
-    Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without one. Each of the
-    `bodies` has its part E*/E_i* of the compliance 1/E*, to 12 digits: it is the same in all units. `relaxation` are
-    the branches of all that deforms over its relaxed modulus and that time, None if nothing creeps.
+    `length` is L_x in m, and `modulus` is E* in Pa. Under one pressure the compliances of two bodies add up,
+    1/E* = 1/E_1* + 1/E_2*. Both are 1 where the scene has none. `time` is the longest relaxation time in s, 1 without
+    one. `compliance_fractions` are the E*/E_i* of the `bodies`, to 12 digits: they are the same in all units.
+    `relaxation` is the Prony series of the bodies together, its moduli over the relaxed E* and its times over `time`;
+    None if nothing creeps.
     """
 
     length: float
     modulus: float
     time: float
     bodies: tuple[ElasticBody, ...]
-    shares: tuple[float, ...]
+    compliance_fractions: tuple[float, ...]
     relaxation: PronySeries | None
 
 

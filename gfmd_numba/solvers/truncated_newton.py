@@ -121,7 +121,7 @@ _ENOUGH = 0.7  # unbalanced traction that it leaves at least, over what the resi
 _NEAR = 8.0  # times that: so near the end a step goes on, as it takes less than to begin another one
 _OWN = 2.0  # compliance that a stiff node is given of its own over that of a lone node: its neighbours are stiff, too
 _INNER_ITERATIONS = 60  # of conjugate gradients in a Newton step
-_LOST = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
+_CANCELLED = 1e-6  # restoring traction over the largest that went into its sum, below which it has lost too many digits
 _FLAT = 1e-6  # curvature over that of the body alone below which a direction is one of a fold, or downhill for ever
 _LONGEST = 8.0  # step along such a direction over that in which the body alone would come to rest
 _SUFFICIENT = 1e-4  # least decrease of the energy over what its slope promises (Armijo)
@@ -420,7 +420,7 @@ class TruncatedNewton:
         if self._is_summed[i]:
             np.multiply(self._lifted, step, out=self._result[i])
             self._result[i] += self._elastic[i]
-            self._is_summed[i] = _largest(self._result[i]) > _LOST * self._largest_summed[i]
+            self._is_summed[i] = _largest(self._result[i]) > _CANCELLED * self._largest_summed[i]
         if not self._is_summed[i]:
             self._products.restore(row)
         work, slope, scale = kernels.descent_work(

@@ -5,7 +5,7 @@ import pytest
 
 import gfmd_numba
 from gfmd_numba.contact.contact_input import read_contact
-from gfmd_numba.contact.energy_balance import Balance
+from gfmd_numba.contact.energy_balance import EnergyBalance
 from gfmd_numba.contact.load_path import solve_path
 from gfmd_numba.kernels import ContactLimits
 from gfmd_numba.scene import InputError
@@ -84,7 +84,9 @@ def test_the_shear_strength_does_not_tell_whether_a_node_that_touches_down_slips
 def test_the_balance_of_energy_knows_the_shear_strength():
     problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
     (found,) = solve_path(problem, 0)
-    assert Balance.of(problem, found).rubbing.held.max() == pytest.approx(problem.interface.shear_strength)
+    assert EnergyBalance.of(problem, found).frictional.friction_limit.max() == pytest.approx(
+        problem.interface.shear_strength
+    )
 
 
 @pytest.mark.parametrize("rubs", [{}, {"limit": "5 MPa", "coefficient": 0.1}])

@@ -362,7 +362,9 @@ def _add_bodies(
     whole, rms_gradient = units_of(given), given.surfaces.rms_gradient
     for name, body, response in zip(BODIES, bodies, solved.responses, strict=False):
         prefix, whose = ("", "body") if name == "body" else ("counter_body_", "counter body")
-        unit = Units({"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.share}, whole.names)
+        unit = Units(
+            {"height": whole.worth["length"], "pressure": whole.worth["E*"] / body.compliance_fraction}, whole.names
+        )
         outwards = f"topography of the {whose}, peaks outwards"
         found[f"{name}_height"] = unit.variable(dims, "height", outwards, body.heights)
         without = replace(problem, tractions=None)  # prescribed tractions have variables of their own

@@ -36,12 +36,13 @@ _PROSE = re.compile(  # lines of comments and docstrings, and empty ones; a text
 class DeformableBody:
     """One of the bodies of a contact, in its own E*: a counter body, or one whose topography is followed.
 
-    `share` is its part E*/E_i* of the compliance 1/E*, `part` counts the summed surface that is its own, None: flat.
-    `side` is -1 for the upper one of two, on which the lower one pulls the opposite way.
+    `compliance_fraction` is its part E*/E_i* of the compliance 1/E*. `part` is the number of the summed surface that is
+    its own, None if it is flat. `side` is -1 for the upper body of two, whose tangential tractions are the opposite
+    ones.
     """
 
     elastic: ElasticBody
-    share: float
+    compliance_fraction: float
     part: int | None = None
     side: int = 1
 

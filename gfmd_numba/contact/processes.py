@@ -51,11 +51,11 @@ class Deflection(Process):
         """What the tractions do to the body."""
         tractions, counter = self.problem.tractions, self.problem.counter
         assert tractions is not None
-        share = 1.0 if counter is None else 1.0 - counter.share  # of E* in that of the body
+        fraction = 1.0 if counter is None else 1.0 - counter.compliance_fraction  # of E* in that of the body
         given = np.stack((*tractions.tangential, tractions.normal))
         if any(self.problem.ends):
-            return free_body.displaced(share * given, self.problem.body, self.problem.ends)
-        return self.problem.body.response(given.shape[1:]).apply(share * given)
+            return free_body.displaced(fraction * given, self.problem.body, self.problem.ends)
+        return self.problem.body.response(given.shape[1:]).apply(fraction * given)
 
     def change(self, state: State, step: LoadStep) -> Change:
         """Displacements count from the deflected surface."""

@@ -69,11 +69,11 @@ def rough_bodies(scene: Scene, scales: Scales, order: int) -> RoughBodies | None
     bodies = tuple(
         DeformableBody(
             body,
-            share,
+            fraction,
             places.index((name, "roughness")) if (name, "roughness") in places else None,
             1 if name == "body" else -1,
         )
-        for name, body, share in zip(BODIES, scales.bodies, scales.shares, strict=False)
+        for name, body, fraction in zip(BODIES, scales.bodies, scales.compliance_fractions, strict=False)
     )
     return RoughBodies(bodies, order)
 

@@ -121,7 +121,7 @@ def pair(
     below = _seen_in_space(_gradient(bodies[0].heights + own.out), own.along)
     above = -_seen_in_space(_gradient(heights + other.out), other.along)
     above = np.stack([places.values(each) for each in above])
-    slope = bodies[1].share * below + bodies[0].share * above
+    slope = bodies[1].compliance_fraction * below + bodies[0].compliance_fraction * above
     return Pairing(own.along - met - slid, slope, raised, shifted)
 
 
@@ -245,7 +245,7 @@ class Slopes:
         raised, shifted = np.zeros(shape), np.zeros((len(shape), *shape))
         if tractions is not None and self.order > 0:
             t, p = tractions.tangential, -tractions.normal
-            parts = [self.gradient * each.share if each.side > 0 else 0.0 for each in self.bodies]
+            parts = [self.gradient * each.compliance_fraction if each.side > 0 else 0.0 for each in self.bodies]
             responses = self._respond([(part * t, part * p) for part in parts], self.order)
             raised = self._raised(responses)
             shifted = self._shifted(responses) if self.rub else shifted
@@ -342,7 +342,7 @@ class Slopes:
         along = np.divide(along, size, out=np.zeros_like(size), where=size > 0.0)
         beyond = np.where(slipped, np.sqrt((1.0 + steepness) / (1.0 + along)) - 1.0, 0.0)
         more = np.stack((*(self.gradient * traction * beyond), np.zeros(size.shape)))
-        moved = (body.elastic.response(size.shape).apply(body.share * more) for body in self.bodies)
+        moved = (body.elastic.response(size.shape).apply(body.compliance_fraction * more) for body in self.bodies)
         return float(sum(float(abs(each).max()) for each in moved))
 
 
@@ -370,4 +370,4 @@ def tractions_on(
     if problem.tractions is not None and body.side > 0:
         pressure = pressure - gradient * problem.tractions.normal
         along = gradient * problem.tractions.tangential + (0.0 if along is None else along)
-    return None if along is None else body.share * along, body.share * pressure
+    return None if along is None else body.compliance_fraction * along, body.compliance_fraction * pressure

@@ -147,7 +147,7 @@ def response_of(problem: Problem) -> SpectralResponse:
         free_body.response(shape, body, ends, couples) if any(ends) else body.response(shape)
         for body in (problem.body, *(() if counter is None else (counter.elastic,)))
     )
-    return own if counter is None else own.in_series(other[0], counter.share)
+    return own if counter is None else own.in_series(other[0], counter.compliance_fraction)
 
 
 def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
@@ -156,4 +156,4 @@ def condensed_stiffness(problem: Problem, q: Reals) -> Reals:
     if problem.counter is None:
         return own
     other = problem.counter.elastic.condensed_stiffness(q)
-    return stiffness.in_series(own, other, problem.counter.share)
+    return stiffness.in_series(own, other, problem.counter.compliance_fraction)

@@ -34,11 +34,11 @@ class LoadStep(NamedTuple):
     duration: float = 0.0
     speed: float = 0.0
 
-    def towards(self, end: "LoadStep", share: float) -> "LoadStep":
+    def towards(self, end: "LoadStep", fraction: float) -> "LoadStep":
         """First share of the step from here to an end."""
-        rest = 1.0 - share
-        sliding = tuple(rest * here + share * there for here, there in zip(self.sliding, end.sliding, strict=True))
-        return LoadStep(rest * self.load + share * end.load, sliding, share * end.duration, end.speed)
+        rest = 1.0 - fraction
+        sliding = tuple(rest * here + fraction * there for here, there in zip(self.sliding, end.sliding, strict=True))
+        return LoadStep(rest * self.load + fraction * end.load, sliding, fraction * end.duration, end.speed)
 
 
 @dataclass(frozen=True)

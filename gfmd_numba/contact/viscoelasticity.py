@@ -1,8 +1,8 @@
-"""The memory of a viscoelastic body: what its branches are stretched by and bear, and the process that changes them.
+"""The memory of a viscoelastic body, stretch and traction of its springs, and the process that changes them.
 
-The body is linear, and its Poisson's ratio is constant. What it remembers of one node is therefore nothing but the past
-of that node, whatever its stiffness is as a function of the wave number: a step in time is an elastic contact of a
-stiffer body whose surface has moved on its own.
+The body is linear, and its Poisson's ratio is constant, so that all waves relax alike. So the memory of a node holds
+the past of that node alone, whatever the stiffness is as a function of the wave number. A step in time is an elastic
+contact of a stiffer body whose surface has moved on its own (`Relaxation.change`).
 """
 
 from dataclasses import dataclass
@@ -24,9 +24,9 @@ class Springs:
     """The springs of a body: the relaxed one first, then that of each branch (g L_x, g E*).
 
     `stretch` and `traction` are `[spring, realisation, component, (y,) x]`, the normal component last and out of the
-    body. The stretch of the relaxed one is the displacement. `dissipated` is the energy per nominal area that dashpots
-    and friction have taken so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over the nodes, in
-    any step so far, of |traction of all springs| and of |displacement|.
+    body. The stretch of the relaxed spring is the displacement. `dissipated` is the energy per nominal area that
+    dashpots and friction have dissipated so far `[realisation]` (g^2 E* L_x). `largest` are the largest sums over the
+    nodes, in any step so far, of |traction of all springs| and of |displacement|.
     """
 
     stretch: Reals
@@ -59,17 +59,21 @@ class Relaxation:
     def change(self, state: State, step: LoadStep) -> Change:
         """The bodies are stiffer, and their surface has moved to where nothing would press on it.
 
-        The pressure is p = -f K (u' - u_0) with f = 1 + sum_i m_i joined_i, and what has moved is
-        u_0 = sum_i m_i (joined_i u - kept_i w_i) / f: what is solved for is u' - u_0. Symbols are those of `prony.py`.
-        Under a punch that slides steadily each wave has a stiffness of its own, and nothing else is remembered.
+        With the symbols of `prony.py`, the pressure is
+
+            p = -f K (u' - u_0),    f = 1 + sum_i m_i ramp_factor_i,
+            u_0 = sum_i m_i (ramp_factor_i u - decay_i w_i) / f,
+
+        and the solver finds u' - u_0. Under a punch that slides steadily each wave has a complex modulus of its own,
+        and nothing is remembered.
         """
         series, stretch = self.problem.relaxation, state.memory[self.name].stretch
         assert series is not None
         if step.speed:
             return Change(modulus=sliding_modulus(series, step.speed, state.heights.shape[-1]))
-        kept, joined = series.shares(step.duration)
+        decay, ramp_factor = series.update_coefficients(step.duration)
         moduli, factor = np.array(series.moduli), series.factor(step.duration)
-        moved = np.tensordot(np.append((moduli * joined).sum(), -moduli * kept) / factor, stretch, 1)
+        moved = np.tensordot(np.append((moduli * ramp_factor).sum(), -moduli * decay) / factor, stretch, 1)
         if not self.problem.interface.couples:
             return Change(normal_offset=moved[:, -1], factor=factor)
         along = moved[:, :-1]
@@ -86,14 +90,18 @@ class Relaxation:
         traction, moved = tractions_of(solved), self._moved(solved)
         if step.speed:
             return self._sliding(before, solved, traction, moved)
-        kept, joined = (_over_branches(each, before.stretch) for each in series.shares(step.duration))
+        decay, ramp_factor = (
+            _over_branches(each, before.stretch) for each in series.update_coefficients(step.duration)
+        )
         moduli, factor = _over_branches(np.array(series.moduli), before.stretch), series.factor(step.duration)
         moved = moved - before.stretch[0]
-        past = (kept * before.traction[1:] - moduli * joined * before.traction[0]).sum(axis=0)
+        past = (decay * before.traction[1:] - moduli * ramp_factor * before.traction[0]).sum(axis=0)
         borne = (traction - past) / factor - before.traction[0]
-        stretch = np.concatenate(((before.stretch[0] + moved)[np.newaxis], kept * before.stretch[1:] + joined * moved))
+        stretch = np.concatenate(
+            ((before.stretch[0] + moved)[np.newaxis], decay * before.stretch[1:] + ramp_factor * moved)
+        )
         traction = np.concatenate(
-            ((before.traction[0] + borne)[np.newaxis], kept * before.traction[1:] + moduli * joined * borne)
+            ((before.traction[0] + borne)[np.newaxis], decay * before.traction[1:] + moduli * ramp_factor * borne)
         )
         old, both, new = series.losses(step.duration)
         along = tuple(range(2, moved.ndim))
@@ -171,6 +179,6 @@ def sliding_modulus(series: PronySeries, speed: float, nx: int) -> Complexes:
     return found
 
 
-def _over_branches(shares: Reals, stretch: Reals | Complexes) -> Reals:
-    """Shares `[branch]`, ready to broadcast with a stretch `[spring, realisation, component, (y,) x]`."""
-    return shares.reshape(-1, *(1 for _ in stretch.shape[1:]))
+def _over_branches(coefficients: Reals, stretch: Reals | Complexes) -> Reals:
+    """Coefficients `[branch]`, ready to broadcast with a stretch `[spring, realisation, component, (y,) x]`."""
+    return coefficients.reshape(-1, *(1 for _ in stretch.shape[1:]))

@@ -45,7 +45,8 @@ class Compliance:
 class ElasticBody:
     """Poisson's ratio up to 1/2, None where it does not matter, and `aspect_ratio`, the height over L_x.
 
-    Without a rigid base, the aspect ratio is None. A body of several materials is a `stack`, and has no Poisson's ratio of its own.
+    Without a rigid base, the aspect ratio is None. A body of several materials is a `stack`, and has no Poisson's ratio
+    of its own.
     """
 
     poissons_ratio: float | None

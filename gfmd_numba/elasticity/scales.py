@@ -70,12 +70,12 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
     time = max((branch.time for body in bodies for branch in body.relaxation or ()), default=1.0)
     moduli_of = [effective_modulus(body, in_pascal) for body in bodies]
     modulus = moduli_of[0] if len(bodies) == 1 else 1.0 / sum(1.0 / each for each in moduli_of)
-    shares = tuple(rounded(modulus / each) for each in moduli_of)
+    fractions = tuple(rounded(modulus / each) for each in moduli_of)
     # in its own modulus, so that it is the same in all units
     own = [in_reduced_units(body, length or 1.0, body.surface_modulus or 1.0, time) for body in bodies]
     branches = [body.relaxation or () for body in own]
     series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
     relaxation = None
     if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
-        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(shares, series, strict=True)))
-    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), shares, relaxation)
+        relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(fractions, series, strict=True)))
+    return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), fractions, relaxation)

@@ -138,23 +138,23 @@ class SpectralResponse:
         out = zz * z - 1j * (xz * x + yz * y)
         return np.array([*moved[: len(along)], out])
 
-    def in_series(self, other: "SpectralResponse", share: float) -> "SpectralResponse":
+    def in_series(self, other: "SpectralResponse", compliance_fraction: float) -> "SpectralResponse":
         """Response of two bodies that face each other, for how far they approach and slide past each other.
 
         Compliances add up wave by wave, but the couplings xz and yz subtract: one pressure moves both surfaces along x
         the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
-        result is in that of both together; `share` is the other's part of 1/E*.
+        result is in that of both together; `compliance_fraction` is the other's part of 1/E*.
         """
         window = None
         if self.window is not None and other.window is not None:
             ways = self.window.stiffness, other.window.stiffness
-            window = replace(self.window, stiffness=lambda q: in_series(ways[0](q), ways[1](q), share))
+            window = replace(self.window, stiffness=lambda q: in_series(ways[0](q), ways[1](q), compliance_fraction))
         facing = other.inverse()
         facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
-        compliance = (1.0 - share) * self.inverse() + share * facing
+        compliance = (1.0 - compliance_fraction) * self.inverse() + compliance_fraction * facing
         _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
         found, own = inverse(compliance), _mean(self.elements)
-        _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), share), 0.0)
+        _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), compliance_fraction), 0.0)
         return SpectralResponse(found, window)
 
     def coarsened(self, shape: tuple[int, ...]) -> "SpectralResponse":

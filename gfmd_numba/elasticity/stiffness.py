@@ -14,13 +14,13 @@ def half_space(q: Reals) -> Reals:
     return 0.5 * q
 
 
-def in_series(own: Reals, other: Reals, share: float) -> Reals:
+def in_series(own: Reals, other: Reals, compliance_fraction: float) -> Reals:
     """Stiffness `[(ny,) nx // 2 + 1]` of two bodies under one pressure, whose displacements add up wave by wave.
 
     The stiffnesses `own` and `other` count in the E* of their bodies, the result K in the E* of both together. With the
-    part `share` of the other body in 1/E*,
+    part `compliance_fraction` of the other body in 1/E*,
 
         1 / K = (1 - share) / own + share / other.
     """
     with np.errstate(divide="ignore"):
-        return np.asarray(1.0 / ((1.0 - share) / own + share / other))
+        return np.asarray(1.0 / ((1.0 - compliance_fraction) / own + compliance_fraction / other))

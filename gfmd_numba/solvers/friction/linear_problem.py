@@ -83,9 +83,9 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
     size = float(np.linalg.norm(residual))
     basis = np.empty((most + 1, residual.size))
     hessenberg = np.zeros((most + 1, most))
-    shares: Reals = np.zeros(0)
+    coefficients: Reals = np.zeros(0)
     if not size > aim:
-        return basis[:0], shares
+        return basis[:0], coefficients
     basis[0] = residual / size
     rotations: list[tuple[float, float]] = []  # that make the matrix triangular
     left = size
@@ -109,8 +109,8 @@ def minimal_residual(product: Callable[[Reals], Reals], residual: Reals, aim: fl
         basis[k + 1] = new / norm
     target = np.zeros(k + 2)
     target[0] = size
-    shares = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)[0].astype(np.float64)
-    return basis[: k + 1], shares
+    coefficients = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)[0].astype(np.float64)
+    return basis[: k + 1], coefficients
 
 
 _ACROSS = np.array([[-1.0], [1.0]])  # turns a direction (x, y), read from its end, by a right angle

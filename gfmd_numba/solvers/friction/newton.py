@@ -247,14 +247,14 @@ class FrictionalNewton:
                 found.append(displaced)
             return problem.correction(problem.restricted(displaced, direction))[0]
 
-        basis, shares = minimal_residual(product, change, aim, min(self._kind.directions, change.size))
-        x += shares @ basis
+        basis, coefficients = minimal_residual(product, change, aim, min(self._kind.directions, change.size))
+        x += coefficients @ basis
         if not np.isfinite(x).all():
             progress.moved = np.nan
             return
-        for share, displaced in zip(shares, found, strict=False):
-            u += share * displaced
-        if self._kind.turns and shares.size:
+        for coefficient, displaced in zip(coefficients, found, strict=False):
+            u += coefficient * displaced
+        if self._kind.turns and coefficients.size:
             u = problem.deflected(x, known=True)
         problem.level(u, problem.correction(asked - problem.restricted(u, x))[1])
         self._revise(i, u, problem.tractions(x))

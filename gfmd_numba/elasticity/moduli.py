@@ -37,7 +37,8 @@ def c44(poissons_ratio: Reals | float) -> Reals:
 def dundurs_beta(poissons_ratio: float, other: float, compliance_fraction: float) -> float:
     """Dundurs' second constant of two bodies in plane strain (Johnson 1985, 5.1).
 
-    The other body has the `compliance_fraction` of 1/E*. On half-spaces it couples pressure and relative tangential displacement. It is 0 for two equal bodies.
+    The other body has the `compliance_fraction` of 1/E*. On half-spaces the constant couples pressure and relative
+    tangential displacement. It is 0 for two equal bodies.
     """
     own, facing = ((1.0 - 2.0 * nu) / (1.0 - nu) for nu in (poissons_ratio, other))
     return 0.5 * ((1.0 - compliance_fraction) * own - compliance_fraction * facing)

@@ -321,12 +321,12 @@ def _fields_of(given: ContactInput, problem: Problem, contact: Contact) -> Itera
         yield "plastic_depth", "height", flattened, np.asarray(contact.plastic_depth)[0]
     if problem.wear_rate is not None:
         yield "worn_depth", "height", "depth by which the punch has worn", contact.memory["worn"][0]
-    if tangential is not None and contact.sideways is not None:
+    if tangential is not None and contact.tangential_displacement is not None:
         moved, rubs = "tangential displacement of the body", "tangential traction of the punch on the body"
-        yield from _by_axis("tangential_displacement", "height", moved, contact.sideways[0], " ")
+        yield from _by_axis("tangential_displacement", "height", moved, contact.tangential_displacement[0], " ")
         yield from _by_axis("tangential_traction", "pressure", rubs, tangential.traction[0], " ")
         if problem.interface.friction is not None:
-            slid = vector_slip.length(tangential.slip[0]) if contact.slid is None else contact.slid[0]
+            slid = vector_slip.length(tangential.slip[0]) if contact.slip_path is None else contact.slip_path[0]
             yield "slip", "height", "way a touching node has slid in this step, 0 where it sticks", slid
     if problem.tractions is not None:
         prescribed = *problem.tractions.tangential, problem.tractions.normal

@@ -13,7 +13,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.arrays.processes import Communicator, Slab
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.solution import condensed_stiffness
-from gfmd_numba.contact.state import NO_CHANGE, Contact, State
+from gfmd_numba.contact.state import NO_MODIFICATION, Contact, State
 from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.distributed import SlabTransform
@@ -76,4 +76,4 @@ def _contact(problem: Problem, heights: Reals, found: SlabEquilibrium, took: flo
         full_contact_rms_pressure=pressure_scale(punch, response),
     )
     state = State.untouched(heights, ())
-    return Contact(heights, punch, equilibrium, state, problem.step, NO_CHANGE, stiffness=of_waves)
+    return Contact(heights, punch, equilibrium, state, problem.step, NO_MODIFICATION, stiffness=of_waves)

@@ -96,9 +96,9 @@ class FrictionalWork:
         """Nodes of the first realisation of a contact, with all that has moved them."""
         found = contact.equilibrium.tangential
         assert found is not None  # of contacts under friction
-        assert contact.sideways is not None
+        assert contact.tangential_displacement is not None
         wall = wall_pressure(problem, contact)
-        slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.sideways, wall)
+        slip = np.ravel(found.sliding)[:, np.newaxis] - components(contact.tangential_displacement, wall)
         limit = friction_limit_of(problem, contact, wall).ravel()
         return cls(limit, components(found.traction, wall), slip)
 

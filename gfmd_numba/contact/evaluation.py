@@ -236,7 +236,7 @@ def kappa_residual_error(contact: Contact) -> Reals:
     """
     now, pressure, along = touching(contact), contact.equilibrium.pressure, _nodes(contact)
     violated = np.expand_dims(contact.equilibrium.residual, along) * pressure.max(axis=along, keepdims=True)
-    wall = pressure + contact.pull
+    wall = pressure + contact.law_traction_at_contact
     least = np.where(now, wall, 0.0).min(axis=along, keepdims=True, initial=0.0)
     leaving = (now & (wall - least <= _OPEN_PRESSURE * violated)).sum(axis=along)
     joining = (~now & (gap(contact) <= _OPEN_GAP * violated)).sum(axis=along)
@@ -328,11 +328,11 @@ def slid_over_peaks(contact: Contact, sliding: Sequence[float]) -> Reals:
 
     nan without a period, and where no way is known `[realisation]`.
     """
-    if contact.ends or contact.sideways is None:
+    if contact.ends or contact.tangential_displacement is None:
         return np.full(len(contact.heights), np.nan)
     along = _nodes(contact)
     m0, m2 = _moments(contact)[0], _moments(contact)[1] / len(along)  # along any direction
-    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.sideways, axis=1)
+    way = np.linalg.norm(np.reshape(sliding, (-1, *(1,) * len(along))) - contact.tangential_displacement, axis=1)
     touches = closed(gap(contact))
     counts = touches | ~touches.any(axis=along, keepdims=True)
     distance = statistics.distance_of_peaks(m0, m2, nayak(contact))
@@ -344,7 +344,7 @@ def plastic_work(contact: Contact) -> Reals:
 
     A node that gives way bears what it bears at the end of the step, all the way.
     """
-    return mean_of_nodes(contact.equilibrium.pressure * contact.flattened)
+    return mean_of_nodes(contact.equilibrium.pressure * contact.plastic_penetration)
 
 
 def time_error(contact: Contact) -> Reals:

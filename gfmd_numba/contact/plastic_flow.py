@@ -29,7 +29,16 @@ from gfmd_numba import kernels
 from gfmd_numba.arrays import Flags, Reals
 from gfmd_numba.contact.evaluation import once
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Change, Contact, LoadStep, Process, State, Tell, relative_difference, with_costs
+from gfmd_numba.contact.state import (
+    Contact,
+    LoadStep,
+    Process,
+    State,
+    StepModification,
+    Tell,
+    relative_difference,
+    with_costs,
+)
 from gfmd_numba.elasticity.eigenstrain import Sublayers
 from gfmd_numba.elasticity.fields import von_mises
 from gfmd_numba.solvers import anderson
@@ -78,10 +87,10 @@ class PlasticFlow(Process):
         """Nothing has flowed, and the depth of the sublayers is not known yet."""
         return None
 
-    def change(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> StepModification:
         """The surface has moved by the residual displacement."""
         plastic: PlasticState | None = state.memory[NAME]
-        return Change(normal_offset=None if plastic is None else plastic.residual_displacement)
+        return StepModification(normal_offset=None if plastic is None else plastic.residual_displacement)
 
 
 def plastic_state(contact: Contact) -> PlasticState:

@@ -19,7 +19,7 @@ from gfmd_numba.arrays import Reals
 from gfmd_numba.contact.evaluation import gap
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import RoughBody
-from gfmd_numba.contact.state import Change, Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, LoadStep, State, StepModification
 from gfmd_numba.elasticity import topography
 from gfmd_numba.elasticity.topography import Response
 from gfmd_numba.fourier import grid
@@ -215,11 +215,11 @@ class Slopes:
         """What slopes add before there is a contact."""
         return self.untouched
 
-    def change(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> StepModification:
         """Surfaces are closer, nodes are carried along, and tangential tractions bear a part of the load."""
         found: SlopeCorrection = state.memory[self.name]
         carried = (found.shifted - found.since)[np.newaxis] if self.rub else None
-        return Change(wall=-found.raised[np.newaxis], anchor_shift=carried, lifted=found.lifted)
+        return StepModification(wall=-found.raised[np.newaxis], anchor_shift=carried, lifted=found.lifted)
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> SlopeCorrection:
         """What the first round of the next step takes for granted: what the last round has, if it matters."""

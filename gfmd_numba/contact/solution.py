@@ -87,8 +87,9 @@ def solve(problem: Problem, state: State | range) -> Contact:
         yielded = change.wear_compliance * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
     law = problem.interface.normal_law
-    pull = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
-    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach, pull=pull)
+    at_contact = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    found = replace(found, law_traction_at_contact=at_contact)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 
 

@@ -92,7 +92,7 @@ def _divided(problem: Problem, state: State, divisions: int) -> tuple[Contact, l
         if solved.equilibrium.status[0] != Status.ok:
             break
         state, gone, least = solved.after, share, min(least, float(solved.equilibrium.pressure.mean()))
-    return replace(solved, least_pressure=least, slid=slid), spent
+    return replace(solved, least_pressure=least, slip_path=slid), spent
 
 
 def difference(coarse: Contact, fine: Contact) -> float:

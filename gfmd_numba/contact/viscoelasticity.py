@@ -14,7 +14,7 @@ import numpy as np
 from gfmd_numba.arrays import Complexes, Reals
 from gfmd_numba.contact.energy_balance import FrictionalWork
 from gfmd_numba.contact.problem import Problem
-from gfmd_numba.contact.state import Change, Contact, LoadStep, State
+from gfmd_numba.contact.state import Contact, LoadStep, State, StepModification
 from gfmd_numba.elasticity.prony import PronySeries
 from gfmd_numba.fourier import grid
 
@@ -56,7 +56,7 @@ class Relaxation:
         nothing = np.zeros((1 + len(self.problem.relaxation.moduli), shape[0], components, *shape[1:]))
         return Springs(nothing, nothing, np.zeros(shape[0]))
 
-    def change(self, state: State, step: LoadStep) -> Change:
+    def change(self, state: State, step: LoadStep) -> StepModification:
         """The bodies are stiffer, and their surface has moved to where nothing would press on it.
 
         With the symbols of `prony.py`, the pressure is
@@ -70,18 +70,20 @@ class Relaxation:
         series, stretch = self.problem.relaxation, state.memory[self.name].stretch
         assert series is not None
         if step.speed:
-            return Change(modulus=sliding_modulus(series, step.speed, state.heights.shape[-1]))
+            return StepModification(modulus=sliding_modulus(series, step.speed, state.heights.shape[-1]))
         decay, ramp_factor = series.update_coefficients(step.duration)
         moduli, factor = np.array(series.moduli), series.factor(step.duration)
         moved = np.tensordot(np.append((moduli * ramp_factor).sum(), -moduli * decay) / factor, stretch, 1)
         if not self.problem.interface.couples:
-            return Change(normal_offset=moved[:, -1], factor=factor)
+            return StepModification(normal_offset=moved[:, -1], factor=factor)
         along = moved[:, :-1]
         carried = None if state.last is None else along  # a law of gap and slip counts from the first touch
         before = None if state.last is None else state.last.change.tangential_offset
         if self.problem.interface.cohesive is None and before is not None:
             carried = along - before  # friction since the last step
-        return Change(normal_offset=moved[:, -1], tangential_offset=along, factor=factor, anchor_shift=carried)
+        return StepModification(
+            normal_offset=moved[:, -1], tangential_offset=along, factor=factor, anchor_shift=carried
+        )
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Springs:
         """Springs are stretched by what the step adds, less what the dashpots yield."""
@@ -153,7 +155,11 @@ class Relaxation:
             by_mean = found.pressure.mean(axis=along, keepdims=True) / mean if mean > 0.0 else 0.0
             u = u - u.mean(axis=along, keepdims=True) - by_mean
         out = (u if change.normal_offset is None else u + change.normal_offset)[:, np.newaxis]
-        return out if solved.sideways is None else np.concatenate((solved.sideways, out), axis=1)
+        return (
+            out
+            if solved.tangential_displacement is None
+            else np.concatenate((solved.tangential_displacement, out), axis=1)
+        )
 
 
 def tractions_of(solved: Contact) -> Reals:

@@ -57,15 +57,15 @@ def friction_limit_of_node(pressure: float, limits: ContactLimits) -> float:
 
 
 class SurfaceState(NamedTuple):
-    """Displacements `u` of a batch `[realisation, component, x]`, the tractions `ku` that restore them, and what acts.
+    """Displacements `u` of a batch `[realisation, component, x]`, the `restoring` tractions K u, and what acts.
 
     The normal component comes last, after tangential ones along x and on maps along y. Normal displacements may not
     pass the `wall` `[realisation, x]`; the `load` `[realisation]` is the mean pressure. A node slips from its `anchor`,
-    which has tangential components alone.
+    which has tangential components alone. Kernels unpack the restoring tractions as `ku`.
     """
 
     u: Reals
-    ku: Reals
+    restoring: Reals
     wall: Reals
     load: Reals
     anchor: Reals

@@ -248,7 +248,7 @@ def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices
     state, n, shape, corner = solver.state, solver.field.n, solver.field.shape, result.corner
     mean = solver.certificate.mean_displacement
     for i, row in zip(done, where, strict=True):  # one by one: a map may fill a good part of the memory
-        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.ku))
+        u, p = (each[i, -1, :n].reshape(shape) for each in (state.u, state.restoring))
         _fill(result, row, u[corner], p[corner])
         if result.mean_displacement is not None and result.touching_around is not None:
             result.mean_displacement[row] = u.mean() if mean is None else mean[i]
@@ -258,7 +258,7 @@ def _store(result: Equilibrium, solver: Iteration, done: Indices, where: Indices
         return
     along = found.slip.shape[1]
     displacement, traction, anchor = (
-        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.ku, state.anchor)
+        each[done, :along, :n].reshape(-1, along, *shape)[corner] for each in (state.u, state.restoring, state.anchor)
     )
     found.displacement[where], found.traction[where] = displacement, traction
     touching = result.touching[where][:, np.newaxis]

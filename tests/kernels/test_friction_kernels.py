@@ -128,7 +128,7 @@ def test_friction_violation_at_one_node_is_what_friction_does_not_balance(
 @COMPONENTS
 def test_tractions_that_are_not_finite_are_not_certified(components, rng):
     state, (worst, peak, imbalance) = random_state(rng, components), np.zeros((3, ROWS))
-    state.ku[2, 0, 5] = np.inf
+    state.restoring[2, 0, 5] = np.inf
     kernels.wall_violation(state, kernels.ContactLimits(friction=0.3), ACTIVE, N, worst, peak, imbalance)
     assert np.isnan(worst[2])
     assert np.isfinite(worst[0])

@@ -192,7 +192,7 @@ class FrictionalNewton:
         shear = np.zeros_like(state.anchor[i, :, :n])
         if held.any():
             self._products.restore(np.array([i]))
-            shear = np.where(held, state.ku[i, :-1, :n], 0.0)
+            shear = np.where(held, state.restoring[i, :-1, :n], 0.0)
         return self._normal_contact(i, shear)
 
     def _normal_contact(self, i: int, shear: Reals, settled: float = _SETTLED) -> FrictionGuess:
@@ -217,7 +217,7 @@ class FrictionalNewton:
                 break
         self._spent[i] += int(solver.n_transforms[0])
         leave_pressures(solver, row)
-        found, pressure = solver.state.u[0, -1, :n], solver.state.ku[0, -1, :n]
+        found, pressure = solver.state.u[0, -1, :n], solver.state.restoring[0, -1, :n]
         contact = pressure > 0.0
         u = np.where(contact, wall, np.minimum(found + lifted, wall))
         if self._law is not None:

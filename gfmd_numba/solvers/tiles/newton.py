@@ -1,4 +1,7 @@
-"""Active-set Newton method for a hard wall that meets maps: exact displacements now and then, near ones in between."""
+"""Active-set Newton method for maps on a hard wall, whose linear problems have an approximate compliance between tiles.
+
+The exact displacement is found once in each iteration.
+"""
 
 import math
 from collections.abc import Callable
@@ -37,7 +40,7 @@ _STEPS, _ITERATIONS = 12, 60  # at most, between two exact gaps and in one linea
 
 @dataclass
 class TileLevel:
-    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and what is made of it once it is asked for.
+    """A grid that maps are pressed on: `stiffness` `[ny, nx // 2 + 1]`, and operators made of it with their first use.
 
     `held` are the nodes (y, x) in a corner, in whole tiles, which alone are ever in contact.
     """
@@ -73,10 +76,10 @@ class TileLevel:
 
     @cached_property
     def largest_traction(self) -> float:
-        """Bound of the tractions that restore a displacement of 1 at most: the sum of the sizes of all of one node.
+        """Bound of the restoring tractions of displacements of at most 1: sum of |K| between a node and all others.
 
-        A half-space has the same on any grid, so that some of its waves do. On large maps other bodies have no bound:
-        it would take as much time as transforms of the displacement, and more memory.
+        It is the same on any grid for a half-space, so that a few of its waves suffice. For other bodies on large maps
+        it is infinite: to find it would take as much time as transforms of the displacement, and more memory.
         """
         few = tuple(min(n, _SAMPLES) for n in self.shape)
         sides = self.stiffness[0, 1:], self.stiffness[1 : self.shape[0] // 2, 0]
@@ -103,10 +106,10 @@ class TileLevel:
 
 
 class MapContact:
-    """Pressure of one map on the tiles that its contact may reach, the gap it leaves there, and its relative error.
+    """Pressure of one map on the tiles that its contact may reach, its relative error, and the gap there.
 
-    The `wall` is `[y, x]` wherever a level is held. `load` is the mean pressure, or None where the position of the
-    punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
+    The `wall` is `[y, x]` on the nodes that the level holds. `load` is the mean pressure, or None where the position of
+    the punch prescribes the displacement. Values on m tiles are `[m + 1, TILE, TILE]`; the last one is empty.
     """
 
     def __init__(self, level: TileLevel, wall: Reals, transform: Transform, load: float | None) -> None:
@@ -235,10 +238,7 @@ class MapContact:
         self.coarse_transforms += self._level.transforms() - before
 
     def _close_on_tiles(self) -> None:
-        """Change the pressure on the contact of a coarser grid by what the waves that it did not see ask for.
-
-        Nodes under tension leave.
-        """
+        """Correct the pressure on the contact of a coarser grid for the shorter waves; nodes under tension leave."""
         before = self._level.transforms()
         if self.count:
             closing = self._closing()
@@ -278,9 +278,10 @@ class MapContact:
         self.coarse_transforms += self._level.transforms() - counted
 
     def _revise(self, tolerance: float, loosely: bool) -> tuple[int, int]:
-        """Close the gap on the contact, and revise the contact; iterations and changed nodes.
+        """Close the gap on the contact, and revise the contact; return iterations and changed nodes.
 
-        What that changes of the pressure changes the gap, so that, `loosely`, the next change of it costs nothing.
+        After the last iteration the next change of the pressure is known. If it need not be exact (`loosely`), it is
+        added before the contact is revised, and costs nothing.
         """
         closing, contact = self._closing(), _flat(self.contact)
         iterate, nodes = closing.iterate, closing.nodes
@@ -330,7 +331,7 @@ class MapContact:
         return max(self._closing().error(), overlap * self._level.inverse.stiffest / float(self.pressure.max()))
 
     def bound(self) -> float:
-        """Bound of the tractions that closing the gap adds anywhere, over the largest pressure, after a look."""
+        """Bound of the tractions K du that closing the gap by du adds anywhere, over the largest pressure."""
         wrong = float(max(kernels.wrong_gaps_of_tiles(self._gap[:-1], self.contact[:-1])))
         return wrong * self._level.largest_traction / max(float(self.pressure.max()), np.finfo(np.float64).tiny)
 
@@ -438,17 +439,19 @@ def tile_newton(batch: Batch, options: Options) -> "TileNewton | None":
 class TileNewton:
     """Pressures of a batch of maps, each found by guessing its contact, as in `active_set_newton.py`.
 
-    An iteration closes the gap on the tiles of the map that the contact may reach, by a compliance between them that
-    is nearly right, and then finds the exact gap everywhere: two transforms of the map, which leave about a hundredth
-    of the error. Where tiles are too many to gain from that, the exact compliance closes the gap. The first guess comes
-    from a cascade of coarser grids. The certificate is looked at once the error of the pressure is that small; until
-    then `residual` is that error. What restores the displacement that a pressure causes is that pressure, so that only
-    what closing the gap adds to it restores more. A bound of that costs nothing; where it is too large, that is
-    transformed.
+    An iteration closes the gap on the tiles that the contact may reach, by an approximate compliance between them
+    (`SplitCompliance`), and then finds the exact gap everywhere: two transforms of the map, which leave about a
+    hundredth of the error. On too many tiles this gains nothing, and the exact compliance closes the gap. The first
+    guess comes from a cascade of coarser grids.
 
-    Of the size of the map are the displacement, which is the gap until the certificate needs it, the memory of the
-    transform, and the pressure, which takes memory only where it has been touched. Without a period the map is the
-    window of the punch, and only the transform is larger.
+    Until the error of the pressure p is below the residual asked for, `residual` is this error; then the certificate is
+    evaluated. The displacement is u = S p + du, where du closes the gaps that are left. Its restoring tractions are
+    K u = p + K du, so that K du alone violates the contact conditions. A bound of |K du| costs nothing
+    (`MapContact.bound`); only if it is too large, du is transformed.
+
+    Three arrays have the size of the map: the displacement, which is the gap until the certificate needs it, the memory
+    of the transform, and the pressure, which takes memory only where it has been touched. Without a period the map is
+    the window of the punch, and only the transform is larger.
     """
 
     check_every = 1

@@ -1,6 +1,6 @@
 """A body whose surface has prescribed tractions and displacements, without a punch.
 
-A rough body is the flat one, and what its topography adds.
+The displacement of a rough body is that of the flat one, and a part that its topography adds.
 """
 
 from dataclasses import dataclass, replace
@@ -32,8 +32,9 @@ class BoundarySolution:
 def solve_boundary_values(given: BoundaryInput) -> BoundarySolution:
     """Displacements and tractions of the surface of a body to which all is prescribed, in L_x and E*.
 
-    A flat body bears the tractions, displaced by what is prescribed less what its topography adds. Where displacements
-    are prescribed, that repeats until it stands still to the residual of the scene, or the run is not converged.
+    The flat body under the tractions is solved with the prescribed displacements less the displacement that the
+    topography adds. If displacements are prescribed, this is repeated until the added displacement changes by less than
+    the residual of the scene; otherwise the run is `too_steep`.
     """
     body, rough, order = given.scales.bodies[0], given.rough, given.file.slope_order
     traction, asked, options = given.reduced

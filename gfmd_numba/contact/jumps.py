@@ -13,9 +13,10 @@ On one branch with a monotonic force the work lies between W_0 and W_1. So the s
 with the work of adhesion A of the surfaces. A step is halved until it holds no jump and |loss| is negligible, or until
 the place of the jump no longer matters: |W_1 - W_0| / 2 <= 2e-3 |loss|. `follow` records loss + P of all parts.
 
-Paths that are not followed here have no jumps, as nothing attracts: their loss is `EnergyBalance.dissipated`, or comes
-from the dashpots of a body that creeps, or from the hardness (`load_path.PathRecord`). The criterion does not use the
-smallest curvature of the energy, 0 at a fold: `stability` only reports it.
+Only paths under an attraction with truncated_newton are followed (`is_followed`). The loss of a step of any other path
+is `EnergyBalance.dissipated`, or if the body creeps that of dashpots and friction, or under a hardness the plastic work
+(`load_path.PathRecord`). The criterion does not use the smallest curvature of the energy, 0 at a fold: `stability` only
+reports it.
 """
 
 import warnings

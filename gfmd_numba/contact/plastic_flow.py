@@ -110,7 +110,7 @@ def equivalent(tensor: Reals) -> Reals:
 
 @once
 def stresses(contact: Contact) -> Reals:
-    """Equivalent stress and that along x in the body under a contact, means of sublayers `[2, sublayer, y, x]`."""
+    """Equivalent stress, and stress along x, in the body under a contact, means of sublayers `[2, sublayer, y, x]`."""
     plastic = plastic_state(contact)
     plastic.body.surface_displacement(plastic.strain)
     *strains, normal = plastic.body.strains(
@@ -195,7 +195,7 @@ def _increment(problem: Problem, state: State, solve: Solve, strain: Reals) -> C
 class Mixing:
     """Anderson's mixing of a map of plastic strains, over the points whose strain has changed in any iteration.
 
-    Unmixed, the map never takes two strains farther apart: where mixing does, it begins anew from the best one.
+    The map itself never takes two strains farther apart. If mixing does, it begins anew from the best strain.
     """
 
     def __init__(self, start: PlasticState) -> None:

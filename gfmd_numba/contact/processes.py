@@ -1,4 +1,4 @@
-"""The processes of scenes: what hardness, wear, slow bodies and prescribed tractions do to steps."""
+"""The processes of scenes: plastic indentation, wear, and deflection by prescribed tractions."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -39,9 +39,9 @@ class PlasticIndentation:
 
 @dataclass(frozen=True)
 class Deflection(Process):
-    """Displacement of the body by prescribed tractions, which the punch then meets undeformed, as the body is linear.
+    """Displacement of the body by prescribed tractions; the punch meets the deflected surface, as the body is linear.
 
-    It remembers that displacement `[component, (y,) x]`, the normal one last, which no step changes.
+    It remembers this displacement `[component, (y,) x]`, the normal one last, which no step changes.
     """
 
     problem: Problem
@@ -73,9 +73,9 @@ class PunchWear:
         rate slip (theta p_end + (1 - theta) p_begin),    theta = max(1/2, 1 - 1 / (rate way K_max)),
 
     where the punch slides by `way`, and K_max (E*/L_x) is the stiffness of the `stiffest` wave. Short steps are of
-    second order. In long steps theta grows, so that no wave of the grid oscillates. The wall of a step contains
-    rate way theta p_end as a compliance, as if every node slipped by the whole way. If a node slipped by less in the
-    last step, its wall is corrected by the share that it slipped.
+    second order. In long steps theta grows, so that no wave of the grid oscillates. The wall of a step contains rate
+    way theta p_end as a compliance, as if every node slipped by the whole way. If a node slipped by less in the last
+    step, its wall is corrected by slip / way of that step.
     """
 
     rate: float

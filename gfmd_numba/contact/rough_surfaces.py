@@ -1,4 +1,4 @@
-"""The rough surfaces of a scene as heights, and what they are when pressed together."""
+"""The rough surfaces of a scene as heights, and their sum when pressed together."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,7 +35,7 @@ class RoughBody(DeformableBody):
 
 @dataclass(frozen=True)
 class FacingSurfaces:
-    """What is pressed together, in units of its rms gradient g.
+    """The sum of the surfaces that are pressed together, in units of its rms gradient g.
 
     `rough` are the elastic bodies that rough surfaces belong to.
     """

@@ -1,11 +1,11 @@
-"""What the slopes of rough bodies add to the contact of flat ones, once the last round has told their tractions.
+"""Corrections of first order in the slope to the contact of flat bodies, from the tractions of the last round.
 
-The pressure acts along the normal of the touching surface, so that it pulls each node along the plane by the pressure
-times the slope of what it touches. Friction acts along the surface, and so out of the plane by its slope. A node that
-has moved along the plane meets another place of it. All are of first order in the slope, and known once the last round
-has told how the surfaces have moved. What a node of `body` meets is a rigid punch, or the deformed surface of the
-counter body; tractions belong to the nodes of `body`, and the counter body bears them at the places that they meet.
-Lengths in L_x, stresses in E*.
+The pressure acts along the normal of the touching surface, so that a node bears a traction along the plane: the
+pressure times the slope of the surface it touches. Friction acts along the surface, and so has a part out of the plane,
+friction times slope. A node that has moved along the plane meets another place of the facing surface. All three are of
+first order in the slope, and follow from the displacements of the last round. The facing surface is a rigid punch, or
+the deformed surface of the counter body. Tractions belong to the nodes of `body`, and the counter body bears them at
+the places that these nodes meet. Lengths in L_x, stresses in E*.
 """
 
 from collections.abc import Sequence
@@ -33,8 +33,8 @@ _RESOLVED = 3 / 8  # wave index over nodes, up to which splines between the node
 class Moved:
     """Displacement of a surface, along the plane `[component, (y,) x]` and out of the body `[(y,) x]`.
 
-    `level_along` and `level` are the same without all that slopes add: those of the flat body under the tractions on
-    the nodes of `body`.
+    `level_along` and `level` are the same without slopes: displacements of the flat body under the tractions on the
+    nodes of `body`.
     """
 
     along: Reals
@@ -156,10 +156,10 @@ Responses = tuple[Response, ...]
 class SlopeCorrection:
     """What slopes add to the contact of flat bodies (g L_x, g E*).
 
-    They bring the surfaces closer by `raised` `[(y,) x]`, and carry the nodes along what they meet by `shifted`
-    `[component, (y,) x]`, which is 0 where nothing rubs; slip counts from where they had carried them by `since`.
-    Tangential tractions bear `lifted` of the mean pressure. `pairing` tells where inclined surfaces touch at orders
-    above 0; None between level ones.
+    Slopes bring the surfaces closer by `raised` `[(y,) x]`, and shift the nodes along the facing surface by `shifted`
+    `[component, (y,) x]`, 0 without tangential interaction. Slip counts from an earlier shift, `since`. Tangential
+    tractions carry `lifted` of the mean pressure. `pairing` has the places where inclined surfaces touch at orders
+    above 0; None for level surfaces.
     """
 
     raised: Reals

@@ -2,7 +2,7 @@
 
 A step prescribes the mean pressure, or the displacement of the punch beyond first touch. Under a pressure the mean
 displacement of a periodic body is arbitrary, K(0) = 0: the solver finds the level of the wall from the gap, which is 0
-on average over the nodes in contact. In a window that level has a meaning, the approach.
+on average over the nodes in contact. In a window the level of the wall has a meaning, the approach.
 """
 
 from collections.abc import Callable
@@ -131,7 +131,7 @@ def _start(state: State, carried: Reals | None, punch: Reals, drag: Reals) -> St
 def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
     """Initial state for the same load again, once nodes were `carried` along the surface since the equilibrium found.
 
-    A touching node slips from where it did there, an open one touches down where it is.
+    A touching node keeps its anchor, and an open one touches down where it is.
     """
     tangential = found.tangential
     assert tangential is not None
@@ -140,7 +140,10 @@ def continued(found: Equilibrium, punch: Reals, carried: Reals) -> Start:
 
 
 def response_of(problem: Problem) -> SpectralResponse:
-    """Of all that deforms: of the normal displacement alone, or of all; around a window, on its padded grid."""
+    """Response of the deformable bodies together, of the normal displacement alone, or of all.
+
+    That of a window is on its padded grid.
+    """
     shape, ends, couples, counter = problem.surface.shape, problem.ends, problem.interface.couples, problem.counter
     if not couples and not any(ends):
         return SpectralResponse.of_normal(condensed_stiffness(problem, grid.magnitudes(shape)))

@@ -86,7 +86,7 @@ class Relaxation:
         )
 
     def advance(self, state: State, solved: Contact, step: LoadStep) -> Springs:
-        """Springs are stretched by what the step adds, less what the dashpots yield."""
+        """Update stretch and traction of each spring by the formula of `prony.py`."""
         series, before = self.problem.relaxation, state.memory[self.name]
         assert series is not None
         traction, moved = tractions_of(solved), self._moved(solved)
@@ -117,7 +117,7 @@ class Relaxation:
         return Springs(stretch, traction, before.dissipated + dissipated, (traction_so_far, stretch_so_far))
 
     def _rubbed(self, state: State, solved: Contact) -> Reals:
-        """Energy per nominal area that friction takes `[realisation]`; 0 in the first step, whose path is unknown."""
+        """Energy per nominal area that friction dissipates `[realisation]`; 0 in the first step of unknown path."""
         dissipated = np.zeros(len(solved.heights))
         friction = self.problem.interface.friction
         if friction is not None and isfinite(friction) and state.last is not None:
@@ -145,7 +145,8 @@ class Relaxation:
     def _moved(self, solved: Contact) -> Reals:
         """Displacement `[realisation, component, (y,) x]` since the unloaded body.
 
-        That of a half-space with a period has no mean. Under a prescribed load its mean is arbitrary in what is solved.
+        On a periodic half-space the displacement has no mean. Under a prescribed load the mean of the solution is
+        arbitrary, and replaced by that of the mean pressure.
         """
         found, change = solved.equilibrium, solved.change
         u = found.displacement

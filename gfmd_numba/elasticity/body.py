@@ -59,7 +59,7 @@ class ElasticBody:
     ) -> "ElasticBody":
         """Layers from the surface downwards (heights in L_x) on a half-space of the base, or a rigid one if None.
 
-        Layers that are one slab or half-space together make that.
+        Equal layers merge, so that the body may be a slab or a half-space.
         """
         stack = merged(heights, materials, base)
         if not stack.heights:
@@ -89,7 +89,7 @@ class ElasticBody:
 
     @cached_property
     def layers(self) -> Stack:
-        """All that it is made of as a stack: a slab is one layer on a rigid base, and a half-space nothing but a base.
+        """The body as a stack: a slab is one layer on a rigid base, and a half-space a base without layers.
 
         Raises ValueError for a body of one material without a Poisson's ratio.
         """
@@ -106,7 +106,7 @@ class ElasticBody:
         return 1.0 / tangential, 1.0 / normal if normal > 0.0 else inf
 
     def material(self, depth: float) -> Material:
-        """Material at a depth, at an interface that above it; raises ValueError without a Poisson's ratio."""
+        """Material at a depth, at an interface the upper one; raises ValueError without a Poisson's ratio."""
         return self.layers.material(depth)
 
     def condensed_stiffness(self, q: Reals) -> Reals:
@@ -124,7 +124,8 @@ class ElasticBody:
     def deviation(self) -> float:
         """Largest relative difference of the stiffness of a wave from that of a half-space of the topmost material.
 
-        It stems from below the topmost layer, and fades with exp(-2 q height): of a slab the longest wave has it.
+        The difference stems from below the topmost layer, and fades as exp(-2 q height). So in a slab the longest wave
+        has the largest one.
         """
         height, count = self.layers.heights[0], 1 if self.stack is None else 256
         q = 2.0 * np.pi * np.unique(np.round(np.geomspace(1.0, max(1.0, 6.0 / height), count)))

@@ -1,7 +1,8 @@
 """A stack of layers on a rigid base or a half-space: compliance of its surface and waves inside it.
 
-Lengths in L_x, stresses in E* of the topmost layer. The layers are taken from the base upwards, each adding itself to
-the compliance of all below it, as in layered acoustics (Rokhlin & Wang, J. Acoust. Soc. Am. 112:822, 2002).
+Lengths in L_x, stresses in E* of the topmost layer. The compliance is found from the base upwards, layer by layer: from
+the compliance at the bottom of a layer follows the one at its top, as in layered acoustics (Rokhlin & Wang, J. Acoust.
+Soc. Am. 112:822, 2002).
 
 A wave of wave number q is u_1 = U_1(z) cos(qx), u_3 = U_3(z) sin(qx), with the tractions sigma_13 = 2 G q t_1 cos(qx)
 and sigma_33 = 2 G q t_3 sin(qx) on planes of constant z, which points out of the body. Hooke's law in plane strain and
@@ -43,7 +44,7 @@ _SERIES = 1.0 / np.array([6.0, 120.0, 5040.0, 362880.0, 39916800.0, 6227020800.0
 
 @dataclass(frozen=True)
 class Transfer:
-    """What one unit of U_1 and of U_3 at the surface makes of U_1, U_3, P and W at a depth, wave by wave.
+    """Values of U_1, U_3, P and W at a depth, for unit U_1 and for unit U_3 at the surface, wave by wave.
 
     P and W are conjugate harmonic functions, P' = -q W: 2 (1 - 2 nu) q P is the dilatation, 2 (1 - nu) q W the
     rotation, so that stresses over the shear modulus stay finite at nu = 1/2 (2.4).
@@ -74,7 +75,7 @@ class Stack:
         return sum(self.heights)
 
     def material(self, depth: float) -> Material:
-        """Material at a depth (L_x), at an interface that above it."""
+        """Material at a depth (L_x), at an interface the upper one."""
         for bottom, material in zip(accumulate(self.heights), self.materials, strict=True):
             if depth <= bottom * (1.0 + 1e-12):
                 return material

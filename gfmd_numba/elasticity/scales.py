@@ -1,4 +1,4 @@
-"""What the numbers of a scene count in, L_x, E* and a time, and its elastic bodies in these units."""
+"""Units of the numbers of a scene, L_x, E* and a time, and its elastic bodies in these units."""
 
 import math
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from gfmd_numba.scene.units import in_reduced_units, rounded
 def effective_modulus(body: Body, in_pascal: bool) -> float:
     """E* in Pa, or 1 where stresses stay in E*.
 
-    Of layers that of the topmost one, which the shortest waves, and so the contact spots, feel alone.
+    The E* of layers is that of the topmost one, as the shortest waves, and so the contact spots, feel this layer alone.
     """
     if body.surface_modulus is None or not in_pascal:
         return 1.0

@@ -1,10 +1,10 @@
-"""What a body does under tractions on its periodic surface, wave by wave.
+"""Response of a body to tractions on its periodic surface, wave by wave.
 
-One matrix a wave links what is followed of its displacements to their tractions: the normal one alone, both of a
-profile, or all three of a map. A wave of wave vector q = |q| (c, s) splits in two. Along q and out of the surface it is
-the wave of a profile, with K11, K13 and K33 of (6.57). Across q it is one of shear alone, which nothing couples to, of
-stiffness K22, G |q| for a half-space. In the axes x, y of the map, with z out of the surface, the stiffness is the
-Hermitian matrix
+One matrix for each wave links its displacements to their tractions: the normal displacement alone, both of a profile,
+or all three of a map. A wave of wave vector q = |q| (c, s) splits in two. The part along q and out of the surface is
+the wave of a profile, with K11, K13 and K33 of (6.57). The part across q is a wave of shear alone, which does not
+couple to the other part, of stiffness K22, G |q| for a half-space. In the axes x, y of the map, with z out of the
+surface, the stiffness is the Hermitian matrix
 
     [[xx, xy, i xz], [xy, yy, i yz], [-i xz, -i yz, zz]],    xx = K11 c^2 + K22 s^2,    xy = (K11 - K22) c s,
     yy = K11 s^2 + K22 c^2,    xz = K13 c,    yz = K13 s,    zz = K33,

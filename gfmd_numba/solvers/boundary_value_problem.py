@@ -40,9 +40,9 @@ class Deformed:
 def deform(response: SpectralResponse, traction: Reals, displacement: Reals, options: Options) -> Deformed:
     """Displace and load the surface of a body node by node `[component, (y,) x]`, tangential, then normal (L_x, E*).
 
-    `displacement` is not-a-number at free nodes, the others' `traction` is not read. The mean traction of a
-    component without any prescribed displacement must be 0 if its mean stiffness is 0; that of an incompressible
-    slab, which is infinite, makes the mean normal displacement 0 and asks for at least one free node.
+    `displacement` is not-a-number at free nodes; `traction` is read at free nodes alone. The mean traction of a
+    component without any prescribed displacement must be 0 if its mean stiffness is 0. The mean normal stiffness of an
+    incompressible slab is infinite: its mean normal displacement is 0, and it needs at least one free node.
     """
     started = time.perf_counter()
     problem = _BoundaryValueProblem(response, traction, displacement, options)

@@ -54,7 +54,7 @@ class RigidMean:
 
 
 class Certificate:
-    """Violations of the contact conditions in the rows last looked at, in E*, and what they are measured by.
+    """Violations of the contact conditions in E*, in the rows last looked at, and the scales of the `residual`.
 
     `violation`: traction on a free node, tension on a touching one, or a tangential traction that friction does not
     balance. Penetration counts as the traction that is left when the surface has been moved back to the wall. Under a
@@ -76,7 +76,7 @@ class Certificate:
         self.violation, self.peak, self.imbalance, self.drift = self.found = np.zeros((4, rows))
 
     def look(self, state: kernels.SurfaceState, active: Indices, n: int, strongest: Reals | float = 0.0) -> Reals:
-        """Measure displacements that penetrate nowhere but under the hardness; their `residual`."""
+        """Measure the violations of a state, which may penetrate under a hardness alone; return its `residual`."""
         kernels.wall_violation(state, self.limits, active, n, self.violation, self.peak, self.imbalance)
         if self.rigid_mean is not None:
             u = state.u[:, -1]
@@ -93,8 +93,8 @@ class Certificate:
     def residual(self, load: Reals, active: Indices, strongest: Reals | float = 0.0) -> Reals:
         """Worst violation over the largest pressure, or if larger, imbalance over the load, or drift `[active]`.
 
-        Tractions of an interaction law may be far larger than the pressure: the `strongest` that acts anywhere
-        `[active]` is a floor to the latter. What is far beyond its range leaves nothing to balance.
+        Tractions of an interaction law may be far larger than the pressure: the `strongest` one `[active]` is the least
+        value of the peak pressure. Surfaces far beyond the range of a law have nothing to balance.
         """
         worst, peak = self.violation[active], np.maximum(self.peak[active], strongest)
         # nothing touches and nothing is violated: the surfaces are apart

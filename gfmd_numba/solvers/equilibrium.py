@@ -1,4 +1,4 @@
-"""Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, say how it ended."""
+"""Static equilibrium of a batch: begin a solver of the table, iterate until the certificate holds, give a status."""
 
 import time
 from collections.abc import Callable
@@ -50,16 +50,17 @@ class Tangential:
 class Equilibrium:
     """Displacement and pressure `[realisation, (y,) x]` (L_x, E*), and per realisation how they were reached.
 
-    The pressure is what the interface transmits, of the hard wall and of the law. Nodes are `touching` where the wall
-    presses; afterwards their gap tells (`arrays.regions.on_wall`).
+    The pressure is the whole normal traction of the interface, of the hard wall and of the law. Nodes are `touching`
+    where the wall presses; in results, nodes without a gap (`arrays.regions.on_wall`).
 
     Nodes at the hardness are `plastic`, and those alone may penetrate; None without a hardness.
 
     The displacement is positive towards the punch; under a prescribed load its mean is arbitrary. `residual` is that of
     `Certificate.residual`. `full_contact_rms_pressure` is the rms fluctuation of the pressure were the punch in full
     contact. `growing_wave` is the index of the wave that grew most in each unstable realisation, -1 in the others; None
-    unless there is one. Of a punch that fills a corner of the grid, fields are those in there. Then `mean_displacement`
-    is that of the whole grid, and `touching_around` says whether anything touches beyond the corner.
+    unless there is one. If the punch fills a corner of the grid, fields have the nodes of the corner. Then
+    `mean_displacement` is the mean over the whole grid, and `touching_around` says whether anything touches beyond the
+    corner.
     """
 
     displacement: Reals

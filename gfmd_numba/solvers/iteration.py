@@ -1,4 +1,4 @@
-"""What a solver is given, what is asked of it, and how it begins: the same of every solver."""
+"""Input of a solver (`Batch`, `Start`), its interface (`Iteration`), and how it begins."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,7 +26,7 @@ def tangential_shape(punch: Reals) -> tuple[int, ...]:
 
 @dataclass(frozen=True)
 class Start:
-    """What a batch begins with `[realisation, (y,) x]`: displacements, normal and tangential.
+    """Initial displacements of a batch `[realisation, (y,) x]`, normal and tangential.
 
     Tangential quantities have the `tangential_shape`. `dragged` is how far the punch has moved sideways since, ready to
     broadcast with `[component, (y,) x]`.
@@ -55,13 +55,13 @@ class Start:
 class Batch:
     """Elastic bodies under rigid punches `[realisation, (y,) x]` (L_x, E*), as a solver is given them.
 
-    `response` is that of the normal displacement alone or of all; `load` the mean pressure `[realisation]`, which
-    nothing else holds, or None where the position of the punch prescribes the displacement. `sliding` is the tangential
-    displacement of the punch, ready to broadcast with `[component, (y,) x]`, with a cohesive law less what else moves
-    each node. `largest_pressure` is what no pressure is expected to exceed. A solver may begin with the state `begun`,
-    None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat `around` it
-    `[realisation, (1,) 1]`. A solver may keep displacements in the `room`
-    `[realisation, (y,) x]` for them, and pressures in that `room_of_pressure`, which is zero.
+    `response` is that of the normal displacement alone or of all. `load` is the mean pressure `[realisation]`, which no
+    mean displacement balances, or None where the position of the punch prescribes the displacement. `sliding` is the
+    tangential displacement of the punch, ready to broadcast with `[component, (y,) x]`; with a cohesive law, less other
+    shifts of each node. No pressure is expected to exceed the `largest_pressure`. A solver may begin with the state
+    `begun`, None for bodies at rest. The punch may fill a corner of the grid of the response alone, and be flat
+    `around` it `[realisation, (1,) 1]`. A solver may keep displacements in the `room` `[realisation, (y,) x]` for them,
+    and pressures in that `room_of_pressure`, which is zero.
     """
 
     punch: Reals

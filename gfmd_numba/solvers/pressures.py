@@ -1,4 +1,4 @@
-"""What the solvers that iterate on the pressure share: pressure, gap and certificate of profiles or maps, flat."""
+"""Base of the solvers that iterate on the pressure: pressure, gap and certificate of profiles or maps, flat."""
 
 from collections.abc import Callable, Iterable
 from typing import NamedTuple, Protocol
@@ -95,7 +95,7 @@ class LastPressure:
 
 
 class Inverse(Protocol):
-    """What is close to the inverse of the compliance on some nodes."""
+    """Approximate inverse of the compliance on some nodes."""
 
     def solve(self, displacement: Reals, pressure: Reals) -> None:
         """Fill the pressure on the nodes that about causes the displacement there."""
@@ -165,8 +165,9 @@ class Closing(NamedTuple):
     def revise(self, contact: Flags, load: float) -> int:
         """Nodes under tension leave the `contact` and lose it, nodes that overlap join; return how many did.
 
-        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is taken off the
-        gap, and the others carry what was lost. If all have lost it, full contact begins anew.
+        Under a prescribed load (the sum of all pressures) the nodes in contact fix the approach, which is subtracted
+        from the gap, and the nodes that stay carry the pressure of those that left. If all have left, full contact
+        begins anew.
         """
         (p, gap, _, _), nodes, rounding, approach = self.iterate, self.nodes, self.rounding, 0.0
         if self.free_mean and nodes.size:

@@ -1,4 +1,4 @@
-"""The table of solvers: what each one is, what it can do and what it can be told; and what a run tells one.
+"""The table of solvers, with the abilities and options of each, and the options of a run.
 
 Pure data: importing it compiles nothing. The first solver of the table that can do all that a problem asks for is the
 one that `auto` stands for.

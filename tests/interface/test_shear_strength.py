@@ -84,9 +84,8 @@ def test_the_shear_strength_does_not_tell_whether_a_node_that_touches_down_slips
 def test_the_balance_of_energy_knows_the_shear_strength():
     problem, _ = read_contact(*load_scene({"scene": SCENE})).reduced
     (found,) = solve_path(problem, 0)
-    assert EnergyBalance.of(problem, found).frictional.friction_limit.max() == pytest.approx(
-        problem.interface.shear_strength
-    )
+    limit = EnergyBalance.of(problem, found).frictional.limit
+    assert limit.max() == pytest.approx(problem.interface.shear_strength)
 
 
 @pytest.mark.parametrize("rubs", [{}, {"limit": "5 MPa", "coefficient": 0.1}])

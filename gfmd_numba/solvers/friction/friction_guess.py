@@ -26,7 +26,7 @@ _FAINT = 1e-6  # slope of the law times the largest compliance below which its t
 
 
 class Found(NamedTuple):
-    """Solution of the linear problem of a guess, and what it is measured by, of one row.
+    """Solution of the linear problem of a guess, with the wall and anchors that it is judged by, of one row.
 
     Displacements `u` and `tractions` are `[component + 1, n]`, tangential ones and then normal ones; nodes slip from
     the `anchor` `[component, n]`.
@@ -59,14 +59,14 @@ class Revision:
 
 @dataclass
 class FrictionGuess:
-    """What is guessed of a row `[n]`, and the tractions found last.
+    """Guess of the contact of a row `[n]`, and the tractions found last.
 
-    `contact` are the nodes that touch; `direction` `[component, n]` is the way each of them slips, 0 where it sticks;
-    `slip_compliance` is the slip over the friction of a slipping node, `slid` the slip at which friction that depends
-    on its rate is linearised. `tractions` `[component + 1, n]` are the tangential ones, then the pressure on touching
-    nodes and minus the traction of a law on others, which is linear about the displacement `normal`. Nodes that are
-    `released` bear no tangential traction: an infinite friction has pulled them off, and they stick where they touch
-    down again.
+    `contact` are the nodes that touch. `direction` `[component, n]` is the direction in which each of them slips, 0
+    where it sticks. `slip_compliance` is the slip over the friction limit of a slipping node, `slid` the slip about
+    which rate-dependent friction is linearised. `tractions` `[component + 1, n]` are the tangential ones, then the
+    pressure on touching nodes and minus the traction of a law on others, which is linear about the displacement
+    `normal`. Nodes that are `released` bear no tangential traction: an infinite friction has pulled them off, and they
+    stick where they touch down again.
     """
 
     contact: Flags
@@ -167,7 +167,7 @@ def on_coarser_grid(batch: Batch, anchor: Reals, nx: int) -> Batch:
 
 
 class Tangent(NamedTuple):
-    """A law of the gap near the last gaps: its traction `pull` `[n]`, and what that rises by as the gap closes.
+    """A law of the gap, linear about the last gaps: its traction `pull` `[n]`, and its `slope` as the gap closes.
 
     Where the `slope` `[n]` is 0 the traction is known.
     """

@@ -75,15 +75,14 @@ class FrictionalNewton:
     of each component's compliance; what couples the components is left to the iteration. Then nodes under tension leave
     and overlapping ones join, sticking nodes whose traction is above friction slip, and slipping ones that go along
     with their traction stick. On maps the method also turns the direction of slip. A law of the gap is linear about the
-    last gap; its traction does not count in the bound of friction.
+    last gap; its traction does not count in the friction limit.
 
     The first guess of a profile comes from the waves that a coarser grid holds. There, on maps and with a law it is the
     normal contact under the tangential tractions of the step before, roughly, with all its nodes sticking: so an
     adhesive contact stays on its branch. Where steps come no closer, one node alone changes until fewer want to (Judice
     & Pires 1994). With a law the normal contact is then also found anew, under the tangential tractions found last.
 
-    A node slips from its anchor: where it was before this load, had it moved with the punch since. For a node that
-    touched that is where the punch held it.
+    A node slips from its anchor: its place before this load, moved with the punch since.
     """
 
     check_every = 1
@@ -157,7 +156,7 @@ class FrictionalNewton:
         return np.where(stands, residual, np.maximum(residual, unsure))
 
     def _limits(self, rows: Indices) -> kernels.ContactLimits:
-        """What holds at touching nodes under the pressures and slips of some rows."""
+        """Limits of the tractions of touching nodes under the pressures and slips of some rows."""
         n, (u, ku, _, load, anchor) = self.field.n, self.state
         friction_limits = np.zeros((len(u), n))
         for i in rows:

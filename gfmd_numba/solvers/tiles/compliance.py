@@ -21,9 +21,9 @@ _SAMPLES = 256  # nodes in each direction, of a grid on which the kernel between
 class Split(NamedTuple):
     """How the compliance is split.
 
-    `coarsening` is of nodes of the map over those of the coarser grid, along each side. The kernel is summed up over
-    tiles up to a `distance`, and fades over that / `sharp`; B-splines have an even `order`. About the relative `error`
-    of a pressure is left. A sharpness of 0 stands for a fitted stencil.
+    `coarsening` is the number of nodes of the map over that of the coarser grid, along each side. The kernel is summed
+    up over tiles up to a `distance`, and fades over distance / `sharp`. B-splines have an even `order`. The pressure is
+    left with about the relative `error`. A `sharp` of 0 stands for a fitted stencil.
     """
 
     coarsening: int
@@ -46,12 +46,12 @@ def fits(shape: tuple[int, ...]) -> bool:
 class SplitCompliance:
     """Displacement on some tiles of a map from the pressure on them, to about the error of a split.
 
-    What pressures do within some tiles is summed up node by node, with a kernel that fades fast. A coarser grid has the
-    rest, as in particle-mesh Ewald sums: B-splines share each pressure among the coarse nodes around it, and read the
-    displacement back (Essmann et al., J. Chem. Phys. 103:8577, 1995). As waves end at Nyquist, displacements alternate
-    along x and y, and fade with the square of the distance only; that is missing far away. `stiffness` is
-    `[ny, nx // 2 + 1]`; waves of zero or infinite stiffness have no displacement. There are (y, x) `tiles_each_way`,
-    which may end along either.
+    As in particle-mesh Ewald sums, the compliance is split in two. Within some tiles, displacements are summed up node
+    by node, with a kernel that fades fast. The rest is found on a coarser grid: B-splines distribute each pressure
+    among the coarse nodes around it, and interpolate the displacement back (Essmann et al., J. Chem. Phys. 103:8577,
+    1995). As waves end at Nyquist, the exact displacement has an alternating part along x and y, which fades with the
+    square of the distance only; far away this part is missing. `stiffness` is `[ny, nx // 2 + 1]`; waves of zero or
+    infinite stiffness have no displacement. There are (y, x) `tiles_each_way`, which may end along either.
     """
 
     def __init__(

@@ -23,9 +23,9 @@ class Hardening(NamedTuple):
 
 @jit
 def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) -> float:
-    """Equivalent plastic strain that a step adds, so that trial - 3 G added = yield stress; Newton's method from below.
+    """Equivalent plastic strain d of a step, trial - 3 G d = Y(equivalent + d), by Newton's method from below.
 
-    The `trial` is the equivalent stress without any.
+    The `trial` is the equivalent stress without flow in the step, Y the yield stress of `Hardening`.
     """
     flow_strain = 0.0
     for _ in range(100):
@@ -40,11 +40,14 @@ def flow(equivalent: float, trial: float, hardening: Hardening, shear: float) ->
 
 @jit
 def return_to_yield(strain: Reals, plastic: Reals, equivalent: Reals, hardening: Hardening, shear: float) -> None:
-    """Turn deviatoric strains `[component, point]` at the end of a step into the plastic ones there.
+    """Turn deviatoric strains e `[component, point]` at the end of a step into the plastic strains e_p there.
 
-    `plastic` are the plastic strains and `equivalent` `[point]` the equivalent one that the step began with. Components
-    are xx, zz, xz and on maps xy, yz of a tensor, shear once, with yy = -xx - zz. The trial stress is
-    2 G (3 (xx^2 + zz^2 + xx zz + sum of shear^2))^(1/2) of the elastic strain, and plastic strain is added along that.
+    The step began with the `plastic` strains e_p0 and the `equivalent` one `[point]`. With the trial strain
+    t = e - e_p0 and the strain d that `flow` finds,
+
+        trial = 2 G (3 (xx^2 + zz^2 + xx zz + sum of shear^2))^(1/2) of t,    e_p = e_p0 + (3 G d / trial) t.
+
+    Components are xx, zz, xz and on maps xy, yz of a tensor, shear once, with yy = -xx - zz.
     """
     n, least = strain.shape[0], hardening.stress / (2.0 * shear)
     for i in range(strain.shape[1]):

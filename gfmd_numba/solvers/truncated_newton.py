@@ -33,8 +33,8 @@ Place = Callable[[], tuple[Reals, Reals]]  # gap and slip, where they are needed
 class EnergyOfGap:
     """A law of the gap alone.
 
-    `reach` is how far a step may close gaps: a stride over the range of an attraction might pass what keeps surfaces
-    apart; 0 where nothing attracts. Gaps are `[node]`, slips of the punch over the body `[component, node]`.
+    `reach` is the largest closing of gaps in a step: a longer stride might pass the barrier of energy that keeps
+    surfaces apart; 0 where nothing attracts. Gaps are `[node]`, slips of the punch over the body `[component, node]`.
     """
 
     def __init__(self, law: NormalLaw) -> None:
@@ -140,8 +140,8 @@ class HeldMean:
 
     The mean pressure then takes over, as the condition's multiplier (Hestenes, J. Optim. Theory Appl. 4:303, 1969).
 
-    Where a law softens faster than that stiffness lets the volume of a single node change, a contact would jump open
-    and shut again as the mean pressure follows.
+    If the stiffness were below the softening of the law over a single node, a contact would jump open and shut again as
+    the mean pressure follows.
     """
 
     condition: RigidMean
@@ -164,7 +164,7 @@ class HeldMean:
 
 
 def unless_hardness_alone(batch: Batch, options: Options) -> "TruncatedNewton | None":
-    """Begin but under a hardness without a law: an energy that is made of kinks may hardly curve."""
+    """Begin, unless under a hardness without a law, whose energy has many kinks and hardly any curvature."""
     alone = batch.interface.hardness is not None and batch.interface.normal_law is None
     return None if alone else TruncatedNewton(batch, options)
 
@@ -187,14 +187,14 @@ class TruncatedNewton:
 
     A mean displacement that has to vanish is held by a large stiffness, and the mean pressure then takes over.
 
-    Bodies at rest that a load presses on a map begin with the equilibrium on a grid half as fine, and so on down. A
-    state that a path has left is a start of its own, as it tells which branch the contact is on.
+    A map at rest under a load begins with the equilibrium on a grid half as fine, and so on down. A later step of a
+    path begins with the state that the last step has left, which is on the branch to follow.
 
     Under a hardness penetration adds the hardness times its depth to the energy, which has a kink where a node touches
-    the wall. So each Newton step leaves every node on its side: nodes that yield, as they penetrate or press on the
-    wall by more than the hardness, are pushed back by the hardness and stop at the wall from behind; the others stop at
-    it from before. A node at the wall that presses by less is held. A node that yields has no gap, so that its law
-    pulls as it does at gap 0.
+    the wall. So each Newton step leaves every node on its side of the wall. Nodes yield that penetrate, or press on the
+    wall by more than the hardness: the hardness pushes them back, and they stop at the wall from behind. The other
+    nodes stop at the wall from before. A node at the wall that presses by less than the hardness is held. The law of a
+    node that yields acts as at gap 0.
     """
 
     check_every = 1

@@ -82,13 +82,13 @@ def solve(problem: Problem, state: State | range) -> Contact:
         equilibrium = replace(equilibrium, tangential=replace(equilibrium.tangential, sliding=drag))
     if equilibrium.plastic is not None:
         equilibrium.plastic[:] |= bear_again(problem, state, equilibrium.touching, equilibrium.pressure)
-    of_waves = partial(condensed_stiffness, problem)
+    stiffness_of_waves = partial(condensed_stiffness, problem)
     if change.wear_compliance > 0.0:  # the wall, and not the body
         yielded = change.wear_compliance * equilibrium.pressure
         equilibrium, punch = replace(equilibrium, displacement=equilibrium.displacement + yielded), punch + yielded
     law = problem.interface.normal_law
     at_contact = 0.0 if law is None else law.traction(np.zeros(problem.surface.shape))
-    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=of_waves, approach=approach)
+    found = Contact(heights, punch, equilibrium, state, step, change, stiffness=stiffness_of_waves, approach=approach)
     found = replace(found, law_traction_at_contact=at_contact)
     return found if problem.periodic is True else replace(found, ends=problem.ends)
 

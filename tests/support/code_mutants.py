@@ -102,8 +102,8 @@ MUTANTS = [
     # designs
     (
         "allocation.py",
-        "prior_precision = np.diag(ensemble.prior_precision[: columns.shape[1]])",
-        "prior_precision = 0.0 * np.diag(ensemble.prior_precision[: columns.shape[1]])",
+        "np.diag(ensemble.prior_precision[: columns.shape[1]])",
+        "0.0 * np.diag(ensemble.prior_precision[: columns.shape[1]])",
         "test_cross_designs.py::test_a_cheap_cross_level_is_kept_and_one_that_costs_much_and_tells_little_is_not",
     ),
     (

@@ -286,7 +286,7 @@ def _summed(
     rough = rough_bodies(scene, scales_of(scene), campaign.numerics.slope_order(scene))
     facing = FacingSurfaces(summed, summed.rms_gradient, rough)
     bodies = () if rough is None else rough.bodies
-    known = summed, tuple((body.elastic.base, body.elastic.top.base, facing.order) for body in bodies)
+    known = summed, tuple((body.elastic.base_z, body.elastic.top.base_z, facing.order) for body in bodies)
     if known not in checked:
         check_drawn(scene, facing, 0, document)
         checked.add(known)

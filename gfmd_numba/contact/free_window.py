@@ -59,7 +59,7 @@ def reach(law: NormalLaw | XuNeedlemanLaw) -> float:
     return gap
 
 
-def share(ends: tuple[bool, ...]) -> float:
+def area_fraction(ends: tuple[bool, ...]) -> float:
     """Share of the padded grid that the window is: of a mean pressure there."""
     return float(free_body.WIDER ** -sum(ends))
 
@@ -92,7 +92,7 @@ def sunk_in(found: Equilibrium, response: SpectralResponse, ends: tuple[bool, ..
     """How far a load has pushed the body at rest up to the punch `[realisation, (1,) 1]`, whose place is arbitrary."""
     along = tuple(range(1, found.pressure.ndim))
     assert found.mean_displacement is not None  # of a corner it is known
-    compressed = share(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
+    compressed = area_fraction(ends) * found.pressure.mean(axis=along, keepdims=True) / response.normal.flat[0]
     return np.asarray(found.mean_displacement.reshape(compressed.shape) + compressed)
 
 

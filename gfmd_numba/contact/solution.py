@@ -102,7 +102,7 @@ def _without_period(
     if start is not None and state.last is not None and state.last.approach is not None:
         sunk = 0.0 if load is None else state.last.approach
         start = free_window.start(start, state.last.equilibrium, sunk, response, problem.ends)
-    shared = None if load is None else free_window.share(problem.ends) * load
+    shared = None if load is None else free_window.area_fraction(problem.ends) * load
     for farther in free_window.FARTHER:
         around = free_window.around(punch, load, laws, change.factor, farther)
         found = equilibrate(punch, response, shared, problem.numerics, laws, start, slid, around)

@@ -76,7 +76,7 @@ class ElasticBody:
         return self.poissons_ratio
 
     @property
-    def base(self) -> float:
+    def base_z(self) -> float:
         """Place z of the rigid base, minus the height over L_x; minus infinity for a half-space."""
         return -inf if self.aspect_ratio is None else -self.aspect_ratio
 

@@ -245,7 +245,7 @@ def waves_kept(shape: tuple[int, ...], depth: float, periods: tuple[float, float
 
 def depth_of(z: float, body: ElasticBody) -> float:
     """Depth below the surface; raises ValueError for z outside the body."""
-    if not (np.isfinite(z) and z >= body.base * (1.0 + 1e-12) and z <= 0.0):
+    if not (np.isfinite(z) and z >= body.base_z * (1.0 + 1e-12) and z <= 0.0):
         raise ValueError("z outside the body")
     return max(-float(z), 0.0)
 

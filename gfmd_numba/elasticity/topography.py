@@ -111,7 +111,7 @@ def formed_at(
     """Displacements u'' `[component, z, node]` of these names on a section, as `Inside.section` has them."""
     former = forming(body, order)
     # labels below the body that was formed are places
-    return Inside((formed_surface(heights, former),), former).section(np.maximum(z, former.base), names, across, at)
+    return Inside((formed_surface(heights, former),), former).section(np.maximum(z, former.base_z), names, across, at)
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _added(
     """What the orders from 1 on add to named fields, coefficients `[field, k_y, k_x]` on a grid of a shape."""
     order, planes = len(surface.orders), _Planes.of(shape, body.material(depth))
     fine, former = _finer(shape, order), forming(body, order)
-    formed = _spectra(surface.formed, min(depth, -former.base), former, DISPLACEMENTS, shape)
+    formed = _spectra(surface.formed, min(depth, -former.base_z), former, DISPLACEMENTS, shape)
     u1, u2, u3 = (_on_finer_grid(each, fine) for each in formed)
     states = [_spectra(each, depth, body, _STATE, shape) for each in (surface.flat, *surface.orders)]
     changing = [planes.derivatives_in_z(state, order - n) for n, state in enumerate(states)]

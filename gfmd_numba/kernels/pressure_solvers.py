@@ -411,7 +411,7 @@ def line_search(p: Reals, gap: Reals, last_p: Reals, last_gap: Reals, n: int) ->
 
 
 @jit
-def room(p: float, last_p: float, hardness: float) -> float:
+def part_to_bound(p: float, last_p: float, hardness: float) -> float:
     """Share of the way from the last pressure to p that stays between the bounds."""
     if p < 0.0:
         return last_p / (last_p - p)
@@ -429,13 +429,13 @@ def stop_at_first_bound(p: Reals, last_p: Reals, contact: Flags, hardness: float
     first = 1.0
     for j in range(n):
         if contact[j]:
-            first = min(first, room(p[j], last_p[j], hardness))
+            first = min(first, part_to_bound(p[j], last_p[j], hardness))
     if first == 1.0:
         return 0
     stopped = 0
     for j in range(n):
         if contact[j]:
-            if room(p[j], last_p[j], hardness) == first:
+            if part_to_bound(p[j], last_p[j], hardness) == first:
                 p[j] = 0.0 if p[j] < 0.0 else hardness
                 contact[j] = False
                 stopped += 1

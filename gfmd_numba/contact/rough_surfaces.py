@@ -130,8 +130,8 @@ def allowed_topography(heights: Reals, body: ElasticBody, order: int) -> str:
         return f"one within the height of the body, {body.aspect_ratio:g} L_x, of its mean plane"
     if order > 0 and body.stack is not None and -lowest >= -body.top.base_z:
         return (
-            f"valleys above the lower side of the topmost layer, {body.top.base_z:g} L_x, or a numerics.topography_order "
-            "of 0, as interfaces are flat at higher orders"
+            f"valleys above the lower side of the topmost layer, {body.top.base_z:g} L_x, or a "
+            "numerics.topography_order of 0, as interfaces are flat at higher orders"
         )
     return ""
 

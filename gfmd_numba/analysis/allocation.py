@@ -27,7 +27,7 @@ _REFERENCE: Level = ("reference", ())
 
 @dataclass(frozen=True)
 class _Ensemble:
-    """What results say of one group, or of one step of its path."""
+    """Statistics of the results of one group, or of one step of its path."""
 
     covariance: Reals  # (case, case) of one realisation
     columns: Reals  # (case, coefficient) of the fit at the likeliest laws
@@ -113,9 +113,9 @@ _OF_THE_FACTOR = 0.9  # with which the true error of a fit is no larger than the
 class Prediction:
     """Relative error of the TFC limit to expect of one group, times the `factor`.
 
-    `exponents` and `interactions` are the parts of it, in quadrature, that would go if these were known. The factor is
-    the one on a fit's error that allows for its own uncertainty. `caution` is how much larger the error is that
-    `cheapest_design` promises: a design is chosen once, where a run can go on.
+    `exponents` and `interactions` are the parts of the error, in quadrature, that would vanish if these were known. The
+    factor allows for the uncertainty of the error of a fit itself. `caution` is the ratio of the error that
+    `cheapest_design` promises to this one: a design is chosen once, where a run can go on.
     """
 
     error: float

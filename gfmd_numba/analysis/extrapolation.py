@@ -77,18 +77,17 @@ def fit_tfc(
 ) -> xr.Dataset:
     """Fit thesis (4.3), with interactions of the limits, to each group's case means.
 
-    Of an exponent fixed to a range (low, high) every value in it counts by how well it fits, and the errors include
-    not knowing it. They also include that corrections taken one at a time may not add up, which only cross levels
-    tell.
-    Only realisations that are good in all of a group's cases enter it, and cases at eps_c = 1 are omitted unless
-    the group's reference is one. Corrections count from the group's reference case; of several, as eps in a
-    campaign's `grid` leaves them, from the finest, and without any from the finest levels. Output: the limit, under
-    the name of the variable with `_tfc` behind it like kappa_tfc or mean_gap_tfc, reference (mean of the reference
-    case) and message (one line for each thing to know) over (group), C, alpha and correction over (group, limit),
-    interaction over (group, pair), their errors, error_budget over (group, source). All but alpha have the unit of the
-    variable. Also seconds of processor time over (group), where groups that share a problem each count it; the
-    attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is not identified; ValueError
-    for an unknown variable, mode or limit, or a wrong fixed exponent.
+    An exponent may be `fixed` to a number or to a range (low, high): then every value in the range counts by how well
+    it fits, and the errors include the scatter between these values. The errors also allow for corrections that do not
+    add up, which only cross levels measure. Only realisations that are good in all of a group's cases enter it, and
+    cases at eps_c = 1 are omitted unless the group's reference is one. Corrections count from the group's reference
+    case; of several, as eps in a campaign's `grid` leaves them, from the finest, and without any from the finest
+    levels. Output: the limit, under the name of the variable with `_tfc` behind it like kappa_tfc or mean_gap_tfc,
+    reference (mean of the reference case) and message (one line for each thing to know) over (group), C, alpha and
+    correction over (group, limit), interaction over (group, pair), their errors, error_budget over (group, source). All
+    but alpha have the unit of the variable. Also seconds of processor time over (group), where groups that share a
+    problem each count it; the attribute cpu_seconds counts it once. nan and fit_status "refused" where an exponent is
+    not identified; ValueError for an unknown variable, mode or limit, or a wrong fixed exponent.
 
     Each step of a loading path, or the one that is given as `step`, is fitted for itself, so that groups also differ
     in `path_step`; what is known of the path as a whole, like `pull_off_pressure`, is fitted once.
@@ -327,7 +326,7 @@ def _curve(index: int, group: Group, means: Means, found: Sequence[ChoiceOfLaws]
 def _parameters(group: Group, fit: Linear, variances: bool = False) -> Reals:
     """Return the parameters of fits as a table, or their variances at known parameters of the laws.
 
-    Those of limits that are not varied are nan.
+    Parameters of limits that are not varied are nan.
     """
     coefficients = np.diagonal(fit.covariance, axis1=1, axis2=2) if variances else fit.coefficients
     power = 2 if variances else 1
@@ -351,8 +350,9 @@ def _possible(
 ) -> tuple[float, float] | None:
     """Return mean and standard deviation, the `moments` of a limit unless the variable cannot be this mean.
 
-    Surfaces may put a limit that is at an end of what is possible beyond it, if only by a small part of the results:
-    then the normal distributions of its values (node) are cut there. None where nothing possible is likely.
+    The scatter of surfaces may move a limit beyond an end of the possible values. If it does so by a small part of the
+    results only, the normal distributions of the values (node) are cut at this end. None if the possible values are
+    unlikely.
     """
     if group.possible[0] <= moments[0] <= group.possible[1]:
         return moments
@@ -373,7 +373,7 @@ def _possible(
 def _interval(group: Group, weight: Reals, value: Reals, deviation: Reals) -> tuple[float, float]:
     """Return the ends of the 90 % interval of a mixture of values (node) with Student's distribution around each.
 
-    It has what the variable can be alone, of which a value at an end is part if the interval would reach beyond it.
+    The interval is cut to the possible values of the variable, and includes an end of these that it would pass.
     """
     if group.n_realisations < 2:
         return np.nan, np.nan
@@ -410,7 +410,7 @@ def _misfit(
 
 
 def _reasons(group: Group, unidentified: Mapping[str, str]) -> Iterator[str]:
-    """Yield why the data of a group do not tell exponents: its levels and realisations."""
+    """Yield why the data of a group do not identify exponents: its levels and realisations."""
     for name, why in unidentified.items():
         has = f"shared with other groups; {name} is not varied in this one"
         if name in group.levels:

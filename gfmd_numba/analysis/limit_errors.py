@@ -138,7 +138,7 @@ def _ends(values: Reals, weight: Reals) -> tuple[float, float]:
 def pressed(choices: Sequence[ChoiceOfLaws], weights: Sequence[Reals]) -> dict[str, str]:
     """Return the limits whose exponent the data press against the low end of its range, and a line for each.
 
-    Where another law is at least as likely, the error has the scatter between the two.
+    If another law is at least as likely, the error includes the scatter between the two laws.
     """
     lines = {}
     for choice, weight in zip(choices, weights, strict=True):
@@ -206,7 +206,7 @@ class Rival:
     """Another fit of the same groups, and what it does differently, in words.
 
     `asserted` is the limit whose exponent the fit asserts and the rival does not, "" where the rival has fewer levels.
-    A rival `from_theory` is better founded than the fit, whose error is then not below that of the rival.
+    A rival `from_theory` is better founded than the fit: then the error of the fit is at least that of the rival.
     """
 
     what: str
@@ -325,8 +325,8 @@ def extrapolation_errors(
 ) -> Reals:
     """Return the standard error of each limit by the distance that its law bridges (node, limit), 0 if not varied.
 
-    It is the whole distance if data press an exponent against an end of its range, or if the limit of what has one sign
-    is nearer to 0. Layers add to that in eps_t.
+    The error is the whole distance if the data press an exponent against an end of its range, or if a limit of a
+    variable of one sign is nearer to 0 than the distance. Layers add an error to that of eps_t (`layer_error`).
     """
     far = abs(np.nan_to_num(distances(index, means, choice)))
     limit, found = choice.fits[index].coefficients[:, 0], far.copy()

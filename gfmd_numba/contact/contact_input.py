@@ -1,4 +1,4 @@
-"""What the file of a contact gives: checked records, surfaces made, tractions read. Errors of files end here."""
+"""Input of a contact from its file: checked records, surfaces and tractions. Errors of files end here."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass

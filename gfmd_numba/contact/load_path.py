@@ -1,4 +1,4 @@
-"""The solution of a problem along its loading path, and what is recorded of it.
+"""The solution of a problem along its loading path, and the record of its measures.
 
 The solution is a fold over the steps of the path. The contact is recorded at every step, and the path as a whole.
 """
@@ -224,10 +224,10 @@ def stick_fraction(problem: Problem, contact: Contact) -> float:
 
 @shared_by(1)
 def measured(problem: Problem, realisations: range) -> Measures:
-    """All that is recorded of realisations of a problem: `[realisation]`, but along a path the contact's have steps.
+    """All measures of realisations of a problem `[realisation]`, along a path of contacts `[realisation, step]`.
 
-    Those are `[realisation, step]`. A run along a path has the first status that is not ok, with which it ends, the
-    largest residual, and the sums of what it took; the contact's measures are not-a-number from that step on.
+    A run along a path ends at the first step whose status is not ok, and has this status, the largest residual, and the
+    sums of iterations, transforms and time. Measures of the contact are not-a-number from that step on.
     """
     if problem.path:
         rows = [_along(problem, realisation) for realisation in realisations]

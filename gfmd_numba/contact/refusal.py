@@ -165,7 +165,7 @@ def _of_laws(scene: Scene, grid: Grid) -> Asked:
 
 
 def _of_time(scene: Scene, path: Sequence[Step]) -> Asked:
-    """What takes time, or depends on how far the punch has slid."""
+    """Features that take time, or depend on how far the punch has slid."""
     loads: list[tuple[Location, Controls]] = [(("scene", "loading"), scene.loading)]
     for place, load in (*loads, *((("path", i), step) for i, step in enumerate(path))):
         yield "at once", place, load.duration is None

@@ -165,8 +165,8 @@ def equilibrate(
             most = hardness * (1.0 + options.residual)
             yielding = rows[(result.status[rows] != Status.ok) | _above(most, result, rows)]
             for row in np.setdiff1d(rows, yielding):  # loaded again up to where it has yielded, but for the residual
-                excess = float(result.pressure[row].max()) / hardness - 1.0
-                result.residual[row] = max(result.residual[row], excess)
+                overshoot = float(result.pressure[row].max()) / hardness - 1.0
+                result.residual[row] = max(result.residual[row], overshoot)
             if yielding.size:
                 _solve(batch, interface, yielding, borne, options, result)
         share = result.n_transforms[rows] / result.n_transforms[rows].sum()

@@ -139,11 +139,11 @@ class SpectralResponse:
         return np.array([*moved[: len(along)], out])
 
     def in_series(self, other: "SpectralResponse", compliance_fraction: float) -> "SpectralResponse":
-        """Response of two bodies that face each other, for how far they approach and slide past each other.
+        """Response of two bodies that face each other: of their approach and relative tangential displacement.
 
         Compliances add up wave by wave, but the couplings xz and yz subtract: one pressure moves both surfaces along x
-        the same way. What is left on half-spaces is 2 beta/q with Dundurs' beta. Each body is given in its own E*, the
-        result is in that of both together; `compliance_fraction` is the other's part of 1/E*.
+        the same way. The difference on half-spaces is 2 beta/q with Dundurs' beta. Each body counts in its own E*, the
+        result in the E* of both together; `compliance_fraction` is the part of the other body in 1/E*.
         """
         window = None
         if self.window is not None and other.window is not None:
@@ -191,7 +191,8 @@ class SpectralResponse:
     def with_yielding(self, compliance: float) -> "SpectralResponse":
         """Response with a wall that yields to the pressure at each node.
 
-        `compliance` is how far, in L_x/E*. A mean displacement that nothing restores stays so.
+        The wall yields by `compliance` (L_x/E*) times the pressure. A mean displacement that nothing restores remains
+        free.
         """
         window = self.window
         if window is not None:

@@ -18,9 +18,9 @@ def in_series(own: Reals, other: Reals, compliance_fraction: float) -> Reals:
     """Stiffness `[(ny,) nx // 2 + 1]` of two bodies under one pressure, whose displacements add up wave by wave.
 
     The stiffnesses `own` and `other` count in the E* of their bodies, the result K in the E* of both together. With the
-    part `compliance_fraction` of the other body in 1/E*,
+    `compliance_fraction` f of the other body, its part of 1/E*,
 
-        1 / K = (1 - share) / own + share / other.
+        1 / K = (1 - f) / own + f / other.
     """
     with np.errstate(divide="ignore"):
         return np.asarray(1.0 / ((1.0 - compliance_fraction) / own + compliance_fraction / other))

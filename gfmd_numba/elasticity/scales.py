@@ -76,6 +76,6 @@ def _scales(bodies: tuple[Body, ...], length: float | None, in_pascal: bool) -> 
     branches = [body.relaxation or () for body in own]
     series = [PronySeries(tuple(each.modulus for each in of), tuple(each.time for each in of)) for of in branches]
     relaxation = None
-    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its share
+    if any(branches):  # two bodies give way alike, as the table of combinations says, each by its fraction
         relaxation = series[0] if len(series) == 1 else in_series(tuple(zip(fractions, series, strict=True)))
     return Scales(length or 1.0, modulus, time, tuple(map(elastic_body, own)), fractions, relaxation)

@@ -116,7 +116,7 @@ def formed_at(
 
 @dataclass(frozen=True)
 class RoughSurface:
-    """Surface of the flat body from which the rough one is continued, under its load, and the parts of each order from 1.
+    """Surface of the flat body from which the rough one is continued, under its load, and the parts of further orders.
 
     `formed` is the surface as the topography was formed.
     """

@@ -1,6 +1,7 @@
 """Where a contact ends between two nodes, against closed forms."""
 
 import warnings
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -129,6 +130,20 @@ def test_edges_on_thin_bodies_lie_where_a_finer_grid_has_them(name):
     assert true > 12.0
     assert abs(mean.mean() - true) < 0.1
     assert np.abs(located - true).max() < 0.3
+
+
+def test_what_all_edges_are_off_by_adds_up_and_what_each_is_off_by_does_in_squares():
+    """Of the same stretches three times side by side, on a slab that is as much thinner."""
+
+    def error(copies):
+        touching, none = np.tile(np.arange(64) % 16 < 5, copies)[np.newaxis], np.zeros((1, 64 * copies))
+        found, slab = SimpleNamespace(touching=touching, plastic=None), ElasticBody(0.3, 0.01 / copies)
+        made = Contact(none, none, found, stiffness=slab.condensed_stiffness)
+        return evaluation.contact_area_fraction_error(made)[0] * touching.size
+
+    once, thrice, each = error(1), error(3), 8 / 12.0
+    assert once**2 > 1.01 * each
+    assert thrice**2 - 3.0 * each == pytest.approx(9.0 * (once**2 - each))
 
 
 def solved(nx, aspect_ratio, reduced_pressure):

@@ -19,7 +19,7 @@ from gfmd_numba.elasticity.spectral_response import SpectralResponse
 from gfmd_numba.fourier import grid, transform
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.roughness.surfaces import given_surface
-from gfmd_numba.solvers.equilibrium import equilibrate
+from gfmd_numba.solvers.equilibrium import equilibrate, following
 from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
@@ -209,6 +209,16 @@ def test_a_path_of_loads_comes_back_to_where_it_was():
         np.testing.assert_allclose(first["pressure"], last["pressure"], atol=1e-6 * float(first["pressure"].max()))
         approach = found["approach"].values
         assert approach[1] / approach[0] == pytest.approx(2.0 ** (2.0 / 3.0), rel=5e-3)
+
+
+def test_a_load_that_is_repeated_begins_where_it_has_ended():
+    contact = pressed(rough(64, 1), 0.02)
+    found, sunk = contact.equilibrium, contact.approach
+    response = free_body.response((64,), ElasticBody(None, None), (True,))
+    begun = free_window.start(following(found, contact.punch + sunk, 0.0), found, sunk, response, (True,))
+    reached = found.displacement + sunk
+    assert abs(sunk).min() > 0.1 * np.ptp(reached)
+    np.testing.assert_allclose(begun.displacement[:, :64], reached, atol=1e-8 * np.ptp(reached))
 
 
 def test_random_surfaces_are_patches_of_wider_ones():
@@ -420,7 +430,7 @@ def test_a_campaign_takes_the_means_of_patches(tmp_path):
 def test_a_window_has_no_thermodynamic_limit(key):
     without = {name: value for name, value in CAMPAIGN.items() if "target" not in key or name != "realisations"}
     without = {name: value for name, value in without.items() if "target" not in key or name != "reference"}
-    with pytest.raises(gfmd_numba.InputError, match=r"limits.*eps_c and eps_f alone.*a window has a size"):
+    with pytest.raises(gfmd_numba.InputError, match=r"^limits: you gave.*eps_c and eps_f alone.*a window has a size"):
         gfmd_numba.run(without | key, "nowhere")
 
 

@@ -53,6 +53,7 @@ def test_traction_and_stiffness_are_derivatives_of_the_energy(law):
     assert law.softening == pytest.approx(max(-law.stiffness(fine).min(), 0.0), rel=1e-6)
     most, least = law.traction(fine).max(), law.traction(fine).min()
     assert law.strength == pytest.approx(most if most > 0.0 else least, rel=1e-6)
+    assert (law.reach > 0.0) == (most > 0.0)
 
 
 @of_each_law

@@ -8,6 +8,8 @@ from click.testing import CliRunner
 
 import gfmd_numba
 from gfmd_numba.cli import main
+from gfmd_numba.contact.rough_surfaces import RoughBody, change_of_thickness
+from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.scene import InputError
 from gfmd_numba.solvers.status import Status
 from support.rough_bodies import BODY, ROUGH, X, measured, rough, scene
@@ -31,6 +33,12 @@ def film(folder, order, amplitude=0.02, thickness=0.05):
     wave = measured(folder, height * np.cos(2 * np.pi * X))
     body = BODY | {"aspect_ratio": thickness, "roughness": wave}
     return gfmd_numba.solve(scene(order, {"displacement": height / 3}, body=body))
+
+
+def test_waves_no_shorter_than_2_pi_thicknesses_change_that_of_a_film():
+    x = 2.0 * np.pi * np.arange(64) / 64
+    body = RoughBody(elastic=ElasticBody(0.3, 0.1), share=1.0, heights=0.01 * np.cos(x) + 0.02 * np.cos(2.0 * x))
+    assert change_of_thickness(body) == pytest.approx(0.1)
 
 
 def test_order_0_is_doubted_in_thin_films_and_off_by_as_much_as_it_says(tmp_path):

@@ -139,7 +139,7 @@ REFUSED = {
         "path[0].speed: you gave '1 mm/s'; gfmd allows a speed where the loading has one",
     ),
     "a speed and a duration": (
-        changed(CREEP, "scene", "loading", speed="1 mm/s", duration="1 s"),
+        changed(CREEP, "scene", "loading", speed="1 mm/s", duration="1 s") | {"path": []},
         "scene.loading.duration: you gave '1 s'; gfmd allows nothing with a sliding speed",
     ),
     "a speed and a way": (
@@ -175,6 +175,7 @@ def test_what_does_not_go_together_is_refused_where_it_stands(name):
     start, _, end = said.partition(" ... ")
     assert str(refused.value).startswith(start)
     assert end in str(refused.value)
+    assert "\n" not in str(refused.value)  # and nowhere else
 
 
 @pytest.mark.long

@@ -5,12 +5,14 @@ import pytest
 
 from gfmd_numba.elasticity.body import ElasticBody
 from gfmd_numba.elasticity.moduli import Material
+from gfmd_numba.interface import vector_slip
 from gfmd_numba.interface.interactions import Interactions
 from gfmd_numba.interface.xu_needleman import XuNeedlemanLaw
 from gfmd_numba.roughness import self_affine
 from gfmd_numba.solvers.equilibrium import begin, equilibrate, following
 from gfmd_numba.solvers.iteration import Batch, Start
 from gfmd_numba.solvers.table import Options
+from gfmd_numba.solvers.truncated_newton import EnergyOfSlip
 from support.frictional_maps import rough
 
 LAW = XuNeedlemanLaw(2e-3, 2e-2, 4e-2)
@@ -78,6 +80,20 @@ def test_a_turned_map_has_the_turned_answer(hard_wall):
     np.testing.assert_allclose(other.tangential.traction[:, 1], turn(along), atol=1e-8 * peak)
     np.testing.assert_allclose(other.tangential.traction[:, 0], -turn(across), atol=1e-8 * peak)
     assert min(np.abs(along).max(), np.abs(across).max()) > 1e-2 * peak
+
+
+def test_the_curvature_along_a_direction_is_the_second_derivative_of_the_energy():
+    rng, law = np.random.default_rng(0), EnergyOfSlip(LAW)
+    gap, slip, moved = rng.uniform(0.01, 0.05, 12), rng.uniform(-0.04, 0.04, (2, 12)), rng.normal(size=(3, 12))
+    curvature, pulled = np.zeros((2, 3, 12))
+    law.fill_curvature(gap, slip, curvature)
+    coupling = law.add_coupling(moved, pulled)
+    way = 1e-5 * np.reshape((-1.0, 0.0, 1.0), (-1, 1))
+    slipped = vector_slip.length(slip[:, np.newaxis] - way * moved[:2, np.newaxis])
+    before, at, behind = LAW.energy(gap - way * moved[2], slipped).sum(axis=1)
+    expected = (before - 2.0 * at + behind) / 1e-10
+    assert (curvature * moved**2).sum() + coupling == pytest.approx(expected, rel=1e-5)
+    assert (moved * pulled).sum() == pytest.approx(coupling)
 
 
 def restored(u, stiffness):

@@ -38,7 +38,7 @@ def test_radius_and_load_of_a_cylinder_vary(tmp_path):
 @pytest.mark.parametrize(
     ("form", "grid", "levels"),
     [
-        ({"slope": 0.01}, {"slope": [0.01, 0.02]}, LEVELS),
+        pytest.param({"slope": 0.01}, {"slope": [0.01, 0.02]}, LEVELS, marks=pytest.mark.long),
         (
             {"width": "0.1 mm", "edge_radius": "5 mm"},
             {"width": ["0.1 mm", "0.2 mm"], "edge_radius": ["5 mm", "20 mm"]},

@@ -126,7 +126,7 @@ def test_a_note_that_many_groups_have_with_other_numbers_is_told_once(capsys):
     ("aspect_ratio", "said"),
     [
         (np.inf, ""),
-        (0.1, "as eps_t -> 0 a slab becomes infinitely thick"),
+        pytest.param(0.1, "as eps_t -> 0 a slab becomes infinitely thick", marks=pytest.mark.long),
         (None, "as eps_t -> 0 layers become infinitely thick"),
     ],
     ids=["half-space", "slab", "layers"],

@@ -85,7 +85,7 @@ def test_each_step_is_bounded_least_squares_on_the_punch_that_the_last_one_left(
 
 @pytest.mark.parametrize("shape", [(512,), (32, 32)])
 @pytest.mark.parametrize("body", [ElasticBody(None, None), ElasticBody(0.5, 0.05), ElasticBody(0.49, 0.02)])
-@pytest.mark.parametrize("hardness", [0.05, 0.3])
+@pytest.mark.parametrize("hardness", [0.05, pytest.param(0.3, marks=pytest.mark.long)])
 def test_many_steps_of_a_growing_load_are_one(shape, body, hardness):
     loads = 0.6 * hardness * np.arange(1, 7) / 6
     problems, many = steps(rough(shape), loads, hardness, body)

@@ -119,7 +119,7 @@ def test_all_displacements_are_those_in_a_long_period_but_for_what_is_uniform(bo
     ],
     ids=["half-space", "friction on a slab"],
 )
-@pytest.mark.parametrize("axis", ["x", "y"])
+@pytest.mark.parametrize("axis", ["x", pytest.param("y", marks=pytest.mark.long)])
 def test_a_cylinder_along_the_period_is_that_of_a_profile(axis, more, way):
     loading, flat = {"displacement": 0.01}, 1e9
     of_map = {"radius": 4.0, "radius_y": flat} if axis == "y" else {"radius": flat, "radius_y": 4.0}

@@ -13,7 +13,7 @@ from gfmd_numba.scene import InputError
 from support import mutants
 from support.forked_trial import can_be_read, tried_in_a_fork  # noqa: F401
 
-MANY, FEW = 12, 30  # of each kind
+MANY, FEW = 12, 15  # of each kind
 SECONDS, BYTES = 60, 10 * 2**30  # that one may take
 
 

@@ -73,6 +73,7 @@ def test_a_path_with_displacement_control_and_an_incompressible_slab_is_solved()
     assert (np.diff(result["mean_pressure"])[[0, 2]] * [1, -1] > 0.0).all()
 
 
+@pytest.mark.long
 def test_a_campaign_of_maps_drags_a_cohesive_contact(tmp_path):
     file = {
         "name": "cohesion-on-maps",

@@ -27,7 +27,10 @@ def pressed(a, dimension, points, nu=0.3, **more):
     return scene | more, 2.0 * a / (np.pi * RADIUS) if dimension == 2 else 0.5 * a / RADIUS
 
 
-@pytest.mark.parametrize(("dimension", "points", "largest", "at"), [(2, 64, 0.310, 0.48), (1, 256, 0.300, 0.786)])
+@pytest.mark.parametrize(
+    ("dimension", "points", "largest", "at"),
+    [pytest.param(2, 64, 0.310, 0.48, marks=pytest.mark.long), (1, 256, 0.300, 0.786)],
+)
 def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, largest, at):
     """Johnson, Contact Mechanics, 3.4 and 4.2: half the difference of the principal stresses on the axis."""
     a = 0.2

@@ -58,6 +58,7 @@ def test_nothing_changes_but_the_sign_of_the_traction_if_the_bodies_change_place
     close(above["energy_lost"], below["energy_lost"])
 
 
+@pytest.mark.long
 def test_against_a_nearly_rigid_body_the_other_rubs_as_under_a_rigid_punch():
     stiff = {"youngs_modulus": 1e9, "poissons_ratio": 0.2, "aspect_ratio": 1.0}
     way = 3e-4
@@ -82,6 +83,7 @@ def test_between_equal_half_spaces_friction_has_nothing_to_do():
     assert abs(unlike["tangential_traction"]).max() > 0.05 * MU * unlike["pressure"].max()
 
 
+@pytest.mark.long
 def test_two_equal_deep_slabs_rub_like_one_incompressible_slab():
     """Their couplings cancel, and in E* all waves are as stiff; one slab is as deep as holds the mean equally."""
     nu, depth = 0.2, 4.0

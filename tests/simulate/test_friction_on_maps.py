@@ -116,6 +116,7 @@ def test_an_incompressible_half_space_needs_no_friction():
     assert "tangential_traction" not in result
 
 
+@pytest.mark.long
 def test_a_campaign_of_maps_varies_friction(tmp_path):
     file = {
         "name": "friction-on-maps",

@@ -279,6 +279,7 @@ def test_the_axis_stands_in_the_scene():
     assert axis.value(Scene.model_validate(scene()), None) is None
 
 
+@pytest.mark.long
 def test_a_study_of_solvers_runs_those_that_can():
     whole = scene() | {"interface": {"hard_wall": {"hardness": 0.1}}}
     campaign = {"name": "hard", "seed": 1, "realisations": 1, "scene": whole, "reference": EPS}

@@ -195,6 +195,7 @@ def test_a_smooth_body_below_a_nearly_rigid_one_follows_the_inclined_punch():
     assert off(found, expected) < 0.05 * by_theory  # the mesh's own error
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("facing", ["roughness", pytest.param("counter_body", marks=pytest.mark.long)])
 def test_a_diagonal_ridge_is_the_profile_seen_at_an_angle(facing):
     """Half-spaces know no length: a diagonal ridge has a period shorter by the root of 2, and all lengths with it."""

@@ -273,6 +273,7 @@ def test_every_column_says_what_it_is():
         assert variable.attrs["units"] if name != "status" else variable.attrs["flag_meanings"]
 
 
+@pytest.mark.long
 def test_rough_bodies_and_laws_have_load_curves():
     rough = scene_file(body={"poissons_ratio": 0.33, "roughness": scene_file()["scene"]["roughness"]}, roughness=None)
     assert (load_curve(rough, [0.05, 0.1])["contact_stiffness"] > 0).all()

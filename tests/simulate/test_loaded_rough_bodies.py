@@ -73,6 +73,7 @@ def displacements(found):
     return np.stack([found[name].values for name in names if name in found])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("order", "off"), [(0, 5e-5), (2, 3e-8)])
 def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_elements, tmp_path, order, off):
     along, normal = tractions(X)

@@ -80,6 +80,7 @@ def doubts(**plasticity):
     return gfmd_numba.solve(changed("scene", "body", plasticity=own) | {"path": []}).attrs["validity"]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_layers_sublayers_and_increments_that_are_too_few_are_told():
     assert "lowest sublayer" in doubts(depth="50 um")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import gfmd_numba
+from support.cases import some_of
 
 NX = 24
 X = np.arange(NX) / NX
@@ -63,7 +64,7 @@ def solved(case, order, folder, along=None):
 
 
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", some_of(CASES, 2, 3))
 @pytest.mark.parametrize(
     ("order", "along", "across"), [pytest.param(1, "x", "y", marks=pytest.mark.long), (2, "y", "x")]
 )
@@ -87,6 +88,7 @@ def diagonal(values):
     return values[np.add.outer(np.arange(NX), np.arange(NX)) % NX]
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 @pytest.mark.parametrize("is_cohesive", [pytest.param(True, marks=pytest.mark.long), False])
 def test_a_diagonal_ridge_is_the_profile_of_a_shorter_period(is_cohesive, tmp_path):

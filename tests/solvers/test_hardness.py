@@ -133,7 +133,7 @@ def test_a_sinusoid_flattens_as_bounded_least_squares_say(share):
 
 @pytest.mark.parametrize("solver", SOLVERS)
 @pytest.mark.parametrize("shape", [(512,), (33, 33)])
-@pytest.mark.parametrize("hardness", [0.003, 0.6])
+@pytest.mark.parametrize("hardness", [0.003, pytest.param(0.6, marks=pytest.mark.long)])
 def test_conditions_hold_with_both_bounds(solver, shape, hardness):
     punch = rough(shape)
     for share in (0.02, 0.5, 0.95):

@@ -76,7 +76,7 @@ def test_the_energy_never_rises_and_ends_in_equilibrium(interface, load):
 
 
 @pytest.mark.parametrize("interface", [REPULSION, WITH_A_WALL, WALL], ids=["repulsion", "both", "wall"])
-@pytest.mark.parametrize("load", [1e-3, 1.0])
+@pytest.mark.parametrize("load", [1e-3, pytest.param(1.0, marks=pytest.mark.long)])
 def test_the_one_equilibrium_of_a_convex_energy_is_that_of_the_dynamics(interface, load):
     punch, body = surface(128)
     newton, verlet = (

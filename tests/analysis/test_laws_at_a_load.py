@@ -39,6 +39,7 @@ def test_an_area_at_one_load_has_the_limit_of_kappa(results):
     np.testing.assert_allclose(area["contact_area_fraction_tfc_error"], load * kappa["kappa_tfc_error"], rtol=1e-6)
 
 
+@pytest.mark.long
 def test_a_step_of_a_path_has_the_law_of_its_own_load(results):
     """An elastic contact does not remember, so that the step has the limit of a campaign under its load alone."""
     steps = gfmd_numba.fit_tfc(results["path"])

@@ -68,6 +68,7 @@ def test_surfaces_that_attract_each_other_apart_are_drawn(dimension):
     assert float(statistics["gap_density"].sum() * statistics["gap"].diff("gap")[0]) == pytest.approx(1.0)
 
 
+@pytest.mark.long
 def test_a_contact_under_a_displacement_is_not_called_a_step(rough):
     held = rough.drop_vars("reduced_pressure")  # which a displacement leaves out
     (legend,) = plot_contact(held).legends

@@ -51,6 +51,7 @@ def below_map(dragged_map, request):
     return gfmd_numba.body_fields(dragged_map, **request.param)
 
 
+@pytest.mark.long
 def test_the_tangential_traction_of_a_profile_is_drawn_in_the_unit_of_its_pressure(dragged):
     figure = plot_contact(dragged)
     below = figure.axes[-1]
@@ -226,6 +227,7 @@ def test_the_map_of_a_conductance_fills_its_picture(pressed_map):
     assert widest_bare_rim(plot_conductance(gfmd_numba.contact_conductance(pressed_map), "double")) < 0.3
 
 
+@pytest.mark.long
 def test_bodies_that_do_not_touch_are_drawn_in_a_unit_of_their_gap():
     scene = SCENE | {"interface": {"hard_wall": {}}, "loading": {"displacement": 0.0}}
     figure = plot_contact(gfmd_numba.solve({"scene": scene, "discretisation": GRID}))

@@ -124,6 +124,7 @@ def campaign(tmp_path_factory):
     return gfmd_numba.run(file, file.parent / "loads")
 
 
+@pytest.mark.long
 def test_campaign_is_compared_load_by_load(campaign):
     found = secant_stiffness(campaign)
     assert found.sizes == {"interval": 8}  # two intervals of two Hurst exponents and two grids

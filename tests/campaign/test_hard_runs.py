@@ -12,6 +12,7 @@ from gfmd_numba.campaign.shards import Finished, path_of
 from support.campaigns import campaign
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("cases", [30, pytest.param(500, marks=pytest.mark.long)])
 def test_memory_and_file_handles_stay_flat_over_many_cases(tmp_path, cases):
     (tmp_path / "shards").mkdir()

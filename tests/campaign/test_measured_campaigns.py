@@ -25,7 +25,7 @@ RANDOM = {"method": "psd", "hurst": 0.8, "rms_gradient": 0.05}
 GRID = {"reduced_pressure": [0.01, 0.05], "aspect_ratio": [0.1, 1.0]}
 
 
-KINDS = {"params": [1, 2], "ids": ["profile", "map"]}
+KINDS = {"params": [1, pytest.param(2, marks=pytest.mark.long)], "ids": ["profile", "map"]}
 
 
 @pytest.fixture(**KINDS)

@@ -212,6 +212,7 @@ def test_a_length_at_which_no_wave_is_left_is_refused_everywhere(scale):
         gfmd_numba.make_surface({"surface": smooth})
 
 
+@pytest.mark.long
 def test_surfaces_with_a_grid_of_their_own_have_no_eps(tmp_path):
     tiny = MODEL | {"correlation_length": 1e-20}  # whose eps_f would be 1e19
     results = gfmd_numba.run(campaign(tiny, {"hurst": [0.5, 0.8]}), tmp_path / "out", workers=0)

@@ -197,6 +197,7 @@ def test_times_of_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     assert gfmd("plot", tmp_path / "c.nc", "-o", tmp_path / "again.png").exit_code == 0
 
 
+@pytest.mark.long
 def test_speeds_over_a_creeping_body_are_written_printed_and_drawn(tmp_path):
     soft = SCENE.replace("youngs_modulus: 70e9, ", "youngs_modulus: 70e9, relaxation: [{modulus: 7e10, time: 2}], ")
     (tmp_path / "tyre.yaml").write_text(soft)

@@ -104,9 +104,8 @@ def no_pictures(monkeypatch):
 @pytest.mark.parametrize(
     "name",
     [
-        "small",
         "contact.nc",
-        *(pytest.param(name, marks=pytest.mark.long) for name in ("path.nc", "curve.nc", "fit.nc")),
+        *(pytest.param(name, marks=pytest.mark.long) for name in ("small", "path.nc", "curve.nc", "fit.nc")),
     ],
 )
 def test_a_page_needs_no_other_file(page_of, name):

@@ -58,6 +58,7 @@ verify small
 """
 LINES, LONG = COMMANDS.strip().splitlines(), pytest.mark.long
 RARE = ("accuracy", "doctor", "plan campaign.yaml --target", "statistics map", "curve one.yaml --loads 1e-3:1:2 --real")
+RARE += ("run means", "plot small", "report small", "collect small", "curve one", "statistics steps", "leakage steps")
 RARE += ("curve broken", "leakage map", "run broken", "conductance steps")
 
 

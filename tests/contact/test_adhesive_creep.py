@@ -53,6 +53,7 @@ def test_a_slow_path_is_that_of_the_relaxed_body():
     np.testing.assert_array_equal(slow["gap"] == 0.0, elastic["gap"] == 0.0)
 
 
+@pytest.mark.long
 def test_a_load_at_once_is_that_of_the_glassy_body():
     glassy = drawn_off(None, modulus=4.0, steps=1)
     first = gfmd_numba.solve(

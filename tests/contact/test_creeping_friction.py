@@ -69,6 +69,7 @@ def test_a_punch_that_sticks_all_over_meets_the_memory_of_a_slab():
         assert float(found["mean_tangential_traction"][i]) == pytest.approx(expected, rel=1e-8)
 
 
+@pytest.mark.long
 def test_loads_at_once_find_a_glassy_body_and_slow_ones_a_relaxed_one():
     """The elastic path is divided as often as the slow one, as friction depends on the way."""
     loads, ways = np.linspace(0.05, 0.1, 5)[1:], np.linspace(0.0, 4e-4, 5)[1:]

@@ -404,6 +404,7 @@ CAMPAIGN = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
 def test_a_campaign_takes_the_means_of_patches(tmp_path):
     with pytest.warns(UserWarning, match="^in 1 of 2 cases: the contact reaches the edge of the window"):
@@ -425,6 +426,7 @@ def test_a_window_has_no_thermodynamic_limit(key):
         gfmd_numba.run(without | key, "nowhere")
 
 
+@pytest.mark.long
 def test_the_radius_of_a_rough_roller_has_a_limit_with_an_error(tmp_path):
     """In eps_c, each level on the same surfaces; a variable that needs a form or a window is refused without."""
     limits = {"limits": {"eps_c": [1 / 2, 1 / 8]}, "fit": {"variable": "contact_radius", "fixed": {"eps_c": [1, 3]}}}

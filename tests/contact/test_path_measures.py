@@ -24,6 +24,7 @@ LAW = {"work_of_adhesion": -1e-6, "range": 1e-3}
 FILE = {"scene": SCENE, "discretisation": {"eps_c": 1 / 4, "eps_f": 1 / 8, "eps_t": 1 / 2}, "seed": 1}
 
 
+@pytest.mark.long
 def test_a_cycle_of_pressure_on_a_half_space_loses_what_slips():
     """No energy of the mean displacement is known there; the work of the pressure makes up for it."""
     steps = 3

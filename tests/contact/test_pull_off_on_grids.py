@@ -40,6 +40,7 @@ def pull_off(nodes):
     return most, law.softening / body[-1]
 
 
+@pytest.mark.long
 def test_pull_off_of_a_wave_is_off_by_what_x_says():
     """Johnson, Int. J. Solids Struct. 32:423 (1995): p = p* sin^2 psi - (2 E* w tan psi / L_x)^(1/2)."""
     psi = np.linspace(1e-3, 0.6, 100001)

@@ -71,6 +71,7 @@ def test_a_stiff_coating_that_valleys_thin_to_a_half_is_solved_at_the_first_orde
     assert off < 5.0 * float(first["next_order"])
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")
 def test_steep_bodies_under_steep_punches_come_to_rest():
     """Plain rounds jump between two states for ever in the first scene, and come nearer by 8 % in the second."""

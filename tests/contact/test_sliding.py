@@ -259,6 +259,7 @@ def marched(points, tolerance, ways, speed=0.05, load=0.3):
     return gfmd_numba.solve(marching, heights=heights), gfmd_numba.solve({"scene": steady}, heights=heights)
 
 
+@pytest.mark.long
 def test_a_punch_that_sets_off_comes_to_slide_steadily():
     found, steady = marched(64, 1e-2, (1.0,))
     assert not found["status"].any()

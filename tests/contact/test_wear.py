@@ -82,6 +82,7 @@ def test_a_sine_wears_to_its_flat():
     assert np.ptp(pressure) < 0.1 * pressure.mean()
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 def test_a_body_that_creeps_wears_the_same_volume():
     whole = scene(periodic=False, relaxation=[{"modulus": 3.0, "time": 1.0}])

@@ -170,6 +170,7 @@ def test_the_wall_alone_parts_nodes_under_a_pattern_and_in_full_contact(tmp_path
         assert found["kappa_residual_error"] < 1e-6
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # of a campaign so small
 def test_a_campaign_has_a_pattern_on_its_one_grid(tmp_path):
     """As the work of adhesion it multiplies: half the pattern is half the work."""

@@ -118,6 +118,7 @@ def test_higher_orders_of_a_ridge_are_those_of_the_profile(order, along):
         np.testing.assert_allclose(cut[name], expected[name], atol=1e-7 * scale, err_msg=name)
 
 
+@pytest.mark.long
 def test_the_first_order_is_nearer_to_the_second_than_order_0_is():
     steep = ROUGH | {"rms_gradient": 0.025}
     orders = [solved(body=BODY | {"roughness": steep}, numerics={"topography_order": order}) for order in (0, 1, 2)]

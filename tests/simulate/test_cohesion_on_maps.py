@@ -64,6 +64,7 @@ def test_the_work_of_a_drag_is_the_energy_it_stores(dragged):
     assert less == pytest.approx(seems_lost / 4.0, rel=0.05)
 
 
+@pytest.mark.long
 def test_a_path_with_displacement_control_and_an_incompressible_slab_is_solved():
     body = {"youngs_modulus": 1e9, "poissons_ratio": 0.5, "aspect_ratio": 0.3}
     steps = [{"displacement": 3e-8}, {"sliding_y": 3e-8}, {"displacement": -1e-8}]

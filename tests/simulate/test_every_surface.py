@@ -62,6 +62,7 @@ def test_it_is_pressed_as_it_is_made(dimension, name):
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("dimension", "name"), [(1, "addition")])
 def test_a_campaign_presses_the_surfaces_of_a_scene(tmp_path, dimension, name):
     campaign = {"name": "tiny", "seed": SEED, "realisations": 2, "scene": scene(dimension, name)}

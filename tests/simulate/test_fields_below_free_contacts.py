@@ -65,6 +65,7 @@ def test_at_the_surface_they_are_what_was_solved():
     np.testing.assert_allclose(found["displacement_3"], contact["displacement"], atol=1e-6 * deepest)
 
 
+@pytest.mark.long
 def test_lengths_and_moduli_scale_what_is_inside():
     scene, _ = pressed(0.2, 2, 32)
     one = gfmd_numba.body_fields(gfmd_numba.solve(scene), [-0.1], x=0.5)

@@ -175,7 +175,7 @@ def test_it_lies_under_every_roughness(dimension, name):
     assert not both.attrs["validity"] or name == "measured"
 
 
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_it_is_the_same_wherever_the_roughness_and_the_moduli_lie(dimension):
     form, rough = FORMS["ball"], ROUGHNESS["psd"]
     twice = {"youngs_modulus": 2.0, "poissons_ratio": 0.0}

@@ -169,6 +169,7 @@ def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(count
 MAP = 16
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("axis", [pytest.param("x", marks=pytest.mark.long), "y"])
 def test_two_bodies_of_a_ridge_rub_like_those_of_its_profile(axis):
     x = np.arange(MAP) / MAP
@@ -199,6 +200,7 @@ def test_two_bodies_of_a_ridge_rub_like_those_of_its_profile(axis):
     assert 0.0 < float(found["next_order"][1]) <= float(profile["next_order"][1])
 
 
+@pytest.mark.long
 def test_cattaneo_and_mindlin_are_exact_for_equal_bodies_that_do_not_contract():
     """With nu = 0 and beta = 0 waves give way alike in all directions, and the traction is a difference of pressures.
 

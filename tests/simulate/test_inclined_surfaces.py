@@ -94,6 +94,7 @@ def test_two_rough_bodies_are_those_of_finite_elements():
     assert together == pytest.approx(force.sum(), rel=5e-3)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("pair", "along"), [pytest.param("roughness", "x", marks=pytest.mark.long), ("counter_body", "y")]
 )

@@ -166,6 +166,7 @@ def test_all_solvers_find_the_same_contact_on_layers(body):
         np.testing.assert_array_equal(touching, found["verlet"], err_msg=solver)
 
 
+@pytest.mark.long
 def test_all_solvers_find_the_same_contact_at_a_given_displacement():
     found = {}
     for solver in able(["dimension 1", "hard wall"]):
@@ -239,6 +240,7 @@ def test_a_loaded_stack_moves_by_the_sum_of_its_layers():
         gfmd_numba.solve(file | {"body": SOFT_ON_HARD})
 
 
+@pytest.mark.long
 def test_a_campaign_with_layers_runs(tmp_path):
     campaign = {
         "name": "coated",

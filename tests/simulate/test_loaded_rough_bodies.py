@@ -135,6 +135,7 @@ def test_every_order_brings_a_loaded_map_nearer_to_the_field_on_its_true_surface
     assert errors[1][2] < 1e-4 * abs(moved).max()
 
 
+@pytest.mark.long
 def test_a_displaced_map_bears_the_tractions_of_the_field_on_its_true_surface(tmp_path):
     heights, traction, moved = on_true_surface(0.004)
     held, worst = np.hypot(X2 - 0.5, Y2 - 0.5) < 0.3, []

@@ -157,6 +157,7 @@ def test_a_surface_file_counts_by_the_period_of_its_file(profile):
         gfmd_numba.make_surface(bare | {"hurst_range": described["hurst_range"]})
 
 
+@pytest.mark.long
 def test_a_load_curve_counts_by_the_period_of_the_file(profile, tmp_path):
     loads = ["0.05 um", "0.1 um"]
     found = gfmd_numba.load_curve(scene(profile), loads)

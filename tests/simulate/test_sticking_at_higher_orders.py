@@ -100,6 +100,7 @@ def test_sticking_is_friction_of_a_very_large_coefficient():
     close(stuck, rough, 1e-7, ("pressure", "displacement", "tangential_displacement", "tangential_traction"))
 
 
+@pytest.mark.long
 def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_contact():
     loads = {"loading": {"displacement": 4e-4}, "law": LAWS["attraction"]}
     rubbed, smooth, bare = (

@@ -65,7 +65,7 @@ def close(found, expected, tolerance=1e-7):
     ("dimension", "control", "interface"),
     [
         (1, "pressure", FRICTION),
-        (1, "displacement", COHESIVE | {"hard_wall": {}}),
+        pytest.param(1, "displacement", COHESIVE | {"hard_wall": {}}, marks=pytest.mark.long),
         pytest.param(2, "pressure", COHESIVE, marks=pytest.mark.long),
     ],
 )

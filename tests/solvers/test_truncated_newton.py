@@ -107,6 +107,7 @@ def retraction(solver, n, law, step, last, residual=1e-8):
     return found
 
 
+@pytest.mark.long
 def test_a_resolved_branch_is_that_of_the_dynamics_for_an_eighth_of_the_transforms():
     """Up to the jump: x = 0.08, where no node snaps on its own."""
     law = ExponentialLaw(6e-3, 4.83e-3 * np.sqrt(2.0))
@@ -161,6 +162,7 @@ def test_a_first_load_ends_on_the_branch_of_many_small_ones_and_of_the_dynamics(
         np.testing.assert_allclose(at_once.pressure, other.pressure, rtol=0, atol=1e-6 * other.pressure.max())
 
 
+@pytest.mark.long
 def test_a_map_at_rest_begins_on_coarser_grids_and_ends_on_the_branch_of_a_path():
     """Where the law is resolved, x = 0.2: a start says that there is a path, and takes no coarser grid."""
     waves = RandomSurface(SelfAffineWaves(0.8, 5, 16), 128, 2024, dimension=2)

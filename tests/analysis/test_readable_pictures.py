@@ -136,6 +136,7 @@ def test_heights_of_a_map_are_called_those_of_both_surfaces_where_the_body_is_ro
     assert plot_contact(rough).axes[0].images[0].colorbar.ax.get_xlabel() == "Height of both surfaces together (nm)"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("tension", "extend"), some_of([(0.0, "max"), (1e6, "both")], 1))
 def test_a_tension_beyond_the_colours_of_the_pressure_has_an_arrow(dragged_map, tension, extend):
     pulled = dragged_map.copy(deep=True)

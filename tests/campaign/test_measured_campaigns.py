@@ -130,6 +130,7 @@ def test_a_copy_of_the_campaign_in_its_directory_reads_the_same_file_from_anywhe
     assert len(list((folder / "steel" / "shards").glob("*.shard"))) == 4
 
 
+@pytest.mark.long
 def test_a_map_of_a_file_bears_a_force_without_a_dimension_in_the_scene(folder):
     heights, name = np.load(folder / "steel.npy"), {1: "line_load", 2: "force"}
     right, wrong = name[heights.ndim], name[3 - heights.ndim]

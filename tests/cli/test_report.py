@@ -235,6 +235,7 @@ def test_a_contact_that_is_not_ok_is_warned_of(no_pictures, page_of):
     assert "No warning" not in read.text
 
 
+@pytest.mark.long
 def test_names_are_text_and_no_markup(folder, no_pictures, tmp_path):
     with xr.open_dataset(folder / "contact.nc") as dataset:
         dataset.load().assign_attrs(title="<script>alert(1)</script>", validity="a < b & c").to_netcdf(

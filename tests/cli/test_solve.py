@@ -95,6 +95,7 @@ def test_solve_follows_a_path(tmp_path):
     assert "raise numerics.max_iterations" in said
 
 
+@pytest.mark.long
 def test_an_unstable_run_says_when_and_by_which_wave(tmp_path, monkeypatch):
     scene, out = tmp_path / "scene.yaml", tmp_path / "out.nc"
     scene.write_text(SCENE + "path: [{reduced_pressure: 0.1}]\nnumerics: {solver: verlet}\n")

@@ -104,6 +104,7 @@ def adhesive_problem(path, series=STANDARD, load=0.05, tolerance=1e-3, n=64, see
     )
 
 
+@pytest.mark.long
 def test_work_is_stored_dissipated_or_in_the_law_where_nothing_jumps():
     """Drawn off by a little from rest, so that the contact only shrinks."""
     steps = 16

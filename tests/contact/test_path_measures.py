@@ -53,6 +53,7 @@ def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law)
     assert taken.sum() > 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("dimension", "law"),
     [(1, {"exponential": LAW}), pytest.param(2, {"exponential": LAW}, marks=pytest.mark.long)],

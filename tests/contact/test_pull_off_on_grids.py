@@ -89,6 +89,7 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
     assert first_pull_off(128, WORK, tabor)[0] == pytest.approx(exact, rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore")  # of the grid and of slopes
 @pytest.mark.parametrize(
     ("laws", "step", "most"),

@@ -45,6 +45,7 @@ def test_shear_is_largest_below_the_surface_as_hertz_has_it(dimension, points, l
         np.testing.assert_allclose(inside["peak_von_mises"] / peak, 2.0 * shear, rtol=3e-3)
 
 
+@pytest.mark.long
 def test_at_the_surface_they_are_what_was_solved():
     """Of a cylinder dragged under friction, and of a ball: tractions, and displacements from the same reference."""
     friction = {"interface": {"hard_wall": {}, "friction": {"coefficient": 0.3}}}

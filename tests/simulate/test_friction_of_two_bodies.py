@@ -140,6 +140,7 @@ def test_partial_slip_of_a_wave_between_unlike_bodies_has_its_closed_form():
     assert fine < 0.5 * coarse
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
 @pytest.mark.parametrize("counter", [OTHER, pytest.param(PULLED_SKIN, marks=pytest.mark.long)])
 def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(counter):

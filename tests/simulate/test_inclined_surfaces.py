@@ -160,6 +160,7 @@ def test_two_bodies_that_change_places_find_the_same():
     assert float(one["pressure"].mean()) == pytest.approx(float(two["pressure"].mean()), rel=1e-4)
 
 
+@pytest.mark.long
 def test_both_bodies_bear_the_same_forces_and_fields_know_them():
     upper = {"roughness": heights(wave(X) - wave(X).mean())}
     found = solved(2, body=SLAB | {"roughness": heights(CREST)}, counter_body=OTHER | upper)

@@ -130,6 +130,7 @@ def test_the_fastest_damping_of_a_half_space_is_found_by_marching():
         assert slope(values, times) == pytest.approx(of_time, abs=0.06)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("nu", [0.3, pytest.param(0.49, marks=pytest.mark.long)])
 def test_the_fastest_damping_of_a_slab_is_found_by_marching(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""

@@ -24,6 +24,7 @@ def message(nodes_of_all, segments, **coordinates):
     return fit_tfc(dataset, fixed=ALPHA)["message"].item()
 
 
+@pytest.mark.long
 def test_stretches_of_a_profile_are_counted_along_it():
     for known in ({}, {"dimension": 1}):
         said = message(30, 20, **known)

@@ -115,6 +115,7 @@ def test_error_bars_are_standard_errors(campaign):
     assert np.isclose(half[:, None], expected.values, rtol=1e-9).any(axis=0).all()
 
 
+@pytest.mark.long
 def test_fit_adds_curves_and_the_extrapolated_panel(campaign, fitted):
     fit, figure = fitted, plot_campaign(campaign, fitted)
     assert figure.axes[-1].get_title() == "TFC limit"

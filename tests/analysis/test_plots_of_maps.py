@@ -123,7 +123,8 @@ def test_the_distributions_of_a_run_that_is_not_ok_are_not_drawn(rough, drawn):
     assert densities == []
 
 
-@pytest.mark.parametrize("gap", [0.0, pytest.param(1e-9, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("gap", [0.0, 1e-9])
 def test_full_contact_and_no_contact_are_drawn(rough, gap):
     rough["gap"][:] = gap
     rough["pressure"][:] = 0.0

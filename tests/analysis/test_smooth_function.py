@@ -49,7 +49,7 @@ def fit(hursts=HURSTS, pressures=PRESSURES, error=0.01, seed=0, alike=0.0, of=tr
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("of", "alike", "error"),
-    [pytest.param(truth, 0.3, 0.01, marks=pytest.mark.long), (nearly_full, 0.0, 1e-3)],
+    [(truth, 0.3, 0.01), (nearly_full, 0.0, 1e-3)],
 )
 def test_the_error_holds_between_the_limits(of, alike, error):
     """Whether errors are independent, or alike for neighbours: mostly within twice the error."""

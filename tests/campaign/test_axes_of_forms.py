@@ -35,10 +35,11 @@ def test_radius_and_load_of_a_cylinder_vary(tmp_path):
         assert float(width) == pytest.approx(1e-3 * exact, rel=2e-2)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("form", "grid", "levels"),
     [
-        pytest.param({"slope": 0.01}, {"slope": [0.01, 0.02]}, LEVELS, marks=pytest.mark.long),
+        ({"slope": 0.01}, {"slope": [0.01, 0.02]}, LEVELS),
         (
             {"width": "0.1 mm", "edge_radius": "5 mm"},
             {"width": ["0.1 mm", "0.2 mm"], "edge_radius": ["5 mm", "20 mm"]},

@@ -91,6 +91,7 @@ def test_it_says_how_many_simulations_failed(tmp_path, monkeypatch):
         gfmd_numba.run({"name": "fails", "seed": 1, "scene": SCENE} | GRID | failing)
 
 
+@pytest.mark.long
 def test_it_names_the_steps_of_a_path_that_are_doubtful(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     path = [{"pressure": 5e8}, {"pressure": 1e6}]

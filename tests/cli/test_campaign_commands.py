@@ -59,7 +59,7 @@ def test_another_version_of_a_campaign_says_that_it_replaces_results(tmp_path, m
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("realisations", [pytest.param(1, marks=pytest.mark.long), 6])
+@pytest.mark.parametrize("realisations", [1, 6])
 def test_a_campaign_without_limits_prints_its_means(tmp_path, realisations, undrawn):
     text = "\n".join(line for line in SMALL.splitlines() if not line.startswith("limits"))
     path = campaign(tmp_path, text, **{"realisations: 6": f"realisations: {realisations}"})
@@ -128,6 +128,7 @@ def test_picture_of_a_directory_is_named_like_that_of_a_run(results, undrawn):
     assert (results.parent / "small.png").exists()
 
 
+@pytest.mark.long
 def test_plan_says_what_is_shared_and_what_it_costs(tmp_path):
     text = SMALL.replace("grid: {", "grid: {poissons_ratio: [0.2, 0.3], aspect_ratio: [.inf, 1.5], ")
     path = tmp_path / "campaign.yaml"

@@ -47,6 +47,7 @@ def drawn_off(series, seconds=None, steps=4, modulus=1.0, highest=DEEPEST, **num
     return found if series is None else found.isel(step=slice(1, None))
 
 
+@pytest.mark.long
 def test_a_slow_path_is_that_of_the_relaxed_body():
     slow, elastic = drawn_off(STANDARD, 1e7, steps=2), drawn_off(None, steps=2)
     np.testing.assert_allclose(slow["mean_pressure"], elastic["mean_pressure"], atol=1e-3 * 6.7e-3)

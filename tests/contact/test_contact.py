@@ -204,6 +204,7 @@ def test_displacement_is_in_units_of_length():
     np.testing.assert_allclose(by_displacement["displacement"], by_load["displacement"], atol=1e-6 * down)
 
 
+@pytest.mark.long
 def test_measured_profile_is_taken_as_it_is(tmp_path):
     x = np.arange(256) / 256
     heights = 2e-6 * np.cos(2 * np.pi * x) + 1e-6

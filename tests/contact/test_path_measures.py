@@ -56,7 +56,7 @@ def test_every_step_of_a_pressure_loses_what_slips_and_no_more(there, back, law)
 @pytest.mark.long
 @pytest.mark.parametrize(
     ("dimension", "law"),
-    [(1, {"exponential": LAW}), pytest.param(2, {"exponential": LAW}, marks=pytest.mark.long)],
+    [(1, {"exponential": LAW}), (2, {"exponential": LAW})],
 )
 def test_slip_that_reverses_within_a_step_loses_as_much_as_in_short_steps(dimension, law):
     """Slip loses its friction, wherever in the step it turns round, but for pressures that change in the step."""

@@ -93,7 +93,7 @@ def test_pull_off_tends_to_that_of_a_rigid_body():
 @pytest.mark.filterwarnings("ignore")  # of the grid and of slopes
 @pytest.mark.parametrize(
     ("laws", "step", "most"),
-    [(["hard_wall", "exponential"], 0.4, 6.105), pytest.param(["lennard_jones"], 0.2, 6.097, marks=pytest.mark.long)],
+    [(["hard_wall", "exponential"], 0.4, 6.105), (["lennard_jones"], 0.2, 6.097)],
 )
 def test_pull_off_of_a_stiff_tip_does_not_depend_on_the_step(laws, step, most):
     """Without a jump, and of two elastic bodies, whose steps are not divided; in nN, as steps of 0.002 nm find it."""

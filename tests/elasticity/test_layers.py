@@ -90,6 +90,7 @@ def test_the_compliance_is_that_of_the_reference(nu, nu_below, contrast):
     assert largest_error(layers, bases[which % 3]) < 1e-13
 
 
+@pytest.mark.long
 def test_sandwiches_of_unequal_layers_are_those_of_the_reference():
     layers = [(0.05, 1.0, 0.25), (1.0, 1e-4, 0.5), (0.3, 1e3, 0.0), (2.0, 1.0, 0.4999)]
     assert largest_error(layers, None) < 2e-12  # seven orders of magnitude between neighbours

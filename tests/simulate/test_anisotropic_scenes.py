@@ -57,6 +57,7 @@ def test_a_scene_is_solved_and_drawn_with_the_slopes_of_its_model(model):
     plot_surface(surface)
 
 
+@pytest.mark.long
 def test_a_campaign_has_the_contact_of_the_scene_and_is_drawn(model, tmp_path):
     alone = gfmd_numba.solve({"scene": scene(model), "seed": 5})
     loads = {"reduced_pressure": [0.05, 0.1]}

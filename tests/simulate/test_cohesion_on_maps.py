@@ -55,6 +55,7 @@ def test_the_tractions_of_a_dragged_map_are_those_of_the_law(dragged):
     assert "slip" not in dragged  # which is of touching nodes that rub
 
 
+@pytest.mark.long
 def test_the_work_of_a_drag_is_the_energy_it_stores(dragged):
     """What the trapezoidal work of steps seems to lose falls with the square of the step."""
     halved = gfmd_numba.solve(scene(drag(8)))

@@ -142,7 +142,7 @@ def test_partial_slip_of_a_wave_between_unlike_bodies_has_its_closed_form():
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the roughness .* thickness of its topmost layer:UserWarning")
-@pytest.mark.parametrize("counter", [OTHER, pytest.param(PULLED_SKIN, marks=pytest.mark.long)])
+@pytest.mark.parametrize("counter", [OTHER, PULLED_SKIN])
 def test_stresses_inside_both_bodies_meet_and_sticking_nodes_stay_together(counter):
     """By the fields inside, which know nothing of the stiffness of both."""
     drags = "aspect_ratio" in counter or counter["base"] == "rigid"
@@ -171,7 +171,7 @@ MAP = 16
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("axis", [pytest.param("x", marks=pytest.mark.long), "y"])
+@pytest.mark.parametrize("axis", ["x", "y"])
 def test_two_bodies_of_a_ridge_rub_like_those_of_its_profile(axis):
     x = np.arange(MAP) / MAP
     heights = 0.003 * (np.cos(2 * np.pi * x) + 0.4 * np.sin(6 * np.pi * x))

@@ -200,7 +200,7 @@ def test_ridges_are_profiles(pair, along, interface, nx):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("facing", ["punch", pytest.param("counter body", marks=pytest.mark.long)])
+@pytest.mark.parametrize("facing", ["punch", "counter body"])
 def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())

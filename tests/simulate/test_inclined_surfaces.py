@@ -95,9 +95,7 @@ def test_two_rough_bodies_are_those_of_finite_elements():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("pair", "along"), [pytest.param("roughness", "x", marks=pytest.mark.long), ("counter_body", "y")]
-)
+@pytest.mark.parametrize(("pair", "along"), [("roughness", "x"), ("counter_body", "y")])
 def test_ridges_are_profiles(along, pair):
     nx = 16
     x = np.arange(nx) / nx
@@ -198,7 +196,7 @@ def test_a_smooth_body_below_a_nearly_rigid_one_follows_the_inclined_punch():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("facing", ["roughness", pytest.param("counter_body", marks=pytest.mark.long)])
+@pytest.mark.parametrize("facing", ["roughness", "counter_body"])
 def test_a_diagonal_ridge_is_the_profile_seen_at_an_angle(facing):
     """Half-spaces know no length: a diagonal ridge has a period shorter by the root of 2, and all lengths with it."""
     nx, root = 32, np.sqrt(0.5)

@@ -247,6 +247,7 @@ def test_a_load_that_fails_is_marked_and_told_and_has_no_numbers():
     assert np.isnan(found["contact_area_fraction"]).all()
 
 
+@pytest.mark.long
 def test_surfaces_that_fail_are_left_out_of_the_mean(monkeypatch):
     """All but the first of three at the first load, all at the second: a mean without an error, and none."""
     solved = curve.solve_curve

@@ -124,6 +124,7 @@ def keys(quantity):
     return [f"{name}_{quantity}{end}" for name, end in zip(ALONG, NORMAL, strict=True)]
 
 
+@pytest.mark.long
 def test_every_order_brings_a_loaded_map_nearer_to_the_field_on_its_true_surface(tmp_path):
     errors = []
     for size in (0.004, 0.002):

@@ -90,7 +90,7 @@ def diagonal(values):
 
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
-@pytest.mark.parametrize("is_cohesive", [pytest.param(True, marks=pytest.mark.long), False])
+@pytest.mark.parametrize("is_cohesive", [True, False])
 def test_a_diagonal_ridge_is_the_profile_of_a_shorter_period(is_cohesive, tmp_path):
     """In units of its period, lengths of the profile, and works of adhesion, are longer by the square root of 2."""
     root, found = np.sqrt(2.0), []

@@ -44,6 +44,7 @@ def changed(file, *keys, **values):
     return found
 
 
+@pytest.mark.long
 def test_times_are_in_seconds_and_only_their_ratios_count():
     quick = CREEP | {"numerics": {"time_tolerance": 0.05}}
     found = gfmd_numba.solve(quick)

@@ -113,7 +113,7 @@ def test_a_law_with_friction_too_weak_to_matter_is_that_of_the_frictionless_cont
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(("dimension", "friction"), [(1, np.inf), pytest.param(2, 0.3, marks=pytest.mark.long)])
+@pytest.mark.parametrize(("dimension", "friction"), [(1, np.inf), (2, 0.3)])
 def test_a_law_without_strength_changes_nothing_at_a_higher_order(friction, dimension):
     path = [{"sliding": 5e-5}]
     faint = {"exponential": {"work_of_adhesion": 1e-18, "range": 5e-3}}

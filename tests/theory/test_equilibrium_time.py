@@ -131,7 +131,7 @@ def test_the_fastest_damping_of_a_half_space_is_found_by_marching():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("nu", [0.3, pytest.param(0.49, marks=pytest.mark.long)])
+@pytest.mark.parametrize("nu", [0.3, 0.49])
 def test_the_fastest_damping_of_a_slab_is_found_by_marching(nu):
     """Fig. 6.20: least at eta_1 critical for the uniform tangential mode, and eta_3 does not matter over a range."""
     k, nx, a, dt = np.array([1, 2, 3, 10, 30]), 64, 1.0, 0.5

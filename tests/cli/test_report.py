@@ -132,6 +132,7 @@ def test_a_phone_has_pictures_of_one_column(results_in, tmp_path, monkeypatch):
     assert '<source media="(max-width: 34rem)" srcset="data:image/png;base64,' in page.read_text()
 
 
+@pytest.mark.long
 def test_a_page_says_what_the_fit_prints(folder, page_of):
     printed = gfmd("fit", folder / "small").output
     read = Page(page_of("small"))

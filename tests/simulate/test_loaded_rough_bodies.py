@@ -85,6 +85,7 @@ def test_tractions_on_a_rough_slab_displace_it_as_finite_elements_say(finite_ele
     np.testing.assert_allclose(found["body_height"], surface(X), atol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("order", "off"), [(0, 5e-1), (2, 2e-3)])
 def test_a_rough_slab_that_is_displaced_bears_the_tractions_of_finite_elements(finite_elements, tmp_path, order, off):
     """Where a third of the nodes is put where the tractions carry them, these have to come out."""

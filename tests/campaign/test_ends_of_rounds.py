@@ -228,6 +228,7 @@ def test_an_interrupt_before_a_run_begins_promises_nothing(tmp_path, monkeypatch
     assert (ran.exit_code, ran.stderr) == (130, "gfmd: interrupted\n")
 
 
+@pytest.mark.long
 def test_an_interrupt_between_the_contacts_of_a_pilot_and_their_fit_loses_none(tmp_path, monkeypatch):
     """And the status says what became of the run: its blocks are done, its target is not reached."""
 

@@ -140,6 +140,7 @@ def test_leftovers_of_a_killed_run_do_not_block_it(tmp_path):
     assert not any(leftover.exists() for leftover in leftovers)
 
 
+@pytest.mark.long
 def test_files_that_look_like_leftovers_are_not_removed(tmp_path):
     path, out = campaign(tmp_path, TINY), tmp_path / "out"
     mine = ["notes.late.tmp", f"a.{uuid.uuid4().hex}.tmp", f".{32 * 'a'}.tmp", "notes.tmp"]

@@ -213,6 +213,7 @@ def test_run_shows_and_plot_draws_a_path(tmp_path, monkeypatch):
     assert "path          8 steps" in gfmd("plan", written, "--pilot=0").output
 
 
+@pytest.mark.long
 def test_a_shard_holds_its_steps(tmp_path):
     planned = plan(DRAGGED | {"realisations": 1})
     block = next(planned.blocks)

@@ -132,7 +132,8 @@ def test_a_damaged_mark_is_no_traceback_and_costs_no_shard(tmp_path, mark):
     assert gfmd("status", out).exit_code == 0
 
 
-@pytest.mark.parametrize("moment", [*(pytest.param(each, marks=pytest.mark.long) for each in (0, 2, 3)), 1])
+@pytest.mark.long
+@pytest.mark.parametrize("moment", range(4))
 def test_a_kill_while_a_directory_is_claimed_does_not_lock_its_owner_out(tmp_path, moment):
     """After that many of the renames that put mark and copy there, first for one text, then for another."""
     out = tmp_path / "out"

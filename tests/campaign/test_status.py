@@ -34,6 +34,7 @@ def ran(left, tmp_path):
     return shutil.copytree(left, tmp_path / "copy") / "out"
 
 
+@pytest.mark.long
 def test_parts_of_a_campaign_add_up_to_the_whole(left, tmp_path):
     path, out, whole = campaign(tmp_path, **TWO), tmp_path / "out", gfmd_numba.open_campaign(left / "out")
     ran = gfmd("run", path, "-o", out, "--workers=0", "--only=hurst=0.3", "--limit=1")

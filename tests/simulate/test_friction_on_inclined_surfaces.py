@@ -199,7 +199,8 @@ def test_ridges_are_profiles(pair, along, interface, nx):
         np.testing.assert_allclose(of_map, profile[name], atol=1e-7 * scale, err_msg=name)
 
 
-@pytest.mark.parametrize("facing", ["punch", pytest.param("counter body", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("facing", ["punch", "counter body"])
 def test_a_load_is_borne_along_z(facing):
     """What rubs along inclined surfaces bears a part of the load."""
     above = heights(wave(X) - wave(X).mean())

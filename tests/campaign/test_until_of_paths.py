@@ -75,12 +75,12 @@ def test_a_step_that_is_named_decides_alone(tmp_path):
 @pytest.mark.long
 def test_commands_run_to_the_hysteresis_of_a_path(tmp_path):
     file = tmp_path / "dragged.yaml"
-    file.write_text(yaml.safe_dump(of("hysteresis")))
-    done = gfmd("run", file, "-o", tmp_path / "until", "--until", "50%", "--workers", "0")
+    file.write_text(yaml.safe_dump(of("hysteresis", DRAGGED | {"path": DRAGGED["path"][:1]})))
+    done = gfmd("run", file, "-o", tmp_path / "until", "--until", "30%", "--workers", "0")
     assert done.exit_code == 0, done.output
-    assert "hysteresis to 50.00%: reached" in done.output
+    assert "hysteresis to 30.00%: reached" in done.output
     assert done.output.count("hysteresis (1e-") == 1
-    assert_reached(gfmd_numba.open_campaign(tmp_path / "until"), "hysteresis", 0.5)
+    assert_reached(gfmd_numba.open_campaign(tmp_path / "until"), "hysteresis", 0.3)
     assert gfmd("fit", tmp_path / "until", "--variable", "kappa").exit_code == 0
 
 

@@ -158,8 +158,16 @@ def another(file):
 NOTED = {"small.nc": "`gfmd collect", "run.json": "it is not used", "rounds.json": "it is not used"}
 
 
-@pytest.mark.parametrize("damage", [flipped, *(pytest.param(each, marks=pytest.mark.long) for each in (cut, another))])
-@pytest.mark.parametrize("name", [pytest.param("rounds.json", marks=pytest.mark.long), ".gfmd-campaign", "small.nc"])
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [
+        (".gfmd-campaign", flipped),
+        ("small.nc", flipped),
+        pytest.param("rounds.json", flipped, marks=pytest.mark.long),
+        pytest.param(".gfmd-campaign", cut, marks=pytest.mark.long),
+        pytest.param("small.nc", another, marks=pytest.mark.long),
+    ],
+)
 def test_verify_finds_whatever_file_is_not_as_it_was_left(ran, name, damage):
     """One flipped bit of the mark locked its owner out, and `verify` called all sound."""
     out = ran

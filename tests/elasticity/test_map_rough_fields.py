@@ -133,6 +133,8 @@ def test_every_order_brings_the_fields_nearer_to_those_below_the_true_surface():
             rows = ((s5, s1, s6), (s4, s6, s2), (s3, s5, s4))
             change = wanted - [s - size * (slopes[0] * along + slopes[1] * across) for s, along, across in rows]
             tractions = tractions + change
+            if abs(change).max() < 1e-7:
+                break
         assert abs(change).max() < 1e-7
         lower = ElasticBody(body.nu, body.aspect_ratio - lift)
         labels = np.array([(1 / 12, 5 / 12, -0.05), (7 / 12, 3 / 12, -0.15), (3 / 12, 10 / 12, -0.02)])

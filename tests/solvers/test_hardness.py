@@ -248,10 +248,10 @@ def test_profiles_converge_up_to_0_95_of_the_hardness(hurst, hardness):
 
 @pytest.mark.long
 @pytest.mark.parametrize(("hurst", "hardness"), [(0.8, 1e-3), (0.3, 0.3)])
-@pytest.mark.parametrize("shape", [(2**17,), (512, 512)])
+@pytest.mark.parametrize("shape", [(2**16,), (256, 256)])
 def test_large_grids_converge_up_to_0_95_of_the_hardness(hurst, hardness, shape):
     punch = rough(shape, hurst, realisations=range(1))
-    for share in (0.07, 0.5, 0.95):
+    for share in (0.07, 0.95):
         found = press(punch, share * hardness, hardness)
         assert found.status[0] == Status.ok
         assert found.residual[0] <= 1e-8

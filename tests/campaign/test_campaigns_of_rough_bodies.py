@@ -10,11 +10,7 @@ from gfmd_numba.analysis import fit_tfc
 from gfmd_numba.campaign.axes import OF_THE_SCENE, with_values
 from gfmd_numba.campaign.file import load_campaign
 from gfmd_numba.campaign.plan import plan
-from gfmd_numba.campaign.run import Choice, run
-from gfmd_numba.campaign.shards import Finished
-from gfmd_numba.campaign.workers import Workers
 from gfmd_numba.scene import InputError, Scene
-from support.campaigns import numbers
 from support.command_line import gfmd
 from support.realisations import assert_as_solved
 
@@ -126,18 +122,6 @@ def test_identity_follows_what_decides_the_numbers():
         assert identity(changed) != base
     assert len({identity(numerics={"topography_order": order}) for order in range(4)} | {base}) == 4
     assert identity(seed=5) != base
-
-
-@pytest.mark.long
-def test_a_stopped_run_is_resumed_to_the_same_numbers(tmp_path, monkeypatch):
-    monkeypatch.setattr("gfmd_numba.campaign.cases._BLOCK_SAMPLES", 2 * 256)
-    campaign = of(TWO, realisations=4, grid={"counter_body_youngs_modulus": [70e9, 110e9]})
-    whole = gfmd_numba.run(campaign, tmp_path / "whole", workers=0)
-    run(campaign, tmp_path / "parts", Workers(0), choice=Choice(limit=1))
-    assert len(list(Finished(tmp_path / "parts"))) == 1
-    resumed = gfmd_numba.run(campaign, tmp_path / "parts", workers=0)
-    assert resumed.attrs["content_sha256"] == whole.attrs["content_sha256"]
-    assert numbers(resumed).identical(numbers(whole))
 
 
 FULL = Scene.model_validate(

@@ -58,7 +58,7 @@ def measured(heights, hardening, nu=0.3):
     for load, found in zip(up, loaded, strict=True):
         assert found.equilibrium.status[0] == 0
         p, now = found.equilibrium.pressure[0], found.equilibrium.touching[0]
-        area, nodes = float(evaluation.contact_area_fraction(found)[0]), sizes(regions(now))
+        area, nodes = float(evaluation.contact_area_fraction(found)[0]), sizes(regions(now, (True, True)))
         cluster, high = (nodes**2).sum() / nodes.sum() ** 2, (p[now] > 2.0 * p[now].mean()).mean()
         rows.append([load / area, high, np.quantile(p[now], 0.99), cluster, work(found, hardening)])
     return np.array([[*row, work(free, hardening) / max(row[-1], 1e-300)] for row in rows])

@@ -31,10 +31,10 @@ def connecting(flags: Flags, axis: int, around: tuple[bool, ...] = (True, True))
     matters. Pieces between the ends of the periods are joined by union-find, with the periods between their copies.
     """
     if not around[axis]:
-        labels = regions(flags, *around)
+        labels = regions(flags, around)
         shared = np.intersect1d(labels.take(0, axis), labels.take(-1, axis))
         return np.isin(labels, shared[shared > 0])
-    pieces = regions(flags, False, False)
+    pieces = regions(flags, (False, False))
     seams = [(other, pieces.take(-1, other), pieces.take(0, other)) for other in (0, 1) if around[other]]
     crossings = np.concatenate([np.stack([one, two, np.full_like(one, k == axis)], axis=1) for k, one, two in seams])
     above: dict[int, tuple[int, int]] = {}  # the piece that one is joined to, and how many periods it lies beyond
@@ -101,7 +101,7 @@ def gap_percolation(dataset: Annotated[xr.Dataset, CONTACT]) -> xr.Dataset:
 def _percolation(gap: Reals, around: tuple[bool, ...]) -> tuple[Reals, Reals, Reals, float, float, int]:
     """Return what `_LONG_NAMES` names, of a map: the first three by direction."""
     touching = closed(gap)
-    of_gap, of_contact = (sizes(regions(flags, *around)) for flags in (~touching, touching))
+    of_gap, of_contact = (sizes(regions(flags, around)) for flags in (~touching, touching))
     axes = _DIRECTIONS.values()
     connected = [[connecting(flags, axis, around).any() for axis in axes] for flags in (~touching, touching)]
     levels, critical = np.unique(gap[~touching]), []
@@ -237,7 +237,7 @@ class _Network:
         reached, self.room, self._shape = conductivity > 0.0, room, conductivity.shape
         number = np.cumsum(reached).reshape(reached.shape) - 1
         self._n = int(reached.sum())
-        labels, order = regions(reached, *around)[reached], np.argsort(conductivity[reached])
+        labels, order = regions(reached, around)[reached], np.argsort(conductivity[reached])
         held = np.zeros(labels.max() + 1, dtype=np.intp)
         held[labels[order]] = order  # the widest node of each region, where its pressure is 0
         held = held[1:] if room is None else np.array([self._n])

@@ -123,11 +123,8 @@ def _density(values: npt.NDArray[np.generic], edges: Reals) -> Reals:
 
 
 def _clusters(touching: Flags, edges: Reals, around: tuple[bool, ...]) -> Reals:
-    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them.
-
-    A profile is a map of one row, and its clusters are stretches.
-    """
-    return np.asarray(np.histogram(sizes(regions(np.atleast_2d(touching), *(False, *around)[-2:])), edges)[0])
+    """Number of clusters by their number of nodes, also `around` the ends of a period; full contact is one of them."""
+    return np.asarray(np.histogram(sizes(regions(touching, around)), edges)[0])
 
 
 def _perimeter(touching: Flags, around: tuple[bool, ...]) -> float:

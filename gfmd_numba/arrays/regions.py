@@ -1,4 +1,4 @@
-"""Nodes that touch or have no gap, and regions of flagged nodes of a map."""
+"""Nodes that touch or have no gap, and regions of flagged nodes."""
 
 from typing import Any
 
@@ -23,17 +23,18 @@ def closed(gap: Any) -> Any:
     return gap <= 0.0
 
 
-def regions(flags: Flags, around_y: bool = True, around_x: bool = True) -> npt.NDArray[np.int32]:
-    """Label of each node `[y, x]`, from 1 on, and 0 where the flag is not set.
+def regions(flags: Flags, around: tuple[bool, ...]) -> npt.NDArray[np.int32]:
+    """Label of each node `[..., (y,) x]`, from 1 on and in this order, and 0 where the flag is not set.
 
-    Nodes of one region share sides; corners do not connect. `around_y` and `around_x` join the two ends of a period.
+    Nodes of one region share sides; corners do not connect. `around` says along which of (y,) x the two ends of a
+    period are joined.
     """
-    labels, count = scipy.ndimage.label(flags)
-    ends = [
-        ends
-        for ends, joined in (((labels[0], labels[-1]), around_y), ((labels.T[0], labels.T[-1]), around_x))
-        if joined
-    ]
+    sides = scipy.ndimage.generate_binary_structure(flags.ndim, 1)
+    for axis in range(flags.ndim - len(around)):
+        np.moveaxis(sides, axis, 0)[::2] = False
+    labels, count = scipy.ndimage.label(flags, sides)
+    axes = [axis for axis, joined in enumerate(around, -len(around)) if joined]
+    ends = [[labels.take(end, axis).ravel() for end in (0, -1)] for axis in axes]
     if not ends or count == 0:
         return np.asarray(labels)
     one, other = (np.concatenate(side) for side in zip(*ends, strict=True))

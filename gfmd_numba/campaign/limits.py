@@ -25,7 +25,7 @@ COUNTS = f"a whole number from 1 to {MOST}, or a list of such, one for each leve
 FEWEST = 20  # realisations of the finest level: fewer do not tell how it goes with the others
 _MOST = 400  # of a coarse one
 _FIRST = {1: (1 / 1024, 1 / 2, 1 / 4), 2: (1 / 32, 1 / 2, 1 / 2)}  # eps_f, eps_c and eps_t, by the dimension
-_FINEST_OF_LAYERS = 1 / 64  # eps_t of profiles that a run begins with on thin layers
+_FINEST_OF_LAYERS = {1: 1 / 64, 2: 1 / 2}  # eps_t that a run begins with on thin layers, by the dimension
 STEP = {1: 4.0, 2: 2.0}  # from one level of eps_f to the next, by the dimension of the surfaces
 
 
@@ -143,7 +143,7 @@ def first_levels(dimension: int, anisotropy: float = 1.0, thinnest_layer: float 
     (finest, c, t), step = _FIRST[dimension], STEP[dimension]
     while 2.0 * t * anisotropy > 1.0:
         t /= 2.0
-    while dimension == 1 and t > max(thinnest_layer, _FINEST_OF_LAYERS):
+    while t > max(thinnest_layer, _FINEST_OF_LAYERS[dimension]):
         t /= 2.0
     coarse, coarser = step * finest, step**2 * finest
     return [

@@ -27,7 +27,7 @@ smooth weights over the distance hardly feels. `contact_area` extrapolates it to
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -55,44 +55,54 @@ class Edge:
     at each of its two ends. A contact on a map is smaller than its counted nodes by a share `of_sides` of a node for
     each pair of neighbours in and out, where |r - 1| / (r + 1) is 0, 0.1 ... 1. `second` is a_1 over a_0. Ends of short
     stretches are uncertain by `short` / N nodes, as these do not feel waves that are longer than twice their length.
+    The body has `added` to ln K of a half-space, by wave number over the spacing.
     """
 
     excess: float
     second: float
-    of_sides: tuple[float, ...]
     short: float
+    added: Callable[[Reals], Reals] = np.zeros_like
+
+    @cached_property
+    def of_sides(self) -> tuple[float, ...]:
+        """Nodes counted too many per side, by how far contacts are stretched."""
+        directions, found = 0.5 * np.pi * _CUBES, []  # edges of long contacts mostly face along an axis
+        each = _along(directions, self.added) * 0.5 * np.pi * _WEIGHTS
+        for stretched, bias in zip(_STRETCHED[:-1], _OF_HALF_SPACE, strict=True):
+            r = (1.0 + stretched) / (1.0 - stretched)
+            rho = np.hypot(np.cos(directions) / r, np.sin(directions))
+            found.append(bias + float((each / rho**3).sum()) / (r * (1.0 + r)))
+        return (*found, self.excess)
 
     def perimeter_bias(self, facing_x: Indices, facing_y: Indices | int = 0) -> Reals:
         """Nodes counted too many per side of a node on the edge of contacts with so many sides in each direction."""
         sides = np.maximum(facing_x + facing_y, 1)
         stretched = np.abs(facing_x - facing_y) / sides
-        return np.asarray(np.interp(stretched, _STRETCHED[-len(self.of_sides) :], self.of_sides))
+        if (stretched == 1.0).all():  # edges that all face along one axis need no mean over directions
+            return np.full(stretched.shape, self.excess)
+        return np.asarray(np.interp(stretched, _STRETCHED, self.of_sides))
 
 
 _ROOTS = (1.0 + legendre.leggauss(32)[0]) / 2.0
 _CUBES, _WEIGHTS = _ROOTS**3, 1.5 * _ROOTS**2 * legendre.leggauss(32)[1]  # int_0^1 f by nodes that are dense at 0
-HALF_SPACE = Edge(
-    _HALF,
-    2.0 - 1.851937051982466 / np.pi,  # 2 - Si(pi) / pi
-    (
-        *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189, 0.116136, 0.1235081, 0.133042, 0.1454299, 0.1621301),
-        _HALF,
-    ),
-    0.0,
+_OF_HALF_SPACE = (
+    *(0.1013778, 0.1019183, 0.1035643, 0.1063896, 0.1105189),
+    *(0.116136, 0.1235081, 0.133042, 0.1454299, 0.1621301),
 )
+HALF_SPACE = Edge(_HALF, 2.0 - 1.851937051982466 / np.pi, 0.0)  # 2 - Si(pi) / pi
 
 
-def edge(stiffness: Callable[[Reals], Reals], spacing: float, dimension: int) -> Edge:
+def edge(stiffness: Callable[[Reals], Reals], spacing: float) -> Edge:
     """Edge of contact on a body of a stiffness (E*/L_x) at wave numbers q > 0, on nodes of a `spacing` (L_x).
 
     All bodies are half-spaces to their shortest waves: what base and layers add to ln K they add to that of its edge.
     """
     added = np.log(stiffness(_WAVES / spacing) / half_space(_WAVES / spacing))
-    return _edge(added.tobytes(), spacing, dimension) if added.any() else HALF_SPACE
+    return _edge(added.tobytes(), spacing) if added.any() else HALF_SPACE
 
 
 @lru_cache(maxsize=4)
-def _edge(added: bytes, spacing: float, dimension: int) -> Edge:
+def _edge(added: bytes, spacing: float) -> Edge:
     """The same from what is added to ln K at each of the waves, in float64: all steps of a path have the same."""
     known = np.frombuffer(added)
 
@@ -101,19 +111,11 @@ def _edge(added: bytes, spacing: float, dimension: int) -> Edge:
 
     zone = np.pi * _CUBES  # ln K has a logarithm's singularity at 0
     second = HALF_SPACE.second + float(_WEIGHTS @ (logarithm(zone) * np.cos(zone)))
-    on_axis = HALF_SPACE.excess + float(_along(np.zeros(1), logarithm)[0])
-    of_sides = [on_axis]
-    if dimension == 2:
-        directions = 0.5 * np.pi * _CUBES  # edges of long contacts mostly face along an axis
-        each = _along(directions, logarithm) * 0.5 * np.pi * _WEIGHTS
-        for stretched, bias in zip(_STRETCHED[:-1], HALF_SPACE.of_sides, strict=False):
-            r = (1.0 + stretched) / (1.0 - stretched)
-            rho = np.hypot(np.cos(directions) / r, np.sin(directions))
-            of_sides.insert(-1, bias + float((each / rho**3).sum()) / (r * (1.0 + r)))
     long = np.array([1.0, 2.0]) * max(0.1, 2.0 * np.pi * spacing)
     long[1] = max(long[1], 1.0)
     steepness = float(np.diff(logarithm(long))[0] / np.diff(np.log(long))[0])  # K ~ q^(1 + steepness)
-    return Edge(on_axis, second, tuple(of_sides), 0.25 * abs(steepness) / np.pi)
+    excess = HALF_SPACE.excess + float(_along(np.zeros(1), logarithm)[0])
+    return Edge(excess, second, 0.25 * abs(steepness) / np.pi, logarithm)
 
 
 def _along(directions: Reals, logarithm: Callable[[Reals], Reals]) -> Reals:
@@ -127,6 +129,11 @@ def _along(directions: Reals, logarithm: Callable[[Reals], Reals]) -> Reals:
     alias = logarithm(np.hypot(x - period * np.round(x / period), y - period * np.round(y / period)))
     beyond = (_WEIGHTS @ logarithm(last / _CUBES) - alias @ dq / dq.sum()) / last
     return np.asarray(((logarithm(q) - alias) / q**2) @ dq + beyond) / np.pi
+
+
+def radius(size: Reals, dimension: int) -> Reals:
+    """Half a length, or the radius of a disc of an area."""
+    return np.asarray((size / {1: 2.0, 2: np.pi}[dimension]) ** (1.0 / dimension))
 
 
 def contact_length(

@@ -104,19 +104,16 @@ class Units:
         """Variables of the same dims by name."""
         return {name: self.variable(dims, kind, told, values) for name, kind, told, values in described}
 
-    def positions(
-        self, shape: tuple[int, ...], profile: str, length: float | None, ends: tuple[bool, ...] = ()
-    ) -> dict[str, Any]:
-        """Coordinates of the nodes of a whole period, or window; `profile` says along what those of a profile lie."""
+    def positions(self, shape: tuple[int, ...], length: float | None, ends: tuple[bool, ...] = ()) -> dict[str, Any]:
+        """Coordinates of the nodes of a whole period, or window."""
         points = [POINTS_OF_WINDOW if end else POINTS for end in ends or (False,) * len(shape)]
-        ways = {1: (profile,), 2: AXES}[len(shape)]
         return {
             dim: (
                 dim,
                 np.arange(nodes) / nodes * (length or 1.0),
-                cf_attributes(f"position along {way}", self.names["height"]) | {name: nodes},
+                cf_attributes(f"position along {dim}", self.names["height"]) | {name: nodes},
             )
-            for dim, way, nodes, name in zip(AXES[-len(shape) :], ways, shape, points, strict=True)
+            for dim, nodes, name in zip(AXES[-len(shape) :], shape, points, strict=True)
         }
 
 
@@ -282,7 +279,7 @@ def contact_dataset(given: ContactInput, problem: Problem, contact: Contact) -> 
     half-space, whose mean displacement has no reference.
     """
     scene, unit, dims = given.file.scene, units_of(given), AXES[-given.file.scene.dimension :]
-    coordinates = unit.positions(contact.heights.shape[1:], "the interface", scene.length, scene.ends)
+    coordinates = unit.positions(contact.heights.shape[1:], scene.length, scene.ends)
     coordinates["rms_gradient_target"] = ((), given.surfaces.rms_gradient, cf_attributes(RMS_GRADIENT_TARGET))
     # measured before fields are copied, as both take memory
     rows = ((name, OBSERVABLES[name], values[0]) for name, values in measure(contact).items())
@@ -432,10 +429,9 @@ def forming_tractions(body: RoughBody, whose: str, order: int) -> Iterator[Descr
 
 
 def _by_axis(name: str, kind: str, long_name: str, along: Reals, comma: str = ", ") -> Iterator[Described]:
-    """A tangential field `[component, (y,) x]`, on maps one along x and one along y."""
-    ways = {"": f"{comma}along x", "_y": f"{comma}along y"} if len(along) > 1 else {"": ""}
-    for values, (suffix, way) in zip(along, ways.items(), strict=True):
-        yield f"{name}{suffix}", kind, f"{long_name}{way}", values
+    """A tangential field `[component, (y,) x]`, one along x and on maps one along y."""
+    for values, component in zip(along, COMPONENTS[2], strict=False):
+        yield f"{name}{component.end}", kind, f"{long_name}{comma}{component.way}", values
 
 
 def _add_followed(
@@ -509,8 +505,7 @@ def boundary_dataset(given: BoundaryInput) -> xr.Dataset:
         found[name] = unit.variable((), row.unit, _TOLD.get(name, row.long_name), value, name)
     attributes = {"Conventions": CONVENTIONS, "title": "loaded body", **given.record}
     attributes |= {"solver": solved.solver} | modulus_attributes(scene)
-    positions = unit.positions(deformed.traction.shape[1:], "the surface", scene.length)
-    dataset = xr.Dataset(found, positions, attributes)
+    dataset = xr.Dataset(found, unit.positions(deformed.traction.shape[1:], scene.length), attributes)
     refuse_nonfinite(dataset)
     sentences = given.implausible
     if given.bodies:

@@ -8,7 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from gfmd_numba.arrays import Indices, Reals
+from gfmd_numba.arrays import Flags, Indices, Reals
 from gfmd_numba.arrays.regions import closed, regions
 from gfmd_numba.contact import area_correction
 from gfmd_numba.contact.observables import OBSERVABLES, PATH_OBSERVABLES, Observable, recorded
@@ -38,12 +38,15 @@ def once(function: Callable[[Contact], Found]) -> Callable[[Contact], Found]:
     return found
 
 
-def of_profiles(function: Callable[[Contact], Reals]) -> Callable[[Contact], Reals]:
-    """The same of profiles; of maps it is not known, and not-a-number `[realisation]`."""
+def of_profiles(
+    function: Callable[[Contact], Found],
+    of_maps: Callable[[Contact], Any] = lambda contact: np.full(len(contact.heights), np.nan),
+) -> Callable[[Contact], Found]:
+    """The same of profiles; of maps what another function finds, or not-a-number `[realisation]`: it is not known."""
 
     @wraps(function)
-    def found(contact: Contact) -> Reals:
-        return function(contact) if contact.heights.ndim == 2 else np.full(len(contact.heights), np.nan)
+    def found(contact: Contact) -> Found:
+        return function(contact) if contact.heights.ndim == 2 else of_maps(contact)
 
     return found
 
@@ -62,7 +65,7 @@ def edge(contact: Contact) -> area_correction.Edge:
         return contact.change.applied_to(SpectralResponse.of_normal(contact.stiffness(q))).normal
 
     of_waves = felt if contact.change.wear_compliance else contact.stiffness
-    return area_correction.edge(of_waves, 1.0 / now.shape[-1], now.ndim)
+    return area_correction.edge(of_waves, 1.0 / now.shape[-1])
 
 
 @once
@@ -120,12 +123,9 @@ def _fringe(contact: Contact, plastic: npt.NDArray[np.bool_]) -> npt.NDArray[np.
 @once
 def n_segments(contact: Contact) -> npt.NDArray[np.int64]:
     """Number of separate stretches of contact `[realisation]`, or clusters; 0 in full contact, which has no edge."""
-    now, ends = touching(contact), contact.ends or (False,) * (contact.heights.ndim - 1)
-    if now.ndim == 3:
-        around = [not end for end in ends]
-        return np.array([0 if each.all() and all(around) else regions(each, *around).max() for each in now])
-    begun = np.count_nonzero(now & ~beside(contact, now, 1, 1), axis=1)
-    return np.asarray(begun + now[:, 0] if any(ends) else begun)
+    now, around = touching(contact), tuple(not end for end in contact.ends or (False,) * len(_nodes(contact)))
+    upto = np.maximum.accumulate(regions(now, around).max(axis=_nodes(contact)))
+    return np.where(now.all(axis=_nodes(contact)) & all(around), 0, np.diff(upto, prepend=0)).astype(np.int64)
 
 
 def _open_sides(contact: Contact, nodes: npt.NDArray[np.bool_]) -> Indices:
@@ -193,32 +193,26 @@ def contact_radius(contact: Contact) -> Reals:
 
     Edges are where the pressures next to them say, if these say so of nearly all, and elsewhere at their mean position.
     """
-    mean, profile = contact_area_fraction(contact), contact.heights.ndim == 2
-    if profile:
-        area, unknown = located_length(contact)
-        located = unknown == 0.0
-    else:
-        area, share = _located_area(contact)
-        located = share >= _NEARLY_ALL
-        if contact.before is not None and "springs" in contact.before.memory:
-            # where a body has crept a node bears what it has been through, and not the root of its distance alone
-            located &= not np.any(contact.change.normal_offset)
-    # nor is pressure at an edge that root where open nodes bear tractions
+    area, unknown = of_profiles(located_length, _located_area)(contact)
+    # pressure at an edge is no root of the distance where open nodes bear tractions
     pulled = ((contact.equilibrium.pressure != 0.0) & ~touching(contact)).any(axis=_nodes(contact))
-    found = np.where(located & ~pulled, area, mean)
-    return 0.5 * found if profile else np.sqrt(found / np.pi)
+    found = np.where((unknown == 0.0) & ~pulled, area, contact_area_fraction(contact))
+    return area_correction.radius(found, len(_nodes(contact)))
 
 
-def _located_area(contact: Contact) -> tuple[Reals, Reals]:
-    """Contact area of maps over L_x^2 with its edges located, and the share of their sides that are `[realisation]`."""
+def _located_area(contact: Contact) -> tuple[Reals, Flags]:
+    """Contact area of maps over L_x^2 with its edges located, and whether many are unknown `[realisation]`."""
     now, sides = touching(contact), perimeter(contact)
     half_space = area_correction.HALF_SPACE.excess
-    if abs(edge(contact).excess - half_space) > area_correction.HALF_SPACE_TO_EDGES * half_space:
-        return np.zeros(len(now)), np.zeros(len(now))
+    is_thin = abs(edge(contact).excess - half_space) > area_correction.HALF_SPACE_TO_EDGES * half_space
+    # where a body has crept a node bears what it has been through, and not the root of its distance alone
+    creeps = contact.before is not None and "springs" in contact.before.memory
+    if is_thin or (creeps and np.any(contact.change.normal_offset)):
+        return np.zeros(len(now)), np.ones(len(now), dtype=np.bool_)
     bias, ends = edge(contact).perimeter_bias(*sides), contact.ends or (False, False)
     pressure, filled_nodes = contact.equilibrium.pressure, filled(contact)
     area, share = area_correction.contact_area(pressure, now, bias, elastic_nodes(contact), filled_nodes, ends)
-    return area / now[0].size, share
+    return area / now[0].size, share < _NEARLY_ALL
 
 
 def mean_of_nodes(field: npt.NDArray[Any]) -> Reals:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from gfmd_numba.scene import Scene
+from gfmd_numba.scene.measured_record import AXES
 
 _ELSEWHERE = {"surface": "it tells of the surface alone", "run": "it tells of the computation alone"}
 _OF_AN_ERROR = "it estimates an error, which vanishes with finer levels"
@@ -184,10 +185,10 @@ OBSERVABLES = {
 }
 PATH_OBSERVABLES = {  # those of the contact at every step, those of the path once; `PathRecord` finds them
     "mean_tangential_traction": Observable(
-        "pressure", "mean tangential traction along x of the punch on the body", needs="drag"
+        "pressure", "mean tangential traction along x of the punch on the body", needs="drag along x"
     ),
     "mean_tangential_traction_y": Observable(
-        "pressure", "mean tangential traction along y of the punch on the body", needs="drag of maps"
+        "pressure", "mean tangential traction along y of the punch on the body", needs="drag along y"
     ),
     "stick_fraction": Observable(
         "1",
@@ -200,7 +201,7 @@ PATH_OBSERVABLES = {  # those of the contact at every step, those of the path on
         "gradient",
         "longest way of a touching node past the body over the mean distance of the peaks",
         undefined_at_times=True,
-        needs="drag",
+        needs="drag along x",
         no_limit="peaks come ever closer as eps_f goes to 0",
     ),
     "energy_lost": Observable(
@@ -255,8 +256,7 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
     higher_orders = scene.follows_topography and (order > 0 or not interface.couples)
     attracts = interface.attracts
     has = {
-        "drag": interface.couples,
-        "drag of maps": interface.couples and scene.dimension == 2,
+        **{f"drag along {axis}": interface.couples for axis in AXES[-scene.dimension :]},
         "friction": interface.friction is not None,
         "loss": scene.loading.speed is None and not attracts and not scene.wears_by_slip
         if scene.creeps
@@ -264,14 +264,14 @@ def recorded_along(scene: Scene, order: int = 0) -> dict[str, Observable]:
         or (interface.hardness is not None and not attracts),
         "tension": attracts and scene.loading.displacement is not None,
     }
-    return {name: row for name, row in PATH_OBSERVABLES.items() if has[row.needs]}
+    return {name: row for name, row in PATH_OBSERVABLES.items() if has.get(row.needs)}
 
 
 def needed_for(name: str) -> str:
     """What a path needs to have a quantity that is recorded along it."""
     return {
-        "drag": "a punch is dragged against friction or a law that holds sideways",
-        "drag of maps": "a punch is dragged along y on a map, against friction or a law that holds sideways",
+        "drag along x": "a punch is dragged against friction or a law that holds sideways",
+        "drag along y": "a punch is dragged along y on a map, against friction or a law that holds sideways",
         "friction": "nodes stick or slip where there is friction",
         "loss": "energy is lost by friction, attraction or creep, and not known with a boundary, at a topography_order "
         "above 0, with attraction and creep together, or with friction and wear",

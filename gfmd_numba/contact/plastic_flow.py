@@ -245,14 +245,14 @@ def _nothing_yet(problem: Problem, state: State, solve: Solve, largest: float) -
     """Body in which nothing has flowed, with sublayers as deep as the problem says, or as its largest load needs."""
     plasticity, shape = problem.plasticity, state.heights.shape
     assert plasticity is not None
-    map_shape, depth = shape[-2:], plasticity.depth  # of a profile the one realisation is the one row
+    depth = plasticity.depth
     if depth is None:
         probes = np.diff(np.geomspace(_SHALLOWEST / shape[-1], _DEEPEST, _PROBES), prepend=0.0)
-        probe = PlasticState.untouched(Sublayers(map_shape, probes, problem.body.nu), shape)
+        probe = PlasticState.untouched(Sublayers(shape[1:], probes, problem.body.nu), shape)
         elastic = solve(problem.under(problem.step._replace(load=largest)), state.remembering(NAME, probe))
         stress = stresses(elastic)[0].max(axis=(1, 2))
         reached = np.flatnonzero(stress >= min(plasticity.hardening.stress, _NEARLY * stress.max()))[-1]
         depth = _MARGIN * float(probes[: reached + 1].sum())
     return PlasticState.untouched(
-        Sublayers(map_shape, plasticity.thicknesses(depth, shape[-1]), problem.body.nu), shape
+        Sublayers(shape[1:], plasticity.thicknesses(depth, shape[-1]), problem.body.nu), shape
     )

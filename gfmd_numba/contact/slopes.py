@@ -326,7 +326,7 @@ class Slopes:
         return response.along / self.gradient
 
     def _off_bound(self, contact: Contact, met: Pairing) -> float:
-        """How far nodes of a map that slip across the slope move under what they bear beyond the bound in the plane.
+        """How far nodes that slip across the slope move under what they bear beyond the bound in the plane.
 
         Coulomb's law compares forces on the surface. Those in the plane are bounded by the same ratio along the slope,
         and by a ratio larger by half the square of the slope across it, which no order knows.
@@ -334,8 +334,6 @@ class Slopes:
         found = contact.equilibrium
         assert found.tangential is not None  # as there is friction
         traction = found.tangential.traction[0]
-        if len(traction) == 1:  # a profile knows no direction across
-            return 0.0
         slipped = np.any(found.tangential.slip[0] != 0.0, axis=0)
         steepness, size = np.sum(met.slope**2, axis=0), np.sum(traction**2, axis=0)
         along = np.sum(traction * met.slope, axis=0) ** 2

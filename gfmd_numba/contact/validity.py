@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
-from math import ceil, dist, inf, nan, pi, sqrt
+from math import ceil, dist, inf, nan, sqrt
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from gfmd_numba.arrays.regions import closed
 from gfmd_numba.contact import relative_softening
-from gfmd_numba.contact.area_correction import edge
+from gfmd_numba.contact.area_correction import edge, radius
 from gfmd_numba.contact.contact_input import ContactInput, Input
 from gfmd_numba.contact.problem import Problem
 from gfmd_numba.contact.rough_surfaces import STEEPEST, RoughBody, change_of_thickness
@@ -203,7 +203,7 @@ def coarse_flow(found: Found) -> Iterator[Told]:
 
 def _short_stretches(problem: Problem, found: Found) -> Iterator[Told]:
     shape = problem.surface.shape
-    short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1], len(shape)).short
+    short = edge(partial(condensed_stiffness, problem), 1.0 / shape[-1]).short
     across = _mean_width(found, shape)
     unknown = 2.0 * len(shape) * short / across**2
     yield (
@@ -390,7 +390,7 @@ def _few_nodes(given: ContactInput, found: Found) -> Iterator[Told]:
     if scene.form is not None and not scene.surfaces:
         across = np.min([bears.any(tuple({*nodes} - {axis})).sum(-1) for axis in nodes], axis=0)
     else:  # a stretch, or a disc, of as many nodes
-        across = counts if len(nodes) == 1 else (4.0 / pi * counts) ** 0.5
+        across = 2.0 * radius(counts, len(nodes))
     # of a path where it is widest: each contact begins with a node
     fewest = _largest(np.where(counts > 0, across, nan))
     least = FEWEST if scene.form is not None else _A_NODE

@@ -16,15 +16,15 @@ from gfmd_numba.fourier import grid
 
 
 class Sublayers:
-    """A half-space with sublayers of a `thickness` `[sublayer]` below a map of a shape (ny, nx)."""
+    """A half-space with sublayers of a `thickness` `[sublayer]` below a surface of (ny,) nx nodes."""
 
-    def __init__(self, shape: tuple[int, int], thickness: Reals, poissons_ratio: float) -> None:
-        self.shape, self.components = shape, 3 if shape[0] == 1 else 5
+    def __init__(self, shape: tuple[int, ...], thickness: Reals, poissons_ratio: float) -> None:
+        self.shape, self.components = (1, *shape)[-2:], 2 * len(shape) + 1
         self.shear = float(moduli.c44(poissons_ratio))
-        q_y, q_x = grid.wavevectors(shape, (1.0, 1.0))
-        q = grid.magnitudes(shape)
+        q_y, q_x = grid.wavevectors(self.shape, (1.0, 1.0))
+        q = grid.magnitudes(self.shape)
         angle = np.arctan2(q_y, q_x + 0.0 * q_y).ravel()
-        for axis, n in zip((1, 0), shape[::-1], strict=True):
+        for axis, n in enumerate(self.shape):
             if n % 2 == 0:
                 np.moveaxis(q, axis, 0)[n // 2] = -1.0
         self.waves = kernels.Waves.of(q.ravel(), np.cos(angle), np.sin(angle), thickness, poissons_ratio, self.shear)

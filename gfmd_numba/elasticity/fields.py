@@ -97,11 +97,9 @@ class Surface:
 
 
 def in_rows(fields: Reals) -> Reals:
-    """Fields `[component, y, x]` of a map, or those `[component, x]` of a profile as of a map of one row."""
-    if fields.ndim == 3:
-        return fields
-    along, out = fields
-    return np.stack((along, np.zeros_like(along), out))[:, np.newaxis]
+    """Fields `[component, (y,) x]`, along the surface and out of it, as `[component, y, x]`: a profile is one row."""
+    every = np.insert(fields, [1] * (3 - len(fields)), 0.0, axis=0)
+    return every.reshape(3, *(1, *fields.shape[1:])[-2:])
 
 
 def surface_under_tractions(tractions: Reals, body: ElasticBody) -> Surface:

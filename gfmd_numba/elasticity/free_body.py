@@ -36,7 +36,7 @@ which counts displacements of slabs from their base. Those of half-spaces count 
 """
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, reduce
 from math import ceil, hypot
 
 import numpy as np
@@ -44,7 +44,7 @@ import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Reals
 from gfmd_numba.elasticity.body import ElasticBody
-from gfmd_numba.elasticity.spectral_response import SpectralResponse, Window, inverse
+from gfmd_numba.elasticity.spectral_response import FOLLOWED, SpectralResponse, Window, inverse
 from gfmd_numba.fourier import grid
 from gfmd_numba.fourier.grid import of_half_a_period
 
@@ -98,16 +98,13 @@ def compliance(
     shape: tuple[int, ...], body: ElasticBody = HALF_SPACE, ends: tuple[bool, ...] = (), couples: bool = False
 ) -> Reals:
     """Elements of the compliance `[element, (y,) x]` that `response` is made of, in L_x/E*."""
-    n, padded, number = (
-        _side(shape),
-        padded_shape(shape, ends),
-        {(1, True): 3, (2, True): 6}.get((len(shape), couples), 1),
-    )
+    n, padded, components = _side(shape), padded_shape(shape, ends), 1 + couples * len(shape)
+    number = components * (components + 1) // 2
     rows, both = (1, *padded)[-2], (False, *(ends or (True,) * len(shape)))[-2:]  # a profile is a map of one row
     if number > 1 and body.stack is not None and body.aspect_ratio is None:
         raise ValueError("layers on a half-space, under tangential tractions without a period")
     if number == 1 and _is_deep(body) and all(both):
-        quarter = _of_deep(n, body, 2)[np.newaxis]
+        quarter = _of_deep(n, body)[np.newaxis]
     elif body.aspect_ratio is None and all(both):
         quarter = _of_half_space(n, body, number)
     else:
@@ -143,32 +140,43 @@ def _is_deep(body: ElasticBody) -> bool:
 
 
 @lru_cache(maxsize=2)
-def _of_deep(n: int, body: ElasticBody, dimension: int) -> Reals:
-    """Compliance `[(y,) x]` of the normal displacement of layers on a half-space, or a tall slab, from the waves 0 on.
+def _of_deep_line(n: int, body: ElasticBody) -> Reals:
+    """Compliance `[x]` of layers on a half-space, or a tall slab, to line loads from the waves 0 on."""
+    smooth = beyond_half_space(body, _positions(n))
+    smooth -= smooth[-1] if body.aspect_ratio is None else 0.0
+    return _of_parts(body, 2.0 * _of_profiles(n)[0], smooth)
 
-    It is that of a half-space of the topmost material, and what the rest of the body makes of long and of short waves.
-    """
+
+@lru_cache(maxsize=2)
+def _of_deep(n: int, body: ElasticBody) -> Reals:
+    """Compliance `[y, x]` of the normal displacement of layers on a half-space, or a tall slab, from the waves 0 on."""
     from scipy.interpolate import make_interp_spline  # which loads more of scipy than all other bodies need
 
-    q, weights = _long_waves()
-    nodes = n * ceil(_LONG / (1.5 * n))  # at least so many as bear all long waves
-    x = np.arange(nodes + 1) / nodes
-    if dimension == 1:
-        smooth = beyond_half_space(body, x)
-        smooth -= smooth[-1] if body.aspect_ratio is None else 0.0
-        found, waves = 2.0 * _of_profiles(n)[0], np.pi * np.arange(n + 1, dtype=np.float64)
-    else:
-        r = np.arange(-6.0, hypot(1.0, 1.0) * q[-1] / _FINE + 8.0) * _FINE / q[-1]
-        weights = weights * (q / body.condensed_stiffness(q) - 2.0)
-        along_r = np.array([weights @ scipy.special.j0(q * each) for each in r]) / (2.0 * np.pi)
-        smooth = make_interp_spline(r, along_r, 5)(np.hypot(x[:, np.newaxis], x))
-        along = np.pi * np.arange(n + 1, dtype=np.float64)
-        found, waves = 2.0 * _of_maps(n, "1"), np.hypot(along[:, np.newaxis], along)
-    for axis in range(dimension):
-        smooth = of_half_a_period(smooth, axis).take(np.arange(n + 1), axis=axis) / nodes
-    waves.flat[0] = 1.0  # which is long
-    short = _short(waves) * (1.0 / body.condensed_stiffness(waves) - 2.0 / waves)
-    return np.asarray(found + smooth + short)
+    (q, weights), x = _long_waves(), _positions(n)
+    r = np.arange(-6.0, hypot(1.0, 1.0) * q[-1] / _FINE + 8.0) * _FINE / q[-1]
+    weights = weights * (q / body.condensed_stiffness(q) - 2.0)
+    along_r = np.array([weights @ scipy.special.j0(q * each) for each in r]) / (2.0 * np.pi)
+    smooth = make_interp_spline(r, along_r, 5)(np.hypot(x[:, np.newaxis], x))
+    return _of_parts(body, 2.0 * _of_maps(n, "1"), smooth)
+
+
+def _positions(n: int) -> Reals:
+    """Positions in half a padded period of a window of n nodes, at least as many as bear all long waves."""
+    nodes = n * ceil(_LONG / (1.5 * n))
+    return np.arange(nodes + 1) / nodes
+
+
+def _of_parts(body: ElasticBody, of_top: Reals, smooth: Reals) -> Reals:
+    """Compliance `[(y,) x]` of a half-space of the topmost material, and what long and short waves add.
+
+    `smooth` is the kernel of the long waves at `_positions`.
+    """
+    nodes, waves = len(smooth) - 1, np.pi * np.arange(len(of_top), dtype=np.float64)
+    for axis in range(smooth.ndim):
+        smooth = of_half_a_period(smooth, axis).take(np.arange(len(of_top)), axis=axis) / nodes
+    q = reduce(np.hypot, np.ix_(*[waves] * of_top.ndim))
+    q.flat[0] = 1.0  # which is long
+    return np.asarray(of_top + smooth + _short(q) * (1.0 / body.condensed_stiffness(q) - 2.0 / q))
 
 
 def beyond_half_space(body: ElasticBody, x: Reals) -> Reals:
@@ -199,7 +207,7 @@ def _long_waves() -> tuple[Reals, Reals]:
 def _of_line_loads(n: int, body: ElasticBody, number: int) -> Reals:
     """Elements of a half-space under what is uniform along y `[element, x]`."""
     if number == 1 and _is_deep(body):
-        return _of_deep(n, body, 1)[np.newaxis]
+        return _of_deep_line(n, body)[np.newaxis]
     isotropic, odd = _of_profiles(n)
     units = _of_waves(body, 0.0, np.ones(1), number)
     return np.array(
@@ -249,13 +257,12 @@ def _of_waves(body: ElasticBody, q_y: float, q_x: Reals, number: int) -> Reals:
         return np.divide(1.0, stiffness, out=np.zeros_like(q), where=stiffness > 0.0)[np.newaxis]
     waves = q if q[0] == 0.0 else np.append(0.0, q)
     along, both, out = (element[-q.size :] for element in body.compliance(waves).elements)
-    if number == 3:
-        return np.array([along, both, out])
     across, safe = along.copy(), np.where(q > 0.0, q, 1.0)  # a mean is as stiff across as along
     across[q > 0.0] = body.compliance_across(q[q > 0.0])
     c, s = np.where(q > 0.0, q_x / safe, 1.0), q_y / safe
     in_plane = along * c**2 + across * s**2, (along - across) * c * s, along * s**2 + across * c**2
-    return np.array([*in_plane, both * c, both * s, out])
+    every = (*in_plane, both * c, both * s, out)
+    return np.array([every[place] for place in FOLLOWED[number]])
 
 
 @lru_cache(maxsize=2)

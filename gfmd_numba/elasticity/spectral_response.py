@@ -23,7 +23,7 @@ from gfmd_numba.elasticity.stiffness import in_series
 from gfmd_numba.fourier import grid
 
 _UNIT = np.array([1.0, 0.0, 1.0, 0.0, 0.0, 1.0])  # xx, xy, yy, xz, yz, zz of displacements that are not followed
-_FOLLOWED = {1: [5], 3: [0, 3, 5], 6: [0, 1, 2, 3, 4, 5]}  # which of these there are, by their number
+FOLLOWED = {1: [5], 3: [0, 3, 5], 6: [0, 1, 2, 3, 4, 5]}  # which of these there are, by their number
 _DIAGONAL = {1: [0], 3: [0, 2], 6: [0, 2, 5]}  # of these
 _ODD = {1: [], 3: [[1]], 6: [[1, 3], [1, 4]]}  # that couple x to others, and y: they change sign with q_x, and with q_y
 _OUT_OF_PLANE = {1: [], 3: [1], 6: [3, 4]}  # that couple either to z
@@ -71,7 +71,7 @@ class SpectralResponse:
         c.flat[0] = 1.0  # the uniform displacements, one as stiff as the other
         along, both, across = k11 * c**2 + k22 * s**2, (k11 - k22) * c * s, k11 * s**2 + k22 * c**2
         every, components = np.array([along, both, across, k13 * c, k13 * s, k33]), len(shape) + 1
-        return cls(_free_at_nyquist(every[_FOLLOWED[components * (components + 1) // 2]], shape))
+        return cls(_free_at_nyquist(every[FOLLOWED[components * (components + 1) // 2]], shape))
 
     @property
     def components(self) -> int:
@@ -119,7 +119,7 @@ class SpectralResponse:
         """
         mean = _mean(self.elements)
         held = self.elements.copy()
-        _mean(held)[:] = _UNIT[_FOLLOWED[len(held)]]
+        _mean(held)[:] = _UNIT[FOLLOWED[len(held)]]
         found = inverse(held)
         _mean(found)[:] = np.divide(1.0, mean, out=np.zeros_like(mean), where=mean > 0.0)
         return found
@@ -152,7 +152,7 @@ class SpectralResponse:
         facing = other.inverse()
         facing[_OUT_OF_PLANE[len(facing)]] *= -1.0
         compliance = (1.0 - compliance_fraction) * self.inverse() + compliance_fraction * facing
-        _mean(compliance)[:] = _UNIT[_FOLLOWED[len(facing)]]
+        _mean(compliance)[:] = _UNIT[FOLLOWED[len(facing)]]
         found, own = inverse(compliance), _mean(self.elements)
         _mean(found)[:] = np.where(own > 0.0, in_series(own, _mean(other.elements), compliance_fraction), 0.0)
         return SpectralResponse(found, window)
@@ -203,7 +203,7 @@ class SpectralResponse:
         taken = compliance * left
         whole = xx - taken * xz**2, xy - taken * xz * yz, yy - taken * yz**2, left * xz, left * yz
         of_all = *whole, _yielding(zz, compliance)
-        return SpectralResponse(np.array([of_all[place] for place in _FOLLOWED[len(self.elements)]]), window)
+        return SpectralResponse(np.array([of_all[place] for place in FOLLOWED[len(self.elements)]]), window)
 
     def principal(self) -> tuple[Reals, Reals]:
         """Smallest and largest stiffness of the decoupled modes of each wave (6.84) `[(ny,) nx // 2 + 1]`."""
@@ -240,7 +240,7 @@ def _mean(elements: Reals) -> Reals:
 def _whole(elements: Reals) -> list[Reals]:
     """All elements xx, xy, yy, xz, yz and zz: a displacement that is not followed has a unit stiffness of its own."""
     whole = list(_UNIT)
-    for place, element in zip(_FOLLOWED[len(elements)], elements, strict=True):
+    for place, element in zip(FOLLOWED[len(elements)], elements, strict=True):
         whole[place] = element
     return whole
 
@@ -259,7 +259,7 @@ def inverse(elements: Reals) -> Reals:
         xx * yy - xy**2,
     )
     determinant = xx * adjugate[0] + xy * adjugate[1] + xz * adjugate[3]
-    return np.array([adjugate[place] / determinant for place in _FOLLOWED[len(elements)]])
+    return np.array([adjugate[place] / determinant for place in FOLLOWED[len(elements)]])
 
 
 def _free_at_nyquist(elements: Reals, shape: tuple[int, ...]) -> Reals:

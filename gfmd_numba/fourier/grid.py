@@ -19,10 +19,12 @@ k_x at Nyquist both k_y and -k_y are kept, one the conjugate of the other, so th
 """
 
 import math
-from functools import reduce
+from collections.abc import Callable
+from functools import partial, reduce
 from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import scipy  # its modules load with their first use
 
 from gfmd_numba.arrays import Complexes, Indices, Reals
@@ -95,18 +97,10 @@ def shifts(n: int, length: float) -> Reals:
 
 def coefficients(samples: Reals, dimension: int = 1) -> Complexes:
     """Fourier coefficients `[..., (ny,) nx // 2 + 1]` of real samples `[..., (y,) x]`."""
-    if dimension == 1:
-        return np.fft.rfft(samples, norm="forward")
     found = np.empty((*samples.shape[:-1], samples.shape[-1] // 2 + 1), dtype=np.complex128)
-
-    def along_x(rows: slice) -> None:
-        np.fft.rfft(samples[..., rows, :], norm="forward", out=found[..., rows, :])
-
-    def along_y(columns: slice) -> None:
-        np.fft.fft(found[..., columns], axis=-2, norm="forward", out=found[..., columns])
-
-    team().by_rows(along_x, samples.shape[-2:])
-    team().by_rows(along_y, found.shape[:-3:-1])
+    _along(-1, partial(np.fft.rfft, norm="forward"), samples, found)
+    for axis in range(-dimension, -1):
+        _along(axis, partial(np.fft.fft, norm="forward"), found, found)
     return found
 
 
@@ -115,20 +109,25 @@ def signal(spectrum: Complexes | Reals, *shape: int) -> Reals:
 
     Columns that are not given are zero.
     """
-    if len(shape) == 1:
-        return np.fft.irfft(spectrum, *shape, norm="forward")
-    waves = np.empty((*spectrum.shape[:-2], shape[0], spectrum.shape[-1]), dtype=np.complex128)
-    found = np.empty((*spectrum.shape[:-2], *shape))
-
-    def along_y(columns: slice) -> None:
-        np.fft.ifft(spectrum[..., columns], shape[0], axis=-2, norm="forward", out=waves[..., columns])
-
-    def along_x(rows: slice) -> None:
-        np.fft.irfft(waves[..., rows, :], shape[1], norm="forward", out=found[..., rows, :])
-
-    team().by_rows(along_y, waves.shape[:-3:-1])
-    team().by_rows(along_x, shape)
+    waves = spectrum
+    for axis in range(-len(shape), -1):
+        given, waves = waves, np.empty(waves.shape, dtype=np.complex128)
+        _along(axis, partial(np.fft.ifft, norm="forward"), given, waves)
+    found = np.empty((*waves.shape[:-1], shape[-1]))
+    _along(-1, partial(np.fft.irfft, n=shape[-1], norm="forward"), waves, found)
     return found
+
+
+def _along(axis: int, transform: Callable[..., object], given: npt.NDArray[Any], found: npt.NDArray[Any]) -> None:
+    """Fill an array with transforms of another along an axis, whose lines across the other one threads share."""
+    lines, filled = np.atleast_2d(given, found)
+    beyond = [slice(None)] * (2 + axis)
+
+    def some(_: int, first: int, last: int) -> None:
+        piece = (..., slice(first, last), *beyond)
+        transform(lines[piece], axis=axis, out=filled[piece])
+
+    team().share(some, lines.shape[-3 - axis], found.size)
 
 
 def of_half_a_period(samples: Reals, axis: int = -1, odd: bool = False) -> Reals:

@@ -89,7 +89,7 @@ class Transform:
         self, rows: int, *shape: int, sources: int = 1, in_place: bool = False, filled: int | None = None
     ) -> None:
         self.shape, self.n, self.half = shape, math.prod(shape), shape[-1] // 2 + 1
-        self._waves = (*shape[:-1], self.half if len(shape) == 1 else padded(self.half))
+        self._waves = (*shape[:-1], padded(self.half))
         self.spectrum = aligned_rows(rows, math.prod(self._waves), np.complex128)
         self.waves = self.spectrum[:, : math.prod(self._waves)].reshape(rows, *self._waves)
         self.memory: Reals = self.waves.view(np.float64)
@@ -143,13 +143,13 @@ class Transform:
     def read(self, row: Reals) -> None:
         """Fill the first `spectrum` from any row of `aligned_rows`, whoever owns it; not counted."""
         plan = self._forward[0][0]
-        plan.update_arrays(row[: self.n], self.waves[0])
+        plan.update_arrays(row[: self.n], self.waves[0, : self.half])
         plan.execute()
 
     def write(self, row: Reals) -> None:
         """Fill any row of `aligned_rows` from the first spectrum, which is lost; not counted."""
         plan = self._inverse[0]
-        plan.update_arrays(self.waves[0], row[: self.n])
+        plan.update_arrays(self.waves[0, : self.half], row[: self.n])
         plan.execute()
 
     def transfer(self, symbol: Reals, source: Reals, result: Reals) -> None:

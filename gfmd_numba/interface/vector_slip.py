@@ -1,7 +1,6 @@
 """Laws of gap and slip, where the slip is a vector, on profiles of one component: they resist every direction alike.
 
-The energy of a law is that of the length r of the slip s = r e. So it drags along e; its second derivative by the slip
-is that of r along e, and the drag over r across it.
+The energy of a law is that of the length r of the slip s = r e, so that it drags along e.
 """
 
 from functools import reduce
@@ -20,30 +19,4 @@ def length(slip: Reals) -> Reals:
 def tangential_traction(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> Reals:
     """Traction `[component, ...]` that drags the body along with the punch."""
     r = length(slip)
-    return law.tangential_traction(gap, r) * _direction(slip, r)
-
-
-def stiffness(law: XuNeedlemanLaw, gap: Reals, slip: Reals) -> tuple[Reals, ...]:
-    """Second derivatives xx, xy, yy, xz, yz and zz of the energy by the displacements of the body, or xx, xz and zz."""
-    if len(slip) == 1:
-        return law.stiffness(gap, slip[0])
-    r = length(slip)
-    along, both, normal = law.stiffness(gap, r)
-    x, y = _direction(slip, r)
-    across = np.divide(law.tangential_traction(gap, r), r, out=along.copy(), where=r > 0.0)
-    stretched = along - across
-    return across + stretched * x * x, stretched * x * y, across + stretched * y * y, both * x, both * y, normal
-
-
-def energy_change(law: XuNeedlemanLaw, gap: Reals, slip: Reals, closing: Reals, dragged: Reals) -> Reals:
-    """Change of the energy per area as the body closes gaps and is dragged along, without cancellation."""
-    if len(slip) == 1:
-        return law.energy_change(gap, slip[0], closing, dragged[0])
-    r, left = length(slip), slip - dragged
-    both = r + length(left)
-    shorter = np.divide((dragged * (slip + left)).sum(axis=0), both, out=np.zeros_like(both), where=both > 0.0)
-    return law.energy_change(gap, r, closing, shorter)
-
-
-def _direction(slip: Reals, r: Reals) -> Reals:
-    return np.divide(slip, r, out=np.zeros_like(slip), where=r > 0.0)
+    return law.tangential_traction(gap, r) * np.divide(slip, r, out=np.zeros_like(slip), where=r > 0.0)

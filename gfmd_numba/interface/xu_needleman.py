@@ -62,22 +62,30 @@ class XuNeedlemanLaw:
         g = np.maximum(gap, 0.0) / self.normal
         return np.asarray(2.0 * self.work * slip / self.tangential**2 * (1.0 + g) * self._decay(g, slip))
 
-    def stiffness(self, gap: Reals, slip: Reals) -> tuple[Reals, Reals, Reals]:
-        """Second derivatives of the energy by the tangential displacement, by both and by the normal one."""
+    def stiffness(self, gap: Reals, slip: Reals) -> tuple[Reals, ...]:
+        """Second derivatives of the energy by the displacements of the body, at a slip `[component, ...]`.
+
+        Those are xx, xy, yy, xz, yz and zz, or on profiles xx, xz and zz.
+        """
         g, overlap, s = np.maximum(gap, 0.0) / self.normal, np.minimum(gap, 0.0) / self.normal, slip / self.tangential
-        decay = self.work * self._decay(g, slip)
-        tangential = 2.0 * decay / self.tangential**2 * (1.0 + g) * (1.0 - 2.0 * s * s)
+        decay = self.work * np.exp(-g - (s**2).sum(axis=0))
+        drag = 2.0 * decay / self.tangential**2 * (1.0 + g)
+        pairs = [(i, j) for i in range(len(s)) for j in range(i + 1)]
         both = -2.0 * decay / (self.normal * self.tangential) * s * g
         repulsion = self.work * (1.0 - overlap) * np.exp(-overlap)
         normal = np.where(overlap < 0.0, repulsion, decay * (1.0 - g)) / self.normal**2
-        return np.asarray(tangential), np.asarray(both), np.asarray(normal)
+        return (*(drag * ((i == j) - 2.0 * s[i] * s[j]) for i, j in pairs), *both, normal)
 
     def energy_change(self, gap: Reals, slip: Reals, closing: Reals, dragged: Reals) -> Reals:
-        """Change of the energy per area as the body closes gaps and is dragged along, without cancellation."""
-        g, closer, along = gap / self.normal, closing / self.normal, dragged / self.tangential
-        along *= 2.0 * slip / self.tangential - along
+        """Change of the energy per area as the body closes gaps and is dragged along, without cancellation.
+
+        Slip and what is `dragged` are `[component, ...]`.
+        """
+        g, closer = gap / self.normal, closing / self.normal
+        s, along = slip / self.tangential, dragged / self.tangential
+        back = (along * (2.0 * s - along)).sum(axis=0)
         overlapping = np.where(g < 0.0, np.maximum(closer, g), np.maximum(closer - g, 0.0))  # what closes below zero
-        opens = _envelope_change(np.maximum(g, 0.0), (slip / self.tangential) ** 2, closer - overlapping, along)
+        opens = _envelope_change(np.maximum(g, 0.0), (s**2).sum(axis=0), closer - overlapping, back)
         overlaps = _envelope_change(np.minimum(g, 0.0), 0.0, overlapping, 0.0)
         return np.asarray(-self.work * (opens + overlaps))
 

@@ -15,6 +15,10 @@ from gfmd_numba.scene.quantities import LARGEST, SMALLEST
 from gfmd_numba.scene.units import COUNTS, METRES, PERIOD, length_unit, metres
 
 _CONFUSED = "the heights are evenly spaced: if the two columns are confused, exchange them or label them, as z, x"
+_REMEDIES = {  # of uneven positions, by the dimension
+    1: "`points: {}`, or twice as many with `periodic: mirror`, has them sorted and interpolated",
+    2: "interpolate the map to a regular grid",
+}
 _NAMES = {"x": "positions along x", "y": "positions along y", "z": "heights"}
 UNEVEN = 1e-3  # of the spacing, by which neighbours in a file may be nearer or further than others
 _ROUNDED = 1e-2  # of the spacing, by which positions may be off even ones, as numbers of few digits are
@@ -248,7 +252,6 @@ def laid_out(
         turned = f"turned round along {name}, as its positions descend"
         return np.flip(heights, axis), -spacing * len(x), (*done, turned)
     steps = np.diff(x)
-    of_map = heights.ndim == 2
     order = np.argsort(x, kind="stable")
     ascending = x[order]
     complete = _completed(ascending) if interpolate or (steps > 0.0).all() or (steps < 0.0).all() else None
@@ -258,7 +261,7 @@ def laid_out(
         np.moveaxis(whole, axis, 0)[places] = np.moveaxis(heights, axis, 0)[order]
         told = f"left {len(even) - len(x)} heights empty along {name}, where positions are missing"
         return whole, float((even[1] - even[0]) * len(even)), (told,)
-    if interpolate and not of_map:
+    if interpolate and heights.ndim == 1:
         steps = np.diff(ascending)
         if not (steps > 0.0).all():
             raise ValueError(f"the position {name} = {ascending[int((steps <= 0.0).argmax())]:g} twice")
@@ -268,10 +271,10 @@ def laid_out(
         apart = f"at most {steps.max() / mean:.4g} mean spacings apart"
         heights = _interpolated(ascending, heights[order])
         return heights, float(mean * len(x)), (f"interpolated linearly from uneven positions {name}, {apart}",)
-    raise _uneven(x, name, of_map)
+    raise _uneven(x, name, _REMEDIES[heights.ndim])
 
 
-def _uneven(x: Reals, name: str, of_map: bool) -> ValueError:
+def _uneven(x: Reals, name: str, remedy: str) -> ValueError:
     """Error of positions along an axis that are not equidistant: where, and what to do."""
     steps, mean = np.diff(x), (x[-1] - x[0]) / (len(x) - 1)
     if (steps > 0.0).all() or (steps < 0.0).all():
@@ -283,12 +286,7 @@ def _uneven(x: Reals, name: str, of_map: bool) -> ValueError:
         wrong = f"positions {name} that are in no order from index {turn} on"
     if len(np.unique(x)) < len(x):
         return ValueError(f"{wrong}, and some twice: keep one pass over the surface")
-    remedy = (
-        "interpolate the map to a regular grid"
-        if of_map
-        else f"`points: {len(x)}`, or twice as many with `periodic: mirror`, has them sorted and interpolated"
-    )
-    return ValueError(f"{wrong}; {remedy}")
+    return ValueError(f"{wrong}; {remedy.format(len(x))}")
 
 
 def _interpolated(x: Reals, heights: Reals) -> Reals:
@@ -301,9 +299,9 @@ def _interpolated(x: Reals, heights: Reals) -> Reals:
 
 
 def are_even(heights: Reals) -> bool:
-    """Whether the heights of a profile are evenly spaced, as positions are."""
+    """Whether heights are evenly spaced along x, as positions are."""
     steps = np.diff(heights)
-    return heights.ndim == 1 and bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
+    return bool((abs(steps - steps.mean()) < UNEVEN * abs(steps.mean())).all())
 
 
 def split_axes(values: Reals, line: int) -> tuple[Reals, dict[str, Reals]]:

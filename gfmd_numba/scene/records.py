@@ -34,6 +34,7 @@ from gfmd_numba.scene.units import LENGTH, PRESSURE, Quantity, in_reduced_units
 _PERIODIC = "true or false, or on maps x or y, for surfaces that repeat along that axis alone and end along the other"
 _TOLERANCE = "a number from 0 to 0.1, or exact"
 TIME_TOLERANCE = 1e-2
+_SLOPE_ORDER = {1: 2, 2: 0}  # to which topographies are followed at most, by the dimension, unless one is asked for
 _WIDER_THAN_A_WINDOW = 2  # periods of a random surface over the length of its window, so that its ends do not meet
 
 
@@ -412,7 +413,7 @@ class Numerics(BaseModel):
         layered = any(body.layers is not None for body in scene.deformable) or scene.form is not None
         further = scene.interface.couples or scene.interface.hardness is not None
         further |= scene.has_punch and scene.boundary is not None
-        return 0 if scene.dimension == 2 or layered or further or scene.creeps or any(scene.ends) else 2
+        return 0 if layered or further or scene.creeps or any(scene.ends) else _SLOPE_ORDER[scene.dimension]
 
 
 Surfaces = Mapping[tuple[str, ...], Surface]  # by their places in a scene

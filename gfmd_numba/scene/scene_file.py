@@ -102,7 +102,7 @@ def _check_grid(file: SceneFile, document: Document) -> None:
         for place, surface in scene.surfaces.items():
             anisotropy = getattr(surface, "anisotropy", None)
             checked = place == ("roughness",) or not scene.has_punch
-            if anisotropy is not None and scene.dimension == 2 and checked:
+            if anisotropy is not None and checked:
                 check_anisotropy_fits(document, anisotropy, ("scene", *place, "anisotropy"), file.discretisation)
     check_surfaces(document, scene, arrays)
     if file.points is not None:

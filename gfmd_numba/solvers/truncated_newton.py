@@ -83,7 +83,7 @@ class EnergyOfSlip:
         """Fill the curvature of the energy by each displacement alone."""
         pairs = [(a, b) for a in range(len(curvature)) for b in range(a + 1)]
         self._together = []
-        for (a, b), k in zip(pairs, vector_slip.stiffness(self._law, gap, slip), strict=True):
+        for (a, b), k in zip(pairs, self._law.stiffness(gap, slip), strict=True):
             if a == b:
                 curvature[a] = k
             else:
@@ -104,7 +104,7 @@ class EnergyOfSlip:
 
     def change(self, gap: Reals, slip: Reals, closing: Reals) -> float:
         """Change of the energy as all displacements change by `closing`."""
-        change = vector_slip.energy_change(self._law, gap, slip, closing[-1], closing[:-1])
+        change = self._law.energy_change(gap, slip, closing[-1], closing[:-1])
         return float(change.sum(dtype=np.float64))
 
     def longest(self, place: Place, direction: Reals) -> float:

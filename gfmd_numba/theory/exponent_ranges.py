@@ -26,6 +26,7 @@ _IN_EPS_C = {  # of profiles; what is not named has that of corrected contact le
     "mean_plastic_depth": _OF_HEIGHTS,
 }
 _CORRECTED = {1: (2.0, 3.0), 2: (1.0, 2.0)}  # by the dimension of the surfaces
+_AT_LEAST = {1: (inf, -inf), 2: _CORRECTED[2]}  # of any variable: only those of kappa were measured on maps
 _AREAS = (*AREAS_OVER_LOAD, *AT_ONE_LOAD, "kappa_r")
 _IN_EPS_T, _AS_OF_EDGES = {1: (1.0, 2.0), 2: (1.5, 3.0)}, {1: (0.5, 1.5), 2: (0.5, 3.0)}
 
@@ -63,8 +64,7 @@ def exponent_ranges(variable: str, dimension: int, hurst: float = nan) -> Mappin
     known.
     """
     low, high = _IN_EPS_C.get(variable, _CORRECTED[dimension])
-    if dimension == 2:  # where only those of kappa were measured
-        low, high = min(low, _CORRECTED[2][0]), max(high, _CORRECTED[2][1])
+    low, high = min(low, _AT_LEAST[dimension][0]), max(high, _AT_LEAST[dimension][1])
     if _IN_EPS_C.get(variable) == _OF_HEIGHTS:
         slowest = 0.1 if isnan(hurst) else round(max(0.1, 0.5 * hurst), 2)
     else:

@@ -110,7 +110,7 @@ def test_sites_of_a_square_lattice_percolate_near_their_threshold():
 
 def test_regions_on_a_torus_have_the_numbers_one_to_n():
     flags = np.random.default_rng(1).random((50, 50)) < 0.5
-    labels = regions(flags)
+    labels = regions(flags, (True, True))
     assert set(labels[flags]) == set(range(1, labels.max() + 1))
     assert not labels[~flags].any()
 

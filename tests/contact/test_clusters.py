@@ -1,5 +1,7 @@
 """Clusters of maps and the largest pressure against plain loops."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -34,6 +36,17 @@ def test_clusters_are_those_of_a_flood_around_the_period(density):
     rng = np.random.default_rng(int(100 * density))
     maps = rng.random((20, 24, 24)) * (rng.random((20, 24, 24)) < density)
     assert evaluation.n_segments(contact(maps)).tolist() == [flooded(each > 0) for each in maps]
+
+
+@pytest.mark.parametrize("ends", [False, True])
+def test_stretches_are_those_that_begin_on_a_profile_and_none_in_full_contact_of_a_period(ends):
+    rng = np.random.default_rng(3)
+    profiles = (rng.random((30, 20)) < np.linspace(0.0, 1.0, 30)[:, np.newaxis]).astype(float)
+    before = np.concatenate([np.zeros((30, 1)) if ends else profiles[:, -1:], profiles[:, :-1]], axis=1)
+    expected = [sum(now > last for now, last in zip(*both, strict=True)) for both in zip(profiles, before, strict=True)]
+    found = replace(contact(profiles), ends=(ends,))
+    assert evaluation.n_segments(found).tolist() == expected
+    assert (expected[0], expected[-1]) == (0, int(ends))
 
 
 @pytest.mark.parametrize("shape", [(3, 40), (3, 12, 12)])

@@ -95,7 +95,7 @@ def aliased(q):
 @pytest.mark.parametrize("power", [0, 2, -2])
 def test_the_excess_of_an_edge_is_linear_in_the_power_of_the_stiffness(power):
     """Winkler's foundation, K ~ q^0, has none; an incompressible film, K ~ q^-2, has twice that of q the other way."""
-    found = edge(lambda q: 0.5 * q**power, 1.0 / 512, 2)
+    found = edge(lambda q: 0.5 * q**power, 1.0 / 512)
     assert found.excess == pytest.approx(power * HALF_SPACE.excess, abs=1e-5)
     np.testing.assert_allclose(found.of_sides, power * np.array(HALF_SPACE.of_sides), atol=2e-3)
     assert found.second == pytest.approx(2.0 + power * (HALF_SPACE.second - 2.0), abs=2e-3)

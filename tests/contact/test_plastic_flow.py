@@ -87,7 +87,7 @@ def test_sublayers_fill_the_depth_and_are_fine_below_the_surface():
 
 def test_mixing_reaches_the_fixed_point_of_a_map_that_turns():
     rng = np.random.default_rng(1)
-    body = Sublayers((1, 4), np.array([0.1, 0.2]), 0.3)
+    body = Sublayers((4,), np.array([0.1, 0.2]), 0.3)
     start = PlasticState.untouched(body, (1, 4))
     turn, _ = np.linalg.qr(rng.normal(size=(24, 24)))
     weight = np.sqrt(np.broadcast_to(body.waves.thickness[:, np.newaxis], (3, 2, 4))).ravel()

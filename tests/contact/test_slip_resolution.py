@@ -33,7 +33,7 @@ def test_both_at_once_soften_little_more_than_either():
     gap, slip = np.meshgrid(np.linspace(0.0, 1.2, 301), np.linspace(0.0, 1.5, 301))
     for ratio in np.geomspace(0.5, 8.0, 25):
         law = XuNeedlemanLaw(0.3, 0.2, 0.2 * ratio)
-        tangential, both, normal = law.stiffness(gap, slip)
+        tangential, both, normal = law.stiffness(gap, slip[np.newaxis])
         least = (0.5 * (tangential + normal) - np.hypot(0.5 * (tangential - normal), both)).min()
         assert 0.87 < max(law.softening, law.slip_softening) / -least < 1.005
 

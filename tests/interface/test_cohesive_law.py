@@ -34,7 +34,7 @@ def test_cohesive_tractions_are_derivatives_of_the_energy():
 def test_cohesive_stiffness_is_the_derivative_of_the_tractions():
     gap, slip = np.meshgrid(np.linspace(-0.21, 1.0, 9), np.linspace(-0.8, 0.8, 9))  # no gap at 0, where it may jump
     law, h = COHESION, 1e-6
-    tangential, both, normal = law.stiffness(gap, slip)
+    tangential, both, normal = law.stiffness(gap, slip[np.newaxis])
     np.testing.assert_allclose(
         normal, -(law.normal_traction(gap - h, slip) - law.normal_traction(gap + h, slip)) / (2 * h), atol=1e-8
     )
@@ -62,7 +62,7 @@ def test_the_change_of_the_cohesive_energy_does_not_cancel(step):
             return float(mpf(0.3) * (energy(g - c, s - t) - energy(g, s)))
 
     expected = [exact(*each) for each in zip(gap, slip, closing, dragged, strict=True)]
-    found = COHESION.energy_change(gap, slip, closing, dragged)
+    found = COHESION.energy_change(gap, slip[np.newaxis], closing, dragged[np.newaxis])
     np.testing.assert_allclose(found, expected, rtol=1e-7, atol=1e-14 * step)
 
 
@@ -71,7 +71,9 @@ def test_the_energy_comes_back_from_where_its_exponential_is_less_than_any_numbe
     gap, slip = np.array([0.1, 0.0, -0.1, 200.0, 0.1]), np.array([16.0, 16.0, -16.0, 16.0, 0.1])
     closing, dragged = np.array([0.02, 0.0, 0.05, 199.9, -200.0]), np.array([15.9, 16.0, -15.8, 15.9, -16.0])
     expected = COHESION.energy(gap - closing, slip - dragged) - COHESION.energy(gap, slip)
-    np.testing.assert_allclose(COHESION.energy_change(gap, slip, closing, dragged), expected, rtol=1e-12)
+    np.testing.assert_allclose(
+        COHESION.energy_change(gap, slip[np.newaxis], closing, dragged[np.newaxis]), expected, rtol=1e-12
+    )
 
 
 def test_overlapping_surfaces_repel_whatever_they_slip_and_resist_slip_as_at_zero_gap():

@@ -36,7 +36,7 @@ def test_tractions_are_derivatives_of_the_energy_by_gap_and_both_slips():
 
 def test_second_derivatives_are_those_of_the_tractions():
     h, state = 1e-6, np.stack((GAP, X, Y))
-    xx, xy, yy, xz, yz, zz = vector_slip.stiffness(LAW, GAP, np.stack((X, Y)))
+    xx, xy, yy, xz, yz, zz = LAW.stiffness(GAP, np.stack((X, Y)))
     expected = [(zz, xz, yz), (xz, xx, xy), (yz, xy, yy)]
     for row, component in zip(expected, np.eye(3)[:, :, np.newaxis], strict=True):
         change = (tractions(*(state + h * component)) - tractions(*(state - h * component))) / (2.0 * h)
@@ -64,7 +64,7 @@ def test_the_change_of_the_energy_does_not_cancel(step):
 
             return float(mpf(0.3) * (of(g - c, x - a, y - b) - of(g, x, y)))
 
-    found = vector_slip.energy_change(LAW, gap, slip, closing, dragged)
+    found = LAW.energy_change(gap, slip, closing, dragged)
     np.testing.assert_allclose(found, [exact(i) for i in range(60)], rtol=1e-7, atol=1e-14 * step)
 
 

@@ -14,6 +14,7 @@ from gfmd_numba.analysis.plots.style import (
     COLOURS,
     Width,
     add_legend,
+    by_nodes,
     drawn,
     fill,
     last_step,
@@ -83,13 +84,16 @@ def _plot_section(dataset: xr.Dataset, title: str, width: Width | None) -> Figur
         unit_of_stress = mises_label.partition("(")[2].rstrip(")")
         length = x_label.partition("(")[2].rstrip(")")
         at = f"${dim}$ = {told(x[highest], length)}, $z$ = {told(z[deepest], length, 3)}"
-        other = "y" if dim == "x" else "x"
-        if other in dataset.coords:  # a section below a map
-            place = told(float(dataset[other]) * unit, length)
-            above.set_title(f"Section at ${other}$ = {place}")
+        above.set_title(_place_of_section(dataset, unit, length))
         close.set_title(f"Largest stress, {told(peak, unit_of_stress)} at {at}")
         close.set(xlabel=x_label, ylabel=z_label, aspect="equal")
     return figure
+
+
+def _place_of_section(dataset: xr.Dataset, factor: float, unit: str) -> str:
+    """Say where a section below a map is, in a unit; nothing of a profile."""
+    across = ({"x", "y"} & set(dataset.coords)) - set(dataset.dims)
+    return "".join(f"Section at ${axis}$ = {told(factor * float(dataset[axis]), unit)}" for axis in across)
 
 
 def _draw(figure: Figure, axis: Axes, x: Reals, z: Reals, values: Reals, most: float, label: str) -> None:
@@ -116,7 +120,7 @@ def _plot_planes(dataset: xr.Dataset, title: str, width: Width | None) -> Figure
             level = dataset.isel(z=i)
             values, label = scaled(level["von_mises"], "von Mises stress", "E^*")
             usual = float(np.quantile(values, _USUAL))
-            draw_image(axis, level, values, label, "max", cmap="cividis", vmin=0.0, vmax=usual)
+            draw_image(axis, level, values, label, "max", vmin=0.0, vmax=usual)
             row, column = np.unravel_index(int(np.argmax(values)), values.shape)
             (x, _), (y, _) = (scaled(level[dim], "", "") for dim in ("x", "y"))
             axis.plot(x[column], y[row], "+", color=COLOURS[1], ms=8, mew=1.5)
@@ -133,12 +137,9 @@ def plot_flow(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | None
     fields.
     """
     step, dataset = last_step(dataset)
-    if "y" in dataset.dims:
-        most = dataset["equivalent_plastic_strain"].max(["depth", "x"]).values
-        dataset = dataset.isel(y=int(most.argmax()))
-        (y, label) = scaled(dataset["y"], "", "L_x")
-        row = f"Section at $y$ = {told(float(y), label.strip(' ()'))}"
-        step = ". ".join(filter(None, (step, row)))
+    most = dataset["equivalent_plastic_strain"].max(["depth", "x"])
+    dataset = dataset.isel({dim: int(most.values.argmax()) for dim in most.dims})
+    step = ". ".join(filter(None, (step, _place_of_section(dataset, *prefix(dataset["x"], "L_x")))))
     x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
     depth, depth_label = scaled(dataset["depth"], "Depth", "L_x")
     edges = [0.0]  # of sublayers with these middles
@@ -173,7 +174,7 @@ _COMPONENTS = (("normal", "-", COLOURS[0]), ("tangential", "--", COLOURS[1]))
 @drawn
 def plot_loaded_body(dataset: Annotated[xr.Dataset, LOADED_BODY], width: Width | None = None) -> Figure:
     """Draw all displacements and tractions of the surface over x, or of a map, in the units of the dataset."""
-    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, width)
+    return by_nodes(dataset, _plot_profile, _plot_map)(dataset, width)
 
 
 def _plot_profile(dataset: xr.Dataset, width: Width | None) -> Figure:
@@ -211,5 +212,5 @@ def _plot_map(dataset: xr.Dataset, width: Width | None) -> Figure:
                 ends: dict[str, Any] = (
                     {"vmin": -largest, "vmax": largest} if factor * size <= _ZERO * largest and largest else {}
                 )
-                draw_image(axis, dataset, factor * values.values, label, cmap="cividis", **ends)
+                draw_image(axis, dataset, factor * values.values, label, **ends)
     return figure

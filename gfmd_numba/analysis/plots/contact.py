@@ -119,7 +119,7 @@ def plot_contact(dataset: Annotated[xr.Dataset, DRAWN_CONTACT], width: Width | N
     without these fields.
     """
     step, dataset = style.last_step(dataset)
-    return (_plot_map if "y" in dataset.dims else _plot_profile)(dataset, step, width)
+    return style.by_nodes(dataset, _plot_profile, _plot_map)(dataset, step, width)
 
 
 def _plot_profile(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
@@ -199,7 +199,7 @@ def _plot_map(dataset: xr.Dataset, step: str, width: Width | None) -> Figure:
         values, label = style.scaled(punch, f"Height of {of}", "L_x")
         flat = dataset["plastic_depth"].values > 0.0 if "plastic_depth" in dataset else np.zeros_like(touching)
         told = ", flattened within lines" if _is_in_patches(flat) else ""
-        draw_image(heights, dataset, values, label + told, cmap="cividis")
+        draw_image(heights, dataset, values, label + told)
         _outline(heights, dataset, flat, _FLATTENED)
         draw_pressure(pressure, dataset)
         _outline(pressure, dataset, touching)
@@ -277,4 +277,4 @@ def draw_cohesion(axes: list[Axes], dataset: xr.Dataset) -> None:
     factor, unit = style.prefix(both, "L_x")
     for axis, way, component in zip(axes[1:], "xy", both, strict=True):
         label = f"Tangential displacement along ${way}$ ({unit})"
-        draw_image(axis, dataset, factor * component.values, label, cmap="cividis")
+        draw_image(axis, dataset, factor * component.values, label)

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import AutoLocator, LogLocator, MaxNLocator, NullFormatter
 
 from gfmd_numba.analysis.forms import CONDUCTANCE, LEAKAGE
-from gfmd_numba.analysis.plots.style import COLOURS, Width, drawn, fill, last_step, scaled, sheet, usual
+from gfmd_numba.analysis.plots.style import COLOURS, Width, by_nodes, drawn, fill, last_step, scaled, sheet, usual
 from gfmd_numba.arrays import Reals
 
 _AS_IT_IS: dict[str, Any] = {"origin": "lower", "interpolation": "none"}
@@ -40,6 +40,7 @@ def draw_image(
 
     Without limits or a norm, outliers have the colours of the ends, which then are arrows.
     """
+    look = {"cmap": "cividis"} | look
     if not look.keys() & {"norm", "vmin", "vmax"}:
         look["vmin"], look["vmax"] = ends = usual(values)
         beyond = bool((values < ends[0]).any()), bool((values > ends[1]).any())
@@ -155,11 +156,13 @@ def _draw_current(axis: Axes, dataset: xr.Dataset, current: Reals, label: str) -
 
 
 Draw = Callable[[Axes, xr.Dataset, Reals, str], None]
+Look = tuple[tuple[float, float], dict[str, Any], Draw]
 
 
-def _look(dataset: xr.Dataset, across: float, draw: Draw) -> tuple[tuple[float, float], dict[str, Any], Draw]:
+def _look(dataset: xr.Dataset, across: float, draw: Draw) -> Look:
     """Inches of a panel, what the sheet is told, and what draws: `draw` of maps."""
-    return (panel_of(dataset, across), OF_MAPS, draw) if "y" in dataset.dims else ((9.0, 3.6), {}, _draw_profile)
+    of_profiles: Look = (9.0, 3.6), {}, _draw_profile
+    return by_nodes(dataset, lambda: of_profiles, lambda: (panel_of(dataset, across), OF_MAPS, draw))()
 
 
 def _draw_profile(axis: Axes, dataset: xr.Dataset, values: Reals, label: str) -> None:

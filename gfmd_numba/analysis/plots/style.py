@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache, wraps
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar
 
 import matplotlib as mpl
 import numpy as np
@@ -33,6 +33,7 @@ _FENCE = 3.5  # of the distance of the quartiles: three of them beyond either qu
 _KAPPA = r"$\kappa = a_r\,E^*\bar{g}\,/\,\bar{p}$"
 _SYMBOLS = {"kappa": r"$\kappa$", "kappa_counted": r"$\kappa$ of counted nodes", "kappa_r": r"$\kappa_r$"}
 
+T = TypeVar("T")
 Width = Annotated[Literal["single", "double"], Kind(Literal["single", "double"], "'single' or 'double'")]
 _INCHES = {"single": 3.4, "double": 7.0}  # columns of journals
 _POINTS, _POINTS_OF_COLUMNS = 11.0, 8.0
@@ -334,6 +335,11 @@ def usual(values: Reals) -> tuple[float, float]:
     low, high = np.quantile(known, (0.25, 0.75))
     inside = known[abs(known - 0.5 * (low + high)) <= _FENCE * (high - low)]
     return (float(inside.min()), float(inside.max())) if inside.size else (float(known.min()), float(known.max()))
+
+
+def by_nodes(dataset: xr.Dataset, of_profiles: Callable[..., T], of_maps: Callable[..., T]) -> Callable[..., T]:
+    """Return what draws a dataset over x, or over x and y: all figures that differ by that ask here."""
+    return of_maps if "y" in dataset.dims else of_profiles
 
 
 def fill(axis: Axes, x: Reals, values: Reals, **named: Any) -> None:

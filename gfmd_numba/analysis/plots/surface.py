@@ -9,22 +9,19 @@ from matplotlib.figure import Figure
 from scipy.special import gammaincinv
 
 from gfmd_numba.analysis.forms import SURFACE
+from gfmd_numba.analysis.plots import style
 from gfmd_numba.analysis.plots.map_image import draw_image
-from gfmd_numba.analysis.plots.style import COLOURS, Width, add_legend, drawn, edges, log_ticks, prefix, scaled, sheet
+from gfmd_numba.analysis.plots.style import COLOURS, Width, drawn, scaled
+from gfmd_numba.arrays import Reals
 
 
 @drawn
 def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = None) -> Figure:
     """Draw a surface of `gfmd surface` in four panels, each with the curve of theory where the dataset has one."""
-    with sheet(4, 2, (5.0, 3.6), width) as (figure, axes):
+    with style.sheet(4, 2, (5.0, 3.6), width) as (figure, axes):
         heights, spectrum, correlation, distribution = axes
-        x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
-        h, h_label = scaled(dataset["height"], "Height $h$", "L_x")
-        if h.ndim == 1:
-            heights.plot(x, h, color="0.25", lw=0.8)
-            heights.set(xlabel=x_label, ylabel=h_label, xlim=(x[0], x[-1]))
-        else:
-            draw_image(heights, dataset, h, h_label, cmap="cividis")
+        h = scaled(dataset["height"], "Height $h$", "L_x")
+        style.by_nodes(dataset, _draw_line, draw_image)(heights, dataset, *h)
         _draw_spectrum(spectrum, dataset)
         distance, label = scaled(dataset["distance"], r"Distance $\rho$", "L_x")
         correlation.axhline(0.0, color="0.8", lw=0.8)
@@ -33,15 +30,21 @@ def plot_surface(dataset: Annotated[xr.Dataset, SURFACE], width: Width | None = 
             correlation.plot(distance, dataset["autocorrelation_theory"], "--", color=COLOURS[1])
         correlation.set(xlabel=label, ylabel=r"Autocorrelation $R(\rho)$", xlim=(0.0, distance[-1]))
         level = dataset["level"].values
-        distribution.stairs(dataset["height_density"], edges(level), color=COLOURS[0], fill=True, alpha=0.35)
+        distribution.stairs(dataset["height_density"], style.edges(level), color=COLOURS[0], fill=True, alpha=0.35)
         distribution.plot(level, dataset["height_density_gaussian"], "--", color=COLOURS[1])
         distribution.set(xlabel="Height $h/w$", ylabel="Density $p(h)\\,w$", xlim=(-4.5, 4.5))
-        add_legend(figure, spectrum.get_legend_handles_labels()[0], 3)
+        style.add_legend(figure, spectrum.get_legend_handles_labels()[0], 3)
     return figure
 
 
+def _draw_line(axis: Axes, dataset: xr.Dataset, heights: Reals, label: str) -> None:
+    x, x_label = scaled(dataset["x"], "Position $x$", "L_x")
+    axis.plot(x, heights, color="0.25", lw=0.8)
+    axis.set(xlabel=x_label, ylabel=label, xlim=(x[0], x[-1]))
+
+
 def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
-    per_length, unit = prefix(dataset["x"], "L_x")
+    per_length, unit = style.prefix(dataset["x"], "L_x")
     q, density = dataset["wavenumber"].values / per_length, dataset["spectral_density"].values
     inside = density > 1e-14 * density.max()
     # the mean power of n independent waves is distributed as chi^2 with 2 n degrees of freedom
@@ -59,4 +62,4 @@ def _draw_spectrum(axis: Axes, dataset: xr.Dataset) -> None:
     density_label = f" (m$^{{{density_unit[1:]}}}$)" if density_unit != "1" else ""
     axis.set(xscale="log", yscale="log", xlabel=f"Wave number $q$ (1/{unit})", ylabel="$C(q)$" + density_label)
     for each in (axis.xaxis, axis.yaxis):
-        log_ticks(each)
+        style.log_ticks(each)

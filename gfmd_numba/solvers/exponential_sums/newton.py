@@ -365,9 +365,9 @@ class _Level:
     def filter(self, spectrum: Any, n: int) -> None:
         """Take the waves that this grid holds from the spectrum of a wall on n nodes."""
         field = self.field
-        np.multiply(spectrum[: field.half], 1.0 / n, out=field.waves[0])
+        np.multiply(spectrum[: field.half], 1.0 / n, out=field.waves[0, : field.half])
         if self.n % 2 == 0:  # a pair of waves on the finer grid
-            field.waves[0][-1] *= 2.0
+            field.waves[0, field.half - 1] *= 2.0
         field.write(self.wall)
         self.flatten(spectrum, n)
 
@@ -376,10 +376,9 @@ class _Level:
         if self.coarser is None:
             return
         field, known = self.field, self.coarser.field.half
-        field.waves[0][:known] = 0.0
-        np.multiply(
-            spectrum[known : field.half], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.waves[0][known:]
-        )
+        field.waves[0, :known] = 0.0
+        waves = slice(known, field.half)
+        np.multiply(spectrum[waves], self.model.stiffness[known:] * (0.5 * self.n / n), out=field.waves[0, waves])
         field.write(self.fine)
 
     def solve(

@@ -62,7 +62,7 @@ def test_two_half_spaces_give_way_as_one_of_their_reduced_modulus_and_each_by_it
 @pytest.mark.filterwarnings("ignore:a deformable surface has an rms gradient")
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge of the window")
 @pytest.mark.filterwarnings("ignore:.*a tilt makes up")
-@pytest.mark.parametrize("dimension", [1, 2])
+@pytest.mark.parametrize("dimension", [1, pytest.param(2, marks=pytest.mark.long)])
 def test_two_rough_bodies_are_the_sum_of_their_heights(dimension):
     """Whoever has them, a punch or either body; what the slopes add is told to be of their size."""
     lower, upper = 0.01 * rough(32, dimension), 0.02 * rough(32, dimension, seed=2)

@@ -20,6 +20,7 @@ from gfmd_numba.fourier import grid
 from gfmd_numba.solvers.equilibrium import equilibrate
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.theory import closed_forms
+from support.cases import some_of
 
 NUMERICS = Options("conjugate_gradients", residual=1e-10)
 
@@ -169,7 +170,7 @@ def test_edges_of_contacts_of_few_nodes_on_thin_slabs_are_doubted():
     assert "thin against these" not in solved(200, 0.5, 0.05).attrs["validity"]
 
 
-@pytest.mark.parametrize("longer", [1.0, 3.0, 19.0])
+@pytest.mark.parametrize("longer", some_of([1.0, 3.0, 19.0], 0, 2))
 def test_perimeter_bias_is_the_mean_over_the_edges_of_stretched_contacts(longer):
     """Each edge by the integral of its own direction, its length by that of an ellipse."""
     q = (np.arange(100_000) + 0.5) * 0.01

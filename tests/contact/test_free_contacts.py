@@ -24,6 +24,7 @@ from gfmd_numba.solvers.status import Status
 from gfmd_numba.solvers.table import Options
 from gfmd_numba.solvers.tiles import newton
 from support.adhesive_sphere import pull_off
+from support.cases import some_of
 from support.cells import rubbed
 from support.rough_windows import rough
 
@@ -260,7 +261,7 @@ def test_a_hardness_bounds_the_pressure_and_leaves_a_dent():
 
 @pytest.mark.parametrize(
     ("tabor", "work", "around", "points", "error"),
-    [(0.1, 3e-5, -0.28, 64, 2e-3), (0.5, 1e-3, -0.39, 48, 4e-3)],
+    [pytest.param(0.1, 3e-5, -0.28, 64, 2e-3, marks=pytest.mark.long), (0.5, 1e-3, -0.39, 48, 4e-3)],
 )
 def test_an_adhesive_sphere_is_pulled_off_as_rings_of_pressure_have_it(tabor, work, around, points, error):
     """A rigid paraboloid of radius 1, of which no grid and no transform knows (`support/adhesive_sphere.py`).
@@ -413,6 +414,7 @@ CAMPAIGN = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:the contact reaches the edge")
 def test_a_campaign_takes_the_means_of_patches(tmp_path):
     with pytest.warns(UserWarning, match="^in 1 of 2 cases: the contact reaches the edge of the window"):
@@ -434,6 +436,7 @@ def test_a_window_has_no_thermodynamic_limit(key):
         gfmd_numba.run(without | key, "nowhere")
 
 
+@pytest.mark.long
 def test_the_radius_of_a_rough_roller_has_a_limit_with_an_error(tmp_path):
     """In eps_c, each level on the same surfaces; a variable that needs a form or a window is refused without."""
     limits = {"limits": {"eps_c": [1 / 2, 1 / 8]}, "fit": {"variable": "contact_radius", "fixed": {"eps_c": [1, 3]}}}
@@ -455,7 +458,9 @@ def test_the_radius_of_a_rough_roller_has_a_limit_with_an_error(tmp_path):
 LAYERS = ElasticBody.layered((0.02, 0.08), (Material(1.0, 0.3), Material(0.3, 0.4)), None)
 
 
-@pytest.mark.parametrize("body", [ElasticBody(0.3, 0.1), ElasticBody(0.45, 0.25), ElasticBody(0.2, 1.0), LAYERS])
+@pytest.mark.parametrize(
+    "body", some_of([ElasticBody(0.3, 0.1), ElasticBody(0.45, 0.25), ElasticBody(0.2, 1.0), LAYERS], 1, 3)
+)
 @pytest.mark.parametrize("dimension", [1, 2])
 def test_a_slab_is_pressed_as_in_a_period_that_is_long_beside_its_height(body, dimension):
     n, pressure = (64 if dimension == 1 else 16), 0.05

@@ -52,6 +52,7 @@ def test_order_0_is_doubted_in_thin_films_and_off_by_as_much_as_it_says(tmp_path
     assert float(doubted.peak_pressure / right.peak_pressure) - 1 == pytest.approx(0.02, rel=0.1)
 
 
+@pytest.mark.long
 @pytest.mark.filterwarnings("ignore:strains are no longer small", "ignore:the heights step", "ignore:too_steep")
 def test_vertical_walls_are_too_steep_for_every_order_in_the_slope(tmp_path):
     """The rectangle of thesis (5.17), whose slope has no bound: each order would add as much as the last one."""

@@ -34,8 +34,8 @@ def press(punch, body, load, law, hard_wall=True, start=None, sliding=(0.0, 0.0)
     [
         (ElasticBody(0.3, None), 0.1, True, "truncated_newton", "x"),
         (ElasticBody(0.2, 0.3), 0.1, False, "truncated_newton", "y"),
-        (ElasticBody(0.2, 0.3), None, True, "verlet", "x"),
-        (ElasticBody(0.5, 0.3), None, False, "truncated_newton", "x"),
+        pytest.param(ElasticBody(0.2, 0.3), None, True, "verlet", "x", marks=pytest.mark.long),
+        pytest.param(ElasticBody(0.5, 0.3), None, False, "truncated_newton", "x", marks=pytest.mark.long),
         (LAYERS, None, True, "truncated_newton", "y"),
         (LAYERS, 0.1, False, "verlet", "y"),
     ],
@@ -184,6 +184,7 @@ def test_damped_dynamics_without_a_wall_goes_on_from_an_overlap():
     press(punch, body, 0.021, law, False, following(first, punch, drag), drag, "verlet")
 
 
+@pytest.mark.long
 def test_a_map_at_rest_begins_on_coarser_grids():
     """And ends in the same equilibrium for two thirds of the transforms; a start of its own takes no coarser grid."""
     heights = self_affine.SelfAffineWaves(0.8, 2, 8).heights((128, 128), 4, range(1))
